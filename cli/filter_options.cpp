@@ -1,0 +1,70 @@
+#include "cli/filter_options.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_split.h"
+
+namespace irsig {
+namespace {
+
+absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text) {
+  const std::vector<std::string> numbers = absl::StrSplit(text, ',');
+  SignatureFilter::Direction out{};
+  if (numbers.size() != 2 || !absl::SimpleAtod(numbers[0], &out.aspect_azimuth_deg) ||
+      !absl::SimpleAtod(numbers[1], &out.aspect_elevation_deg)) {
+    return absl::InvalidArgumentError(
+        fmt::format("--aspect {}: expected AZ,EL in degrees, e.g. 45,10", text));
+  }
+  return out;
+}
+
+}  // namespace
+
+FilterOptions::FilterOptions(CLI::App& command) {
+  command.add_option("DB", database_, "Signature database (.sigdb)")->required();
+  constexpr const char* kGroup = "Choose signatures (all that match every option given)";
+  const auto add = [&](const char* name, auto& value, const char* what) {
+    return command.add_option(name, value, what)->group(kGroup);
+  };
+  add("--sweep", query_.sweep, "Name of the sweep")->type_name("NAME");
+  add("--season", query_.season, "Name of the season")->type_name("NAME");
+  add("--time", query_.time, "Time, RFC 3339 with any offset: 2025-12-21T10:30:00+09:00")
+      ->type_name("TIME");
+  add("--band", query_.band, "Name of the band")->type_name("NAME");
+  row_option_ = add("--row", row_, "The one signature with this row number")->type_name("K");
+  aspect_option_ = add("--aspect", aspect_,
+                       "Direction from the target to the sensor: azimuth clockwise from the bow, "
+                       "elevation above "
+                       "the horizontal [deg]; with one of the next three")
+                       ->type_name("AZ,EL");
+  nearest_option_ = add("--nearest", query_.nearest, "  the N viewpoints nearest to the aspect")
+                        ->type_name("N")
+                        ->check(CLI::PositiveNumber);
+  within_option_ = add("--within", within_deg_, "  the viewpoints within DEG degrees of the aspect")
+                       ->type_name("DEG");
+  command
+      .add_flag("--interpolate", query_.interpolate,
+                "  interpolated between the viewpoints; the error includes the interpolation's")
+      ->group(kGroup);
+  error_option_ = add("--max-relative-error", max_relative_error_,
+                      "Only where numerical error / intensity is at most X")
+                      ->type_name("X");
+}
+
+absl::StatusOr<Query> FilterOptions::query() const {
+  Query out = query_;
+  if (*aspect_option_) {
+    auto aspect = parse_aspect(aspect_);
+    if (!aspect.ok()) return aspect.status();
+    out.aspect = *aspect;
+  }
+  if (*within_option_) out.within_deg = within_deg_;
+  if (*row_option_) out.row = row_;
+  if (*error_option_) out.max_relative_error = max_relative_error_;
+  return out;
+}
+
+}  // namespace irsig

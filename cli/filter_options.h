@@ -1,0 +1,31 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// The options by which query, export and plot choose signatures: the same names and meaning
+// everywhere.
+class FilterOptions {
+ public:
+  // Adds DB and the options to a subcommand; the object must outlive the parse.
+  explicit FilterOptions(CLI::App& command);
+
+  [[nodiscard]] const std::string& database() const { return database_; }
+  [[nodiscard]] absl::StatusOr<Query> query() const;
+
+ private:
+  std::string database_;
+  Query query_;
+  std::string aspect_;
+  double within_deg_ = 0, max_relative_error_ = 0;
+  std::uint64_t row_ = 0;
+  CLI::Option *aspect_option_, *nearest_option_, *within_option_, *row_option_, *error_option_;
+};
+
+}  // namespace irsig

@@ -1,0 +1,81 @@
+#include "cli/load_sweep.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+
+namespace irsig {
+namespace {
+
+absl::StatusOr<std::string> read_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    return absl::InvalidArgumentError("is a folder, expected a file");
+  }
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return absl::InvalidArgumentError(std::strerror(errno));
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) return absl::InvalidArgumentError("cannot be read");
+  return bytes;
+}
+
+// The runner names keys ("part[2].name: no group ..."); the file knows where they stand.
+absl::Status locate(const SweepFile& file, const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  std::string located;
+  for (const auto line : absl::StrSplit(std::string(status.message()), '\n', absl::SkipEmpty())) {
+    const std::string text(line);
+    const std::string path = text.substr(0, text.find(':'));
+    const bool is_path = path.find(' ') == std::string::npos && path.size() < text.size();
+    absl::StrAppend(&located, located.empty() ? "" : "\n",
+                    file.location(is_path ? std::string_view(path) : std::string_view()), ": ",
+                    text);
+  }
+  return absl::InvalidArgumentError(located);
+}
+
+}  // namespace
+
+absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
+  const auto text = read_file(path);
+  if (!text.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));
+  }
+  auto file = parse_sweep(*text, path);
+  if (!file.ok()) return file.status();
+  LoadedSweep loaded;
+  loaded.file = *std::move(file);
+  auto* accuracy = loaded.file.sweep.mutable_accuracy();
+  if (asked.relative_error || asked.time_budget_s) {
+    accuracy->clear_relative_error();
+    accuracy->clear_target_paths();
+    accuracy->clear_samples_per_replicate();
+    accuracy->clear_time_budget_s();
+    if (asked.relative_error) accuracy->set_relative_error(*asked.relative_error);
+    if (asked.time_budget_s) accuracy->set_time_budget_s(*asked.time_budget_s);
+  }
+  if (loaded.file.sweep.model().has_file()) {
+    const std::filesystem::path model = loaded.file.sweep.model().file();
+    auto bytes = read_file(std::filesystem::path(path).parent_path() / model);
+    if (!bytes.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
+                                                     ": model.file \"", model.string(),
+                                                     "\": ", bytes.status().message()));
+    }
+    loaded.model_bytes = *std::move(bytes);
+  }
+  auto resolved = resolve_sweep(loaded.file, loaded.model_bytes);
+  if (!resolved.ok()) return resolved.status();
+  loaded.resolved = *std::move(resolved);
+  const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
+  if (!runner.ok()) return locate(loaded.file, runner.status());
+  return loaded;
+}
+
+}  // namespace irsig

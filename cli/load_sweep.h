@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "jobs/sweep_file.h"
+#include "worker/job_runner.h"
+
+namespace irsig {
+
+// What the command line says instead of the sweep file's [accuracy]; at most one.
+struct AccuracyAsked {
+  std::optional<double> relative_error, time_budget_s;
+};
+
+// A sweep that can be computed: its file is right, and its scene could be built.
+struct LoadedSweep {
+  SweepFile file;
+  schema::ResolvedSweep resolved;
+  std::string model_bytes;
+};
+
+// Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as
+// file:line:column: ..., those of the model and of the scene included.
+[[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,
+                                                     const AccuracyAsked& asked);
+
+}  // namespace irsig

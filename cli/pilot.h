@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "cli/load_sweep.h"
+
+namespace irsig {
+
+// Whether the sweep asks for a time budget that a pilot has yet to turn into a number of samples.
+[[nodiscard]] bool has_time_budget(const schema::ResolvedSweep& sweep);
+
+// Computes three viewpoints here, with few samples, and writes the samples per replicate that fill
+// the budget on so many workers into the resolved sweep, in place of the budget.
+[[nodiscard]] absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers);
+
+// Whether `stored` is what spend_time_budget once made of `asked`: equal but for the samples. A
+// resumed sweep keeps the samples it was begun with, whatever a new pilot would measure.
+[[nodiscard]] bool is_same_but_for_samples(const schema::ResolvedSweep& stored,
+                                           const schema::ResolvedSweep& asked);
+
+}  // namespace irsig

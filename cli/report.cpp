@@ -1,0 +1,22 @@
+#include <cstdio>
+#include <string>
+
+#include "cli/commands.h"
+
+namespace irsig {
+
+int report(const absl::Status& status) {
+  if (status.ok()) return 0;
+  std::fflush(stdout);
+  std::fprintf(stderr, "irsig: %s\n", std::string(status.message()).c_str());
+  switch (status.code()) {
+    case absl::StatusCode::kInvalidArgument:
+    case absl::StatusCode::kNotFound:
+    case absl::StatusCode::kOutOfRange:
+      return 2;
+    default:
+      return 1;
+  }
+}
+
+}  // namespace irsig

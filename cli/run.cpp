@@ -1,0 +1,261 @@
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "cli/commands.h"
+#include "cli/load_sweep.h"
+#include "cli/pilot.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/client/local_farm.h"
+#include "coordinator/client/progress_text.h"
+#include "fmt/format.h"
+#include "jobs/expand.h"
+
+namespace irsig {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+std::atomic<bool> interrupted = false;
+
+struct RunAsked {
+  std::string sweep_path, db_path;
+  std::uint32_t workers = 0;
+  AccuracyAsked accuracy;
+  bool resume = false;
+};
+
+// Cores that this process may use, which a container or a batch system may have restricted.
+std::uint32_t usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof(cores), &cores) != 0) return 1;
+  return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&cores)));
+}
+
+std::uint64_t settled(const schema::SweepStatus& sweep) {
+  return sweep.done() + sweep.quarantined() + sweep.cancelled();
+}
+
+// Removes the database again unless it held something before or a sweep was accepted.
+class NewDatabase {
+ public:
+  explicit NewDatabase(std::string path)
+      : path_(std::move(path)), keep_(std::filesystem::exists(path_)) {}
+  ~NewDatabase() {
+    if (keep_) return;
+    std::error_code ignored;
+    for (const char* ending : {"", "-wal", "-shm", "-journal", "-lock"}) {
+      std::filesystem::remove(path_ + ending, ignored);
+    }
+  }
+  [[nodiscard]] bool existed() const { return keep_; }
+  void keep() { keep_ = true; }
+
+ private:
+  std::string path_;
+  bool keep_;
+};
+
+// One line that is written over on a terminal, a line every few seconds elsewhere.
+class ProgressLine {
+ public:
+  void show(const std::string& text) {
+    if (terminal_) {
+      fmt::print(stderr, "\r{}\x1b[K", text);
+    } else if (!shown_ || Steady::now() - at_ >= std::chrono::seconds(5)) {
+      fmt::print(stderr, "{}\n", text);
+      at_ = Steady::now();
+    }
+    shown_ = true;
+  }
+  ~ProgressLine() {
+    if (terminal_ && shown_) fmt::print(stderr, "\n");
+  }
+
+ private:
+  bool terminal_ = isatty(STDERR_FILENO) == 1;
+  bool shown_ = false;
+  Steady::time_point at_;
+};
+
+// What an existing database means for this sweep: OK to go on, or what the user has to decide. A
+// sweep that a time budget once became is taken over with its samples.
+absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& asked,
+                                         LoadedSweep& loaded) {
+  const auto known = farm_status(farm.address());
+  if (!known.ok()) return known.status();
+  for (const auto& sweep : known->sweep()) {
+    const bool same_name = sweep.name() == loaded.resolved.sweep().name();
+    if (same_name && has_time_budget(loaded.resolved)) {
+      auto stored = stored_sweep(farm.address(), sweep.sweep_sha256());
+      if (!stored.ok()) return stored.status();
+      if (is_same_but_for_samples(*stored, loaded.resolved)) loaded.resolved = *std::move(stored);
+    }
+    const bool same =
+        same_name && sweep.sweep_sha256() == sha256_hex(canonical_encoding(loaded.resolved));
+    if (same && sweep.done() == sweep.jobs()) return true;
+    const bool open = settled(sweep) < sweep.jobs() || (same && sweep.done() < sweep.jobs());
+    if (open && (same || !same_name) && !asked.resume) {
+      return absl::InvalidArgumentError(fmt::format(
+          "{} holds the sweep \"{}\" with {} of {} jobs done: add --resume to go on with it",
+          asked.db_path, sweep.name(), sweep.done(), sweep.jobs()));
+    }
+  }
+  return false;
+}
+
+absl::StatusOr<std::unique_ptr<LocalFarm>> start_farm(const RunAsked& asked) {
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  std::signal(SIGTERM, [](int) { interrupted = true; });
+  std::signal(SIGPIPE, SIG_IGN);
+  return LocalFarm::start({.db_path = asked.db_path,
+                           .workers = asked.workers,
+                           .coordinator_executable = beside_this_executable("irsig-coordinator"),
+                           .worker_executable = beside_this_executable("irsig-worker"),
+                           .worker_arguments = {}});
+}
+
+absl::Status stopped(const RunAsked& asked, const std::string& why) {
+  return absl::AbortedError(
+      fmt::format("{}; what is done is in {}: run the same command with --resume to go on", why,
+                  asked.db_path));
+}
+
+// Watches until every job is settled; the last status.
+absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked,
+                                          const std::string& sweep_sha256) {
+  ProgressLine line;
+  ProgressView view;
+  view.workers = asked.workers;
+  const auto start = Steady::now();
+  bool first = true;
+  std::uint64_t jobs_settled = 0;
+  auto pause = std::chrono::milliseconds(20);
+  while (true) {
+    if (interrupted) {
+      (void)farm.stop();
+      return stopped(asked, "interrupted");
+    }
+    const auto status = farm_status(farm.address(), 5);
+    bool open = true;
+    if (status.ok()) {
+      open = false;
+      jobs_settled = 0;
+      for (const auto& sweep : status->sweep()) {
+        jobs_settled += settled(sweep);
+        open = open || settled(sweep) < sweep.jobs();
+        if (sweep.sweep_sha256() != sweep_sha256) continue;
+        if (first) {
+          view.done_before = sweep.done();
+          view.rays_before = sweep.rays();
+          first = false;
+        }
+        view.elapsed_s = std::chrono::duration<double>(Steady::now() - start).count();
+        line.show(progress_text(sweep, view));
+      }
+    }
+    if (!open) return *status;
+    if (auto alive = farm.keep_alive(jobs_settled); !alive.ok()) {
+      return stopped(asked, std::string(alive.message()));
+    }
+    // Small sweeps end within a second: look often at first.
+    std::this_thread::sleep_for(pause);
+    pause = std::min(std::chrono::milliseconds(500), pause * 5 / 4);
+  }
+}
+
+absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
+  absl::Status failed;
+  for (const auto& sweep : status.sweep()) {
+    fmt::print("{}: {} of {} jobs done, {}, worst error {:.2g} %, {:.1f} s -> {}\n", sweep.name(),
+               sweep.done(), sweep.jobs(), count_text(static_cast<double>(sweep.rays()), "rays"),
+               100 * sweep.worst_relative_error(), seconds, asked.db_path);
+    if (sweep.done() == sweep.jobs()) continue;
+    std::string text = fmt::format("{}: {} jobs failed, {} were cancelled", sweep.name(),
+                                   sweep.quarantined(), sweep.cancelled());
+    for (const auto& failure : sweep.failure()) text += "\n  " + failure;
+    failed = absl::AbortedError(text);
+  }
+  return failed;
+}
+
+absl::Status run_sweep(RunAsked asked) {
+  const auto start = Steady::now();
+  auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
+  if (!loaded.ok()) return loaded.status();
+  if (asked.workers == 0) asked.workers = usable_cores();
+  NewDatabase database(asked.db_path);
+  if (asked.resume && !database.existed()) {
+    return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
+  }
+  std::unique_ptr<LocalFarm> farm;  // declared after `database`: its coordinator ends first
+  if (database.existed()) {
+    auto started = start_farm(asked);
+    if (!started.ok()) return started.status();
+    farm = *std::move(started);
+    const auto complete = is_complete_already(*farm, asked, *loaded);
+    if (!complete.ok()) return complete.status();
+    if (*complete) {
+      fmt::print("{}: complete already, nothing to compute -> {}\n",
+                 loaded->resolved.sweep().name(), asked.db_path);
+      return farm->stop();
+    }
+  }
+  if (has_time_budget(loaded->resolved)) {
+    if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
+  }
+  if (!farm) {
+    auto started = start_farm(asked);
+    if (!started.ok()) return started.status();
+    farm = *std::move(started);
+  }
+  const auto reply = submit(farm->address(), loaded->resolved, loaded->model_bytes,
+                            static_cast<std::uint32_t>(physics_version()));
+  if (!reply.ok()) return reply.status();
+  database.keep();
+  if (reply->jobs_to_compute() < reply->jobs()) {
+    fmt::print(stderr, "irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(),
+               reply->jobs());
+  }
+  if (auto status = farm->start_workers(); !status.ok()) return status;
+  const auto status = watch(*farm, asked, reply->sweep_sha256());
+  if (!status.ok()) return status.status();
+  if (auto ended = farm->stop(); !ended.ok()) return ended;
+  return summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("run", "compute a sweep on this machine into a database");
+  auto asked = std::make_shared<RunAsked>();
+  command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
+  command->add_option("--db", asked->db_path, "the database; made if it does not exist")
+      ->required();
+  command->add_option("--workers", asked->workers, "worker processes (default: one for each core)")
+      ->check(CLI::Range(1, 4096));
+  auto* error =
+      command
+          ->add_option("--relative-error", asked->accuracy.relative_error,
+                       "wanted of every in-band intensity, instead of the sweep file's [accuracy]")
+          ->check(CLI::Range(1e-6, 1.0));
+  command
+      ->add_option("--time-budget-s", asked->accuracy.time_budget_s,
+                   "wall time to spend, instead of the sweep file's [accuracy]")
+      ->check(CLI::Range(0.1, 1e9))
+      ->excludes(error);
+  command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");
+  command->callback([=, &exit_code] { exit_code = report(run_sweep(*asked)); });
+  command->footer(
+      "Ctrl-C stops it with exit code 1; the database stays consistent, and --resume goes on.");
+}
+
+}  // namespace irsig

@@ -1,0 +1,45 @@
+#include <cstdio>
+
+#include "cli/commands.h"
+#include "cli/load_sweep.h"
+#include "cli/pilot.h"
+#include "coordinator/client/farm_client.h"
+#include "fmt/format.h"
+
+namespace irsig {
+namespace {
+
+absl::Status submit_sweep(const std::string& sweep_path, const std::string& coordinator) {
+  const auto address = parse_address(coordinator);
+  if (!address.ok()) return address.status();
+  // Nobody there is said before minutes are spent on a large model.
+  if (const auto there = farm_status(*address); !there.ok()) return there.status();
+  auto loaded = load_sweep(sweep_path, {});
+  if (!loaded.ok()) return loaded.status();
+  if (has_time_budget(loaded->resolved)) {
+    return absl::InvalidArgumentError(
+        fmt::format("{}: a time budget is for `irsig run`, which knows how many workers of which "
+                    "speed there are; "
+                    "give relative_error or samples_per_replicate instead",
+                    loaded->file.location("accuracy.time_budget_s")));
+  }
+  const auto reply = submit(*address, loaded->resolved, loaded->model_bytes,
+                            static_cast<std::uint32_t>(physics_version()));
+  if (!reply.ok()) return reply.status();
+  fmt::print("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),
+             reply->jobs(), reply->jobs_to_compute(), reply->sweep_sha256());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void add_submit(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("submit", "hand a sweep to a running coordinator");
+  auto sweep = std::make_shared<std::string>();
+  auto coordinator = std::make_shared<std::string>();
+  command->add_option("SWEEP", *sweep, "the sweep file")->required();
+  command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
+  command->callback([=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator)); });
+}
+
+}  // namespace irsig

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// A process that dies with the one that started it, even if that one is killed. Its output goes to
+// a file. Start it from the main thread: the kernel ties it to the thread, not to the process. One
+// object belongs to one thread.
+class ChildProcess {
+ public:
+  // death_signal: what it gets when its parent dies.
+  static absl::StatusOr<ChildProcess> start(const std::vector<std::string>& arguments,
+                                            const std::string& log_path, int death_signal);
+  ChildProcess(ChildProcess&& other) noexcept;
+  ChildProcess& operator=(ChildProcess&& other) noexcept;
+  ~ChildProcess();  // kills what still runs
+
+  // How it ended ("killed by signal 9", "exit code 1"); nullopt while it runs.
+  [[nodiscard]] std::optional<std::string> ended();
+  [[nodiscard]] bool succeeded() const { return succeeded_; }  // ended with exit code 0
+  void signal(int number) const;
+  // Waits for its end, at most so long, then kills it. True if it ended by itself.
+  bool wait(double seconds);
+
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  // The last lines of its output.
+  [[nodiscard]] std::string last_words() const;
+
+ private:
+  ChildProcess() = default;
+  ChildProcess(pid_t pid, std::string log_path) : pid_(pid), log_path_(std::move(log_path)) {}
+  pid_t pid_ = -1;  // -1: moved from
+  std::string log_path_;
+  bool running_ = true;
+  bool succeeded_ = false;
+  std::string end_;
+};
+
+}  // namespace irsig

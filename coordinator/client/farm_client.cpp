@@ -1,0 +1,148 @@
+#include "coordinator/client/farm_client.h"
+
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "absl/strings/str_cat.h"
+#include "coordinator/client/channel.h"
+#include "jobs/expand.h"
+
+namespace irsig {
+namespace {
+
+std::chrono::system_clock::time_point after(double seconds) {
+  return std::chrono::system_clock::now() +
+         std::chrono::duration_cast<std::chrono::system_clock::duration>(
+             std::chrono::duration<double>(seconds));
+}
+
+std::unique_ptr<schema::Farm::Stub> stub_for(const Address& coordinator) {
+  return schema::Farm::NewStub(connect(coordinator));
+}
+
+absl::Status named(const absl::Status& status, const Address& coordinator) {
+  if (!is_unreachable(status)) return status;
+  return absl::UnavailableError(
+      absl::StrCat("no coordinator answers at ", coordinator.text, " (", status.message(), ")"));
+}
+
+absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
+                                        const std::string& sha256, double patience_s) {
+  grpc::ClientContext context;
+  context.set_deadline(after(patience_s));
+  schema::FetchAssetRequest request;
+  request.set_sha256(sha256);
+  const auto stream = farm.FetchAsset(&context, request);
+  std::string bytes;
+  schema::AssetChunk chunk;
+  while (stream->Read(&chunk)) bytes += chunk.piece();
+  if (const auto status = to_absl(stream->Finish()); !status.ok()) return status;
+  return bytes;
+}
+
+}  // namespace
+
+absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
+                                           const schema::ResolvedSweep& sweep,
+                                           std::string_view model_bytes,
+                                           std::uint32_t physics_version, double patience_s) {
+  const auto farm = stub_for(coordinator);
+  grpc::ClientContext context;
+  context.set_deadline(after(patience_s));
+  context.set_wait_for_ready(true);
+  schema::SubmitReply reply;
+  const auto stream = farm->Submit(&context, &reply);
+  schema::SubmitChunk chunk;
+  *chunk.mutable_sweep() = sweep;
+  chunk.set_physics_version(physics_version);
+  bool open = stream->Write(chunk);
+  if (open && !sweep.model_sha256().empty()) {
+    schema::SubmitChunk header;
+    header.mutable_asset()->set_sha256(sweep.model_sha256());
+    header.mutable_asset()->set_size_bytes(model_bytes.size());
+    open = stream->Write(header);
+    for (std::size_t at = 0; open && at < model_bytes.size(); at += kPieceBytes) {
+      schema::SubmitChunk piece;
+      piece.set_piece(std::string(model_bytes.substr(at, kPieceBytes)));
+      open = stream->Write(piece);
+    }
+  }
+  stream->WritesDone();
+  if (const auto status = to_absl(stream->Finish()); !status.ok()) {
+    return named(status, coordinator);
+  }
+  return reply;
+}
+
+absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator, double patience_s) {
+  const auto farm = stub_for(coordinator);
+  grpc::ClientContext context;
+  context.set_deadline(after(patience_s));
+  schema::StatusReply reply;
+  const auto status = to_absl(farm->Status(&context, schema::StatusRequest(), &reply));
+  if (!status.ok()) return named(status, coordinator);
+  return reply;
+}
+
+absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
+                                           std::string_view sweep_name_or_sha256,
+                                           double patience_s) {
+  const auto known = farm_status(coordinator, patience_s);
+  if (!known.ok()) return known.status();
+  std::string sha256, names;
+  for (const auto& sweep : known->sweep()) {
+    const bool prefix =
+        sweep_name_or_sha256.size() >= 8 && sweep.sweep_sha256().starts_with(sweep_name_or_sha256);
+    if (prefix || sweep.name() == sweep_name_or_sha256) sha256 = sweep.sweep_sha256();
+    absl::StrAppend(&names, names.empty() ? "" : ", ", sweep.name());
+  }
+  if (sha256.empty()) {
+    return absl::NotFoundError(absl::StrCat("no sweep \"", std::string(sweep_name_or_sha256),
+                                            "\" at ", coordinator.text, "; there ",
+                                            names.empty() ? "is none" : "are: ", names));
+  }
+  const auto farm = stub_for(coordinator);
+  grpc::ClientContext context;
+  context.set_deadline(after(patience_s));
+  schema::CancelRequest request;
+  request.set_sweep_sha256(sha256);
+  schema::CancelReply reply;
+  const auto status = to_absl(farm->Cancel(&context, request, &reply));
+  if (!status.ok()) return named(status, coordinator);
+  return reply;
+}
+
+absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
+                                                   const std::string& sweep_sha256,
+                                                   double patience_s) {
+  const auto farm = stub_for(coordinator);
+  auto sweep = fetch_sweep(*farm, sweep_sha256, patience_s);
+  if (!sweep.ok()) return named(sweep.status(), coordinator);
+  return sweep;
+}
+
+absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
+                                                  const std::string& sweep_sha256,
+                                                  double patience_s) {
+  const auto bytes = fetch_asset(farm, sweep_sha256, patience_s);
+  if (!bytes.ok()) return bytes.status();
+  // The hash is that of the canonical encoding, which does not depend on how protobuf writes it.
+  schema::ResolvedSweep sweep;
+  if (!sweep.ParseFromString(*bytes) || sha256_hex(canonical_encoding(sweep)) != sweep_sha256) {
+    return absl::DataLossError(absl::StrCat("the sweep ", sweep_sha256, " arrived damaged"));
+  }
+  return sweep;
+}
+
+absl::StatusOr<std::string> fetch_model(schema::Farm::StubInterface& farm,
+                                        const std::string& model_sha256, double patience_s) {
+  auto bytes = fetch_asset(farm, model_sha256, patience_s);
+  if (bytes.ok() && sha256_hex(*bytes) != model_sha256) {
+    return absl::DataLossError(absl::StrCat("the model ", model_sha256, " arrived damaged"));
+  }
+  return bytes;
+}
+
+}  // namespace irsig

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/address.h"
+#include "schema/farm.grpc.pb.h"
+#include "schema/farm.pb.h"
+
+namespace irsig {
+
+// What a user asks of a coordinator. Each call connects, waits at most `patience_s` for an answer
+// and returns UNAVAILABLE, naming the address, when there is none.
+
+// Sends the sweep and its model (empty for a generated one). Sending it again changes nothing.
+[[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
+                                                         const schema::ResolvedSweep& sweep,
+                                                         std::string_view model_bytes,
+                                                         std::uint32_t physics_version,
+                                                         double patience_s = 120);
+
+[[nodiscard]] absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator,
+                                                              double patience_s = 10);
+
+// By name, by hash, or by the beginning (8 digits or more) of the hash. NOT_FOUND lists what there
+// is.
+[[nodiscard]] absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
+                                                         std::string_view sweep_name_or_sha256,
+                                                         double patience_s = 30);
+
+// The resolved sweep that a coordinator holds under this hash.
+[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
+                                                                 const std::string& sweep_sha256,
+                                                                 double patience_s = 30);
+
+// For workers, on a channel that they keep: fetched in pieces, and DATA_LOSS unless the hash fits.
+[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
+                                                                const std::string& sweep_sha256,
+                                                                double patience_s);
+[[nodiscard]] absl::StatusOr<std::string> fetch_model(schema::Farm::StubInterface& farm,
+                                                      const std::string& model_sha256,
+                                                      double patience_s);
+
+}  // namespace irsig

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/address.h"
+#include "coordinator/client/child_process.h"
+
+namespace irsig {
+
+struct LocalFarmPlan {
+  std::string db_path;
+  std::uint32_t workers = 1;
+  std::string coordinator_executable;
+  std::string worker_executable;
+  std::vector<std::string> worker_arguments;  // besides the address and the name
+};
+
+// A coordinator and its workers on this machine: children of this process, which talk over a Unix
+// socket in a private directory and die with it. Use it from the main thread only (see
+// ChildProcess).
+class LocalFarm {
+ public:
+  // The coordinator runs and answers. What it says when it cannot (the database is held by another
+  // writer, is from a newer version, ...) is the error, with its own code.
+  static absl::StatusOr<std::unique_ptr<LocalFarm>> start(const LocalFarmPlan& plan);
+  ~LocalFarm();
+
+  [[nodiscard]] const Address& address() const { return address_; }
+  absl::Status start_workers();
+  // Starts again what died. jobs_settled: so far; a process that keeps dying without any job being
+  // settled in between is not started for ever: an error, with its last words.
+  absl::Status keep_alive(std::uint64_t jobs_settled);
+  // Workers end at once, the coordinator after it has made the database one plain file. OK if it
+  // did.
+  absl::Status stop();
+
+ private:
+  explicit LocalFarm(LocalFarmPlan plan) : plan_(std::move(plan)) {}
+  absl::Status start_coordinator();
+  absl::Status start_worker(std::size_t slot);
+
+  LocalFarmPlan plan_;
+  std::string folder_;
+  Address address_;
+  std::unique_ptr<ChildProcess> coordinator_;
+  std::vector<std::unique_ptr<ChildProcess>> workers_;
+  std::uint64_t settled_at_last_death_ = 0;
+  int deaths_without_progress_ = 0;
+  int coordinator_deaths_ = 0;
+};
+
+// The executable of this name in the folder of the running one.
+[[nodiscard]] std::string beside_this_executable(const std::string& name);
+
+}  // namespace irsig

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "schema/farm.pb.h"
+
+namespace irsig {
+
+// What has been seen of a running sweep: enough for rates that leave out what was done before.
+struct ProgressView {
+  double elapsed_s = 0;
+  std::uint64_t done_before = 0;  // jobs and rays that this run found done
+  std::uint64_t rays_before = 0;
+  std::uint32_t workers = 0;
+};
+
+// "jobs 57/191  2.1 Mrays/s  1:23 left  worst error 0.12 %": one line without a line feed.
+[[nodiscard]] std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view);
+
+// "1:23", "2:03:04".
+[[nodiscard]] std::string duration_text(double seconds);
+
+// "3.2 Mrays", with three significant digits.
+[[nodiscard]] std::string count_text(double count, std::string_view noun);
+
+}  // namespace irsig

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "absl/functional/any_invocable.h"
+#include "absl/status/status.h"
+#include "coordinator/farm.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// The one thread that owns the farm and its store. Requests that arrive while a commit is on its
+// way to the disk wait, and then share the next one (group commit): the busier, the fewer commits a
+// request. post() may be called from any thread; the other members belong to the thread that made
+// the loop.
+class CommitLoop {
+ public:
+  enum class Kind { kReads, kWrites };
+  using Work = absl::AnyInvocable<absl::Status(Farm&)>;
+  using Acknowledge = absl::AnyInvocable<void(const absl::Status&)>;
+
+  ~CommitLoop();
+
+  // `work` runs on the loop's thread; `acknowledge` gets its status after the commit.
+  void post(Kind kind, Work work, Acknowledge acknowledge);
+
+  // From here on the requests are served. `failed` is called, once, if the store cannot go on (the
+  // disk is full): nothing is acknowledged after that.
+  void start(Farm& farm, StoreWriter& store, absl::AnyInvocable<void(absl::Status)> failed);
+  // Serves what is waiting and ends.
+  void stop();
+
+ private:
+  struct Request {
+    Kind kind;
+    Work work;
+    Acknowledge acknowledge;
+    absl::Status status;
+  };
+  void run(Farm& farm, StoreWriter& store);
+  std::vector<Request> wait_for_requests();
+  absl::Status serve(Farm& farm, StoreWriter& store, std::vector<Request>& requests);
+
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::vector<Request> waiting_;
+  bool stopping_ = false;
+  absl::Status broken_;
+  absl::AnyInvocable<void(absl::Status)> failed_;
+  std::thread thread_;
+};
+
+}  // namespace irsig

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "coordinator/session.h"
+#include "schema/farm.pb.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// Time in seconds; a parameter, so that timeouts are ordinary tests.
+using Clock = std::function<double()>;
+
+struct FarmRules {
+  double heartbeat_s = 2;
+  double lost_after_s = 10;
+  // So many workers may be lost with a job before it counts as failed on the next ones too: what
+  // kills its worker would otherwise be tried for ever.
+  std::uint32_t tolerated_losses = 5;
+};
+
+// A sweep as it is to be stored: everything that can be worked out without the store.
+struct Submission {
+  schema::ResolvedSweep sweep;
+  std::string sweep_sha256;
+  std::vector<schema::JobSpec> jobs;
+  std::vector<Asset> assets;
+};
+[[nodiscard]] absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
+                                                         std::uint32_t physics_version,
+                                                         std::vector<Asset> assets);
+
+// What the coordinator decides: who gets which job, whose result is taken. The queue itself is in
+// the store, so that it survives a restart; only the workers' sessions are here, and they register
+// anew. Knows neither threads nor gRPC. Not thread-safe: the commit loop's thread owns it, and
+// opens and commits the store's transactions around its calls.
+//
+// Errors: NOT_FOUND = the worker is unknown (lost, or of an earlier coordinator): it registers
+// again. FAILED_PRECONDITION = refused for good: a foreign or late result, a worker of another
+// class.
+class Farm {
+ public:
+  // clock: never goes back, for timeouts. unix_clock: for the record of who leased what and when.
+  // coordinator_id: differs with every start, so that no worker id is ever given twice.
+  Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_clock,
+       std::string coordinator_id);
+
+  absl::StatusOr<schema::RegisterReply> register_worker(const schema::RegisterRequest& request);
+  absl::StatusOr<schema::LeaseReply> lease(const schema::LeaseRequest& request);
+  absl::StatusOr<schema::HeartbeatReply> heartbeat(const schema::HeartbeatRequest& request);
+  absl::Status complete(const std::string& worker_id, std::uint64_t fencing_token,
+                        const schema::JobResult& result);
+  absl::Status fail(const schema::FailRequest& request);
+  absl::StatusOr<std::shared_ptr<const std::string>> asset(const std::string& sha256);
+
+  absl::StatusOr<schema::SubmitReply> submit(const Submission& submission);
+  absl::StatusOr<schema::StatusReply> status();
+  absl::StatusOr<schema::CancelReply> cancel(const std::string& sweep_sha256);
+
+  // Workers that have been silent too long lose their jobs.
+  [[nodiscard]] bool somebody_is_silent();
+  absl::Status drop_silent_workers();
+
+ private:
+  struct Session {
+    std::string worker_name, determinism_class;
+    std::uint32_t physics_version;
+    SessionState state;
+    std::string job_key;
+    std::uint64_t fencing_token;
+    double heard_at_s;
+  };
+  absl::StatusOr<Session*> hear(const std::string& worker_id);
+  absl::Status end_lease(Session& session, const std::string& reason);
+  absl::Status count_failure(Session& session, const std::string& message);
+  absl::StatusOr<std::optional<QueuedJob>> next_job_for(const std::string& worker_id,
+                                                        const Session& session);
+  absl::Status check_class(const Session& session);
+  absl::Status check_physics(const Session& session, const QueuedJob& job);
+  [[nodiscard]] bool should_go_to_another(const Session& session, const std::string& job_key) const;
+  absl::StatusOr<bool> all_settled();
+
+  StoreWriter& store_;
+  FarmRules rules_;
+  Clock clock_, unix_clock_;
+  std::string coordinator_id_;
+  std::uint64_t registrations_ = 0;
+  double checked_at_s_;
+  std::map<std::string, Session> sessions_;                 // by worker id
+  std::map<std::string, std::set<std::string>> failed_on_;  // job key -> worker names
+  std::map<std::string, std::uint32_t> losses_;             // job key -> lost workers
+  std::map<std::string, std::shared_ptr<const std::string>> assets_;
+  std::map<std::pair<std::string, std::uint32_t>, std::unordered_set<std::string>> keys_;
+  std::optional<bool> all_settled_;  // forgotten whenever the queue changes
+};
+
+}  // namespace irsig

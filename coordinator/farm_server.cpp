@@ -1,0 +1,162 @@
+#include "coordinator/farm_server.h"
+
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <random>
+
+#include "absl/strings/str_cat.h"
+#include "coordinator/client/channel.h"
+#include "coordinator/commit_loop.h"
+#include "coordinator/farm_service.h"
+
+namespace irsig {
+namespace {
+
+constexpr auto kLastCalls = std::chrono::seconds(2);  // for calls under way when the server stops
+
+absl::Status in_use(const Address& listen) {
+  return absl::AlreadyExistsError(
+      absl::StrCat("cannot listen on ", listen.text, ": another process listens there"));
+}
+
+// gRPC removes whatever lies at the path of a Unix socket, even one that is in use: look first.
+absl::Status prepare_socket(const Address& listen) {
+  const std::filesystem::path path = listen.unix_path;
+  struct stat folder {};
+  if (stat(path.parent_path().c_str(), &folder) != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot listen on ", listen.text, ": ", std::strerror(errno)));
+  }
+  if ((folder.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (folder.st_mode & S_ISVTX) == 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "cannot listen on ", listen.text,
+        ": others may write to its folder and could replace the socket; use a private folder"));
+  }
+  struct stat there {};
+  if (lstat(path.c_str(), &there) != 0) return absl::OkStatus();
+  if (!S_ISSOCK(there.st_mode)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot listen on ", listen.text, ": a file that is no socket lies there"));
+  }
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (probe < 0) return absl::InternalError(std::strerror(errno));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  listen.unix_path.copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const bool answered =
+      connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  close(probe);
+  return answered ? in_use(listen) : absl::OkStatus();
+}
+
+std::string random_id() {
+  std::random_device device;
+  return absl::StrCat(absl::Hex(device(), absl::kZeroPad8), absl::Hex(device(), absl::kZeroPad8));
+}
+
+class Server final : public FarmServer {
+ public:
+  explicit Server(FarmServerOptions options)
+      : options_(std::move(options)), service_(loop_), address_(options_.listen.text) {}
+
+  ~Server() override { (void)stop(); }
+
+  absl::Status start() {
+    if (auto status = bind(); !status.ok()) return status;
+    auto store = StoreWriter::open(options_.db_path);
+    if (!store.ok()) return store.status();
+    store_ = *std::move(store);
+    if (auto status = store_->begin(); !status.ok()) return status;
+    if (auto status = store_->release_all(); !status.ok()) return status;
+    if (auto status = store_->commit(); !status.ok()) return status;
+    farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
+    loop_.start(*farm_, *store_, [this](absl::Status status) {
+      failed_ = true;
+      if (options_.on_failure) options_.on_failure(status);
+    });
+    return absl::OkStatus();
+  }
+
+  [[nodiscard]] std::string address() const override { return address_; }
+
+  absl::Status stop() override {
+    if (server_) server_->Shutdown(std::chrono::system_clock::now() + kLastCalls);
+    loop_.stop();
+    server_.reset();
+    if (!options_.listen.unix_path.empty() && bound_) unlink(options_.listen.unix_path.c_str());
+    bound_ = false;
+    absl::Status status;
+    if (store_ && !failed_) status = store_->finish();
+    farm_.reset();
+    store_.reset();
+    return status;
+  }
+
+ private:
+  absl::Status bind() {
+    const Address& listen = options_.listen;
+    const bool is_unix = !listen.unix_path.empty();
+    if (is_unix) {
+      if (auto status = prepare_socket(listen); !status.ok()) return status;
+    }
+    silence_grpc();
+    grpc::ServerBuilder builder;
+    builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kKeepaliveTimeoutMs);
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+    // Workers ping every kKeepaliveMs; without this the server takes that for an attack (GOAWAY).
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
+                               kKeepaliveMs / 4);
+    builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+    builder.SetMaxSendMessageSize(kMaxMessageBytes);
+    builder.RegisterService(&service_);
+    int port = -1;
+    const std::string uri =
+        is_unix ? listen.target : listen.target.substr(listen.target.find(':') + 1);
+    builder.AddListeningPort(uri, grpc::InsecureServerCredentials(), &port);
+    const mode_t before = umask(0177);  // the socket is born with mode 0600
+    server_ = builder.BuildAndStart();
+    umask(before);
+    if (!server_ || port < 0 || (!is_unix && port == 0)) {
+      server_.reset();
+      return in_use(listen);
+    }
+    bound_ = true;
+    if (!is_unix) address_ = absl::StrCat(uri.substr(0, uri.rfind(':')), ":", port);
+    return absl::OkStatus();
+  }
+
+  FarmServerOptions options_;
+  CommitLoop loop_;
+  FarmService service_;
+  std::string address_;
+  std::unique_ptr<grpc::Server> server_;
+  bool bound_ = false;
+  std::atomic<bool> failed_ = false;
+  std::unique_ptr<StoreWriter> store_;
+  std::optional<Farm> farm_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<FarmServer>> FarmServer::start(FarmServerOptions options) {
+  auto server = std::make_unique<Server>(std::move(options));
+  if (auto status = server->start(); !status.ok()) return status;
+  return server;
+}
+
+}  // namespace irsig

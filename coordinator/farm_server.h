@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/address.h"
+#include "coordinator/farm.h"
+
+namespace irsig {
+
+struct FarmServerOptions {
+  std::string db_path;
+  Address listen;
+  FarmRules rules;
+  Clock clock, unix_clock;  // as Farm's
+  std::function<void(const absl::Status&)>
+      on_failure;  // the store cannot go on; called at most once
+};
+
+// A coordinator in this process: one database, one address. Belongs to one thread.
+class FarmServer {
+ public:
+  // Binds the address first, so that a port in use (ALREADY_EXISTS) leaves no database behind, then
+  // opens the database and takes back every lease of an earlier coordinator.
+  static absl::StatusOr<std::unique_ptr<FarmServer>> start(FarmServerOptions options);
+  virtual ~FarmServer() = default;
+
+  // Where it listens: with the port that the system chose, if port 0 was asked for.
+  [[nodiscard]] virtual std::string address() const = 0;
+  // No more calls; what is waiting is committed; the database becomes one plain file.
+  virtual absl::Status stop() = 0;
+};
+
+}  // namespace irsig

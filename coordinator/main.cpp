@@ -1,0 +1,86 @@
+// irsig-coordinator: hands out the jobs of a database's sweeps and stores their results.
+#include <semaphore.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+
+#include "coordinator/client/address.h"
+#include "coordinator/farm_server.h"
+#include "spdlog/sinks/stdout_sinks.h"
+#include "spdlog/spdlog.h"
+
+namespace {
+
+sem_t end_asked;  // by a signal or by a failure of the store
+
+void ask_to_end(int) { sem_post(&end_asked); }
+
+template <class SomeClock>
+double seconds() {
+  return std::chrono::duration<double>(SomeClock::now().time_since_epoch()).count();
+}
+
+// 2: what was given is wrong; 1: anything else, a port in use among it (the input is right, the
+// moment is wrong).
+int report(const absl::Status& status) {
+  std::fprintf(stderr, "irsig-coordinator: %s\n", std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) || absl::IsNotFound(status) || absl::IsOutOfRange(status)
+             ? 2
+             : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"hands out the jobs of a signature database to workers and stores their results"};
+  std::string db_path, listen;
+  irsig::FarmRules rules;
+  app.add_option("--db", db_path, "the database; made if it does not exist")->required();
+  app.add_option("--listen", listen, "unix:PATH or 127.0.0.1:PORT (0: any free port)")->required();
+  app.add_option("--heartbeat-s", rules.heartbeat_s, "how often workers report")
+      ->capture_default_str()
+      ->check(CLI::Range(0.05, 3600.0));
+  app.add_option("--lost-after-s", rules.lost_after_s, "silence after which a worker is lost")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 86400.0));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (rules.lost_after_s < 2 * rules.heartbeat_s) {
+    return report(
+        absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));
+  }
+  const auto address = irsig::parse_address(listen);
+  if (!address.ok()) return report(address.status());
+
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("coordinator"));
+  sem_init(&end_asked, 0, 0);
+  std::signal(SIGTERM, ask_to_end);
+  std::signal(SIGINT, ask_to_end);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  std::mutex mutex;
+  absl::Status failure;
+  auto server = irsig::FarmServer::start(
+      {db_path, *address, rules, seconds<std::chrono::steady_clock>,
+       seconds<std::chrono::system_clock>, [&](const absl::Status& status) {
+         const std::lock_guard lock(mutex);
+         failure = status;
+         sem_post(&end_asked);
+       }});
+  if (!server.ok()) return report(server.status());
+  std::printf("irsig-coordinator: listening on %s\n", (*server)->address().c_str());
+  std::fflush(stdout);
+  while (sem_wait(&end_asked) != 0) {
+  }
+  const auto stopped = (*server)->stop();
+  const std::lock_guard lock(mutex);
+  if (!failure.ok()) return report(failure);
+  if (!stopped.ok()) return report(stopped);
+  return 0;
+}

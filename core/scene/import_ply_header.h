@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/scene/import_text.h"
+
+namespace irsig {
+
+struct PlyProperty {
+  std::string name;
+  bool is_list = false;
+  int bytes = 0;  // the least that it takes in a binary file
+};
+struct PlyElement {
+  std::string name;
+  std::int64_t count = 0;
+  std::vector<PlyProperty> property;  // never empty where count > 0
+};
+struct PlyHeader {
+  bool is_binary = false;
+  std::vector<PlyElement> element;  // with vertex.x, .y, .z and face.vertex_indices (or _index)
+};
+
+// Reads up to the end of the line end_header; what is missing or wrong goes to `errors`.
+[[nodiscard]] PlyHeader read_ply_header(TextCursor& cursor, FileErrors& errors);
+
+}  // namespace irsig

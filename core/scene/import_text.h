@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace irsig {
+
+// A word of a text file and where it stands; empty text = there is none.
+struct Token {
+  std::string_view text;
+  std::size_t line = 1, column = 1;
+  explicit operator bool() const { return !text.empty(); }
+};
+
+// Walks over a text file word by word. Belongs to one thread; the text must outlive it.
+class TextCursor {
+ public:
+  explicit TextCursor(std::string_view text) : text_(text) {}
+
+  // The next word of this line. A backslash at the end of a line continues it.
+  Token word_on_line();
+  // The next word, on whatever line.
+  Token word();
+  // What is left of this line, without surrounding blanks.
+  Token rest_of_line();
+  // Moves behind the end of this line; false at the end of the file.
+  bool next_line();
+
+ private:
+  void skip_blanks();
+  bool at_line_end() const { return at_ >= text_.size() || text_[at_] == '\n'; }
+
+  std::string_view text_;
+  std::size_t at_ = 0, line_start_ = 0, line_ = 1;
+};
+
+// Collects what is wrong with a file, so that more than the first mistake is reported.
+class FileErrors {
+ public:
+  explicit FileErrors(std::string file_name) : file_name_(std::move(file_name)) {}
+
+  void add(const Token& where, std::string_view what);
+  [[nodiscard]] bool any() const { return count_ > 0; }
+  // Further reading only repeats the story.
+  [[nodiscard]] bool full() const { return count_ >= 10; }
+  [[nodiscard]] absl::Status status() const;
+
+ private:
+  std::string file_name_, text_;
+  int count_ = 0;
+};
+
+// The whole word as a number: nothing when it is none, or not representable. "nan" and "inf" are
+// numbers here: who reads a coordinate refuses them by their own message.
+[[nodiscard]] std::optional<double> number_of(std::string_view word);
+[[nodiscard]] std::optional<std::int64_t> integer_of(std::string_view word);
+
+[[nodiscard]] bool equals_ignoring_case(std::string_view a, std::string_view b);
+
+}  // namespace irsig

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+// A triangle mesh in the body frame, in metres, in double. Front faces are counter-clockwise seen
+// from outside.
+struct Mesh {
+  std::vector<Vec<Body>> vertex;
+  std::vector<std::array<std::uint32_t, 3>> triangle;
+  std::vector<std::uint32_t> triangle_group;  // index into group, one per triangle
+  std::vector<std::string> group;             // see group_matches; in order of first use
+  // Triangles whose area vanishes (2 area <= 1e-12 x longest edge squared). They stay in the mesh;
+  // no ray meets them.
+  std::uint64_t degenerate_triangles = 0;
+};
+
+// A group is one combination of the names that the file gives to a triangle, joined by "/" from the
+// widest to the most specific, repeated names once: OBJ "o/g/usemtl", STL the solid's name, glTF
+// "node/mesh/material"; "default" where the file names nothing. A pattern with * and ? matches the
+// whole of it or any one of the names: "ship/hull/steel" is matched by "hull", "st*" and "ship/*".
+[[nodiscard]] bool group_matches(std::string_view group, std::string_view pattern);
+
+struct MeshImport {
+  std::string file_name;  // its ending says the format
+  double unit_m = 1;
+  // The file's frame is right-handed: starboard = forward x up.
+  std::string forward_axis = "+x";
+  std::string up_axis = "+z";
+  // Where the body frame's origin lies: "origin" is the file's own (0, 0, 0); "bbox_center" and
+  // "bbox_bottom_center" are taken from the box around the triangles, and subtracted in double
+  // before anything else, so that a text file in Earth-centred metres loses nothing.
+  std::string reference = "origin";
+};
+
+// OBJ, ASCII PLY and ASCII STL are read in double by our own readers; binary PLY and STL, glTF and
+// GLB (buffers inside the file) through Assimp (float32). Polygons become triangles; points, lines,
+// normals and texture coordinates are not used. Vertices of STL and of Assimp's forms are merged
+// where they are exactly equal. Errors name file:line:column for text forms, up to ten at once.
+// Refused: an empty mesh, an index out of range, a vertex that is not finite, a polygon that
+// crosses itself, axes that are not perpendicular, a float32 form whose coordinate spacing exceeds
+// a hundredth of the smallest facet edge, a mesh further from its reference point than 10 times its
+// size (the diagonal of its box).
+[[nodiscard]] absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how);
+
+// A parametric model: disk | sphere | box | cylinder | cone | frigate, about `triangles` triangles
+// (how closely: generate_solids.cpp, frigate.cpp). Dimensions of 0 mean the generator's default; a
+// dimension that a kind does not have is an error. Body frame; smallest `triangles` in []:
+//   disk      [3] radius (1), in the plane x = 0, facing +x, one-sided
+//   sphere    [8] radius (1), centred
+//   box       [12] length x width x height along x, y, z (2, 1, 0.5), centred
+//   cylinder  [12] radius (0.5), length (3) along x, closed, centred
+//   cone      [6] radius (1), length (2): nose at +x, base disk at -x, closed; origin at the middle
+//             of its axis
+//   frigate   [2000] 153.8 x 20.4 m, 6.4 m freeboard amidships (length, width and height scale it);
+//             origin midships on the waterline; closed surfaces upwards from 1 mm above the
+//             waterline, exactly symmetric. Groups: hull, deck, superstructure, funnel, funnel_top,
+//             mast, mast_hot, turret
+//
+// Round solids are made of planar facets, so their size is chosen to be right on the average:
+//   disk, cylinder, cone  every cross-section is a regular polygon of m corners, m odd, with the
+//   AREA
+//             of the true circle: areas along the axis are exact; widths across it are too large by
+//             1.645 / m^2 in the mean over azimuth and by 0.82 / m^2 to 2.47 / m^2 at each; other
+//             silhouettes are right within -3.3 / m^2 and +6.6 / m^2 (the circles in and around the
+//             polygon), the largest seen is 3.2 / m^2. m is 2.5, 1.3, 2.1 x sqrt(triangles) for the
+//             default disk, cylinder, cone.
+//   sphere    its surface is exactly 4 pi R^2, so that by Cauchy's theorem the mean projected area
+//             is pi R^2; one direction differs by less than 3 / triangles (of pi R^2)
+// (tests/physics/mesh_geometry_test.cpp).
+struct MeshGenerator {
+  std::string kind;
+  std::uint64_t triangles = 0;
+  double radius_m = 0, length_m = 0, width_m = 0, height_m = 0;
+};
+[[nodiscard]] absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what);
+
+// Wavefront OBJ, x forward, y PORT, z up (a right-handed frame of the usual kind), one object per
+// group; numbers are the shortest that read back as the same double (at most 17 digits):
+// import_mesh(write_obj(mesh)) gives the mesh back.
+[[nodiscard]] std::string write_obj(const Mesh& mesh);
+
+}  // namespace irsig

@@ -1,0 +1,91 @@
+#include "core/scene/target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+
+namespace irsig {
+
+namespace {
+
+// Which part each mesh group belongs to.
+absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh, const std::vector<PartSpec>& parts) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> part_of_group(mesh.group.size(), kNone);
+  std::vector<std::string> errors;
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    std::vector<std::string> patterns = parts[i].match;
+    if (patterns.empty()) patterns.push_back(parts[i].name);
+    for (std::size_t k = 0; k < patterns.size(); ++k) {
+      bool matched = false;
+      for (std::size_t g = 0; g < mesh.group.size(); ++g) {
+        if (!group_matches(mesh.group[g], patterns[k])) continue;
+        matched = true;
+        if (part_of_group[g] != kNone && part_of_group[g] != i)
+          errors.push_back(absl::StrCat("part[", i, "]: group \"", mesh.group[g], "\" of the model already belongs to part \"",
+                                        parts[part_of_group[g]].name, "\""));
+        else
+          part_of_group[g] = i;
+      }
+      if (!matched)
+        errors.push_back(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match", ": no group of the model matches \"",
+                                      patterns[k], "\" (its groups: ", absl::StrJoin(mesh.group, ", "), ")"));
+    }
+  }
+  std::vector<bool> used(mesh.group.size(), false);
+  for (const std::uint32_t g : mesh.triangle_group) used[g] = true;
+  for (std::size_t g = 0; g < mesh.group.size(); ++g)
+    if (used[g] && part_of_group[g] == kNone)
+      errors.push_back(absl::StrCat("part: no part matches group \"", mesh.group[g], "\" of the model, so it has neither material nor temperature"));
+  if (!errors.empty()) return absl::InvalidArgumentError(absl::StrJoin(errors, "\n"));
+  return part_of_group;
+}
+
+}  // namespace
+
+absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa) {
+  auto part_of_group = assign_groups(mesh, parts);
+  if (!part_of_group.ok()) return part_of_group.status();
+
+  Target target;
+  target.part = std::move(parts);
+  target.part_area_m2.assign(target.part.size(), 0.0);
+  Vec<Body> low = mesh.vertex.front(), high = low;
+  for (const Vec<Body>& v : mesh.vertex) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+  }
+  target.centre = 0.5 * (low + high);
+  target.z_extent_m = {low.z, high.z};
+  target.vertex.reserve(3 * mesh.vertex.size());
+  for (const Vec<Body>& v : mesh.vertex) {
+    const Vec<Body> d = v - target.centre;
+    target.radius_m = std::max(target.radius_m, length(d));
+    target.vertex.push_back(static_cast<float>(d.x));
+    target.vertex.push_back(static_cast<float>(d.y));
+    target.vertex.push_back(static_cast<float>(d.z));
+  }
+  target.triangle.reserve(3 * mesh.triangle.size());
+  target.facet.reserve(mesh.triangle.size());
+  for (std::size_t i = 0; i < mesh.triangle.size(); ++i) {
+    const auto& corner = mesh.triangle[i];
+    const Vec<Body> a = mesh.vertex[corner[0]];
+    const Vec<Body> twice = cross(mesh.vertex[corner[1]] - a, mesh.vertex[corner[2]] - a);
+    const double norm = length(twice);
+    const std::uint32_t part = (*part_of_group)[mesh.triangle_group[i]];
+    const double inverse = norm > 0 ? 1 / norm : 0;
+    target.facet.push_back({static_cast<float>(inverse * twice.x), static_cast<float>(inverse * twice.y),
+                            static_cast<float>(inverse * twice.z), part});
+    target.part_area_m2[part] += 0.5 * norm;
+    target.triangle.insert(target.triangle.end(), corner.begin(), corner.end());
+  }
+  auto tracer = Tracer::build(target.vertex, target.triangle, isa);
+  if (!tracer.ok()) return tracer.status();
+  target.tracer = *std::move(tracer);
+  return target;
+}
+
+}  // namespace irsig

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/scene/mesh.h"
+#include "core/scene/tracer.h"
+
+namespace irsig {
+
+// A part of the target as the user names it: which mesh groups belong to it, what it is made of.
+struct PartSpec {
+  std::string name;
+  std::vector<std::string> match;  // patterns of group_matches(); empty: the part's own name
+  std::uint32_t material = 0;      // index into the scene's materials
+  bool two_sided = false;
+  bool hot = false;                // its primary rays form a stratum of their own
+};
+
+// The target, ready to be traced: float coordinates relative to the centre of its bounding sphere, so that neither the
+// mesh's own offset nor the sensor's distance costs precision.
+struct Target {
+  struct Facet {
+    float nx, ny, nz;  // unit outward normal; zero for a degenerate triangle
+    std::uint32_t part;
+  };
+  std::vector<PartSpec> part;
+  std::vector<Facet> facet;
+  std::vector<float> vertex;            // x y z relative to centre [m]
+  std::vector<std::uint32_t> triangle;  // three indices each
+  std::vector<double> part_area_m2;
+  Vec<Body> centre;                     // in the body frame
+  double radius_m = 0;                  // of the bounding sphere about centre
+  std::array<double, 2> z_extent_m{};   // smallest and largest body z (down)
+  std::shared_ptr<const Tracer> tracer;
+};
+
+// Errors (INVALID_ARGUMENT) name the part ("part[2].match: ..."): a part that matches no group, a group that no part or
+// more than one part matches.
+[[nodiscard]] absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa);
+
+}  // namespace irsig

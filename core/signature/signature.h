@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/accuracy/replicates.h"
+#include "core/environment/air.h"
+#include "core/environment/surroundings.h"
+#include "core/geo/viewpoint.h"
+#include "core/materials/material.h"
+#include "core/scene/target.h"
+#include "core/spectral/band.h"
+
+namespace irsig {
+
+// Version of the numbers that the core makes: raised whenever a result changes in any bit for the same request.
+inline constexpr int kPhysicsVersion = 1;
+
+// What does not change during a sweep.
+struct SceneSpec {
+  Mesh mesh;
+  std::vector<PartSpec> part;
+  std::vector<MaterialSpec> material;
+  std::vector<Band> band;
+  TracerIsa isa = widest_isa();
+};
+
+// One season at one time.
+struct ConditionSpec {
+  std::vector<double> part_temperature_k;  // in the order of SceneSpec::part
+  Surroundings surroundings;
+  bool sun = false;                // whether direct sun is part of this condition
+  Vec<Body> sun_direction;         // unit vector towards the sun
+  double sun_cos_zenith = 0;
+  double sun_angular_radius_deg = 0;
+  double sun_scale = 0;            // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
+  double air_temperature_k = 0;
+};
+
+struct AccuracySpec {
+  // Exactly one is positive.
+  double relative_error = 0;                 // of the in-band intensity of every row of the sweep
+  double target_paths = 0;                   // primary rays that meet the target, all replicates
+  std::uint64_t samples_per_replicate = 0;
+  std::uint32_t replicates = 32;
+  std::uint64_t max_samples_per_replicate = 1u << 22;
+};
+
+// One viewpoint. All conditions and bands of the sweep are stated, because the pilot that fixes the number of samples looks at
+// all of them; only the selected rows are computed, and their bits do not depend on the selection.
+struct ViewRequest {
+  Viewpoint viewpoint;
+  std::vector<ConditionSpec> condition;
+  Air air;
+  std::vector<std::uint32_t> selected_condition, selected_band;
+  AccuracySpec accuracy;
+  std::uint32_t max_reflections = 3;
+  std::uint64_t seed = 1;
+  std::uint32_t thumbnail_px = 0;
+};
+
+// Spectra on the band's stored wavelengths; [W/(sr um)].
+struct SpectralEstimate {
+  std::vector<double> value, stderr_;
+};
+
+enum class Cause { kEmitted, kSunReflected, kSkyReflected, kSeaReflected, kPartsReflected };
+inline constexpr std::size_t kCauses = 5;
+
+enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSamples };
+
+struct SignatureResult {
+  std::uint32_t condition = 0, band = 0;
+  Estimate intensity_w_sr;  // source: no air
+  double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, numerical_error_w_sr = 0;
+  Estimate apparent_intensity_w_sr;
+  double apparent_numerical_error_w_sr = 0;
+  Estimate projected_area_m2;
+  double apparent_temperature_k = 0;
+  Estimate cause_w_sr[kCauses];
+  std::vector<Estimate> part_w_sr;  // by the part that the sensor sees
+  SpectralEstimate spectral, spectral_cause[kCauses], apparent_spectral;
+  std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none
+  StopReason stop_reason = StopReason::kFixedSamples;
+};
+
+struct ViewResult {
+  std::vector<SignatureResult> row;  // selected conditions x selected bands
+  std::uint32_t image_width_px = 0, image_height_px = 0;
+  double pixel_rad = 0;
+  std::uint64_t samples = 0, target_paths = 0, rays = 0;
+  std::uint32_t replicates = 0;
+  std::uint64_t samples_per_replicate = 0;
+  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
+  std::uint64_t seed = 0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed
+};
+
+// A scene ready for any number of viewpoints. Immutable: simulate() may run on several threads.
+class Simulator {
+ public:
+  static absl::StatusOr<std::unique_ptr<Simulator>> create(const SceneSpec& spec);
+
+  [[nodiscard]] absl::StatusOr<ViewResult> simulate(const ViewRequest& request) const;
+
+  [[nodiscard]] const Target& target() const { return target_; }
+  [[nodiscard]] const std::vector<Material>& materials() const { return material_; }
+  [[nodiscard]] const std::vector<BandGrid>& band_grids() const { return grid_; }
+  // Some part's material creates energy.
+  [[nodiscard]] bool energy_gain() const { return energy_gain_; }
+
+ private:
+  Simulator() = default;
+  Target target_;
+  std::vector<Band> band_;
+  std::vector<BandGrid> grid_;
+  std::vector<double> node_um_;            // the nodes of all bands, one after the other
+  std::vector<std::size_t> band_offset_;   // where each band's nodes begin
+  std::vector<Material> material_;
+  bool energy_gain_ = false;
+  std::uint64_t scene_hash_ = 0;           // of geometry, materials, strata
+};
+
+}  // namespace irsig

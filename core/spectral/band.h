@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+struct SpectralPoint {
+  double lambda_um;
+  double value;
+};
+
+// A detector band as the user states it. An empty response means 1 inside the limits; a tabulated
+// response is linear between its points and 0 outside them.
+struct Band {
+  std::string name;
+  double lambda_min_um;
+  double lambda_max_um;
+  double step_um;
+  std::vector<SpectralPoint> response;
+};
+
+// The wavelengths at which a band is computed, and the weights that turn values there into stored
+// bin means and into the in-band integral.
+//
+// Stored wavelengths: lambda_min + k step, k = 0 .. n (n = round((max - min) / step), step adjusted
+// so that it divides the band exactly). Bin k is [lambda_k - step/2, lambda_k + step/2] (the outer
+// half of the first and last bin lies outside the band). Each half bin is a panel of two
+// Gauss-Legendre points, so the bins and the in-band integral share their nodes: nodes 4k .. 4k+3
+// belong to bin k.
+struct BandGrid {
+  double step_um;                 // as adjusted
+  std::vector<double> lambda_um;  // n+1 stored wavelengths
+  std::vector<double> node_um;    // 4 (n+1) quadrature nodes, increasing
+  std::vector<double>
+      bin_weight;  // mean over bin k = sum of bin_weight[i] L(node_i), i in 4k..4k+3
+  std::vector<double>
+      band_weight;  // in-band integral = sum of band_weight[i] L(node_i) [um, response included]
+};
+
+//
+// band_weight is never negative; it integrates response x L exactly for every L that is linear over
+// a panel, wherever the response has its corners. (A panel in which a response ends within 0.2 of
+// its length from its edge is the exception: its weight is moved to the nearer node.)
+// INVALID_ARGUMENT: limits that are reversed or not positive, a step that is not positive, wider
+// than the band, or more than a million of them, a response that does not increase, is negative, or
+// 0 everywhere in the band.
+[[nodiscard]] absl::StatusOr<BandGrid> make_band_grid(const Band& band);
+
+// Response of the band at a wavelength (0 outside).
+[[nodiscard]] double band_response(const Band& band, double lambda_um);
+
+// The temperature of the blackbody with the given in-band radiance through the band's response
+// (relative response: the integral of response x L_b). Closed form for an empty response,
+// quadrature otherwise.
+[[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
+                                            double radiance_w_m2_sr);
+
+// Largest relative difference, over [t_min_k, t_max_k], between the grid's in-band integral of L_b
+// and the exact one, found at 9 temperatures: the spectral quadrature bound. Measured for 240-800 K
+// at 0.05 um steps: 1.1e-10 (3-5 um), 1.2e-12 (8-12 um).
+[[nodiscard]] double quadrature_relative_bound(const Band& band, const BandGrid& grid,
+                                               double t_min_k, double t_max_k);
+
+}  // namespace irsig

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "core/scene/tracer.h"
+
+namespace irsig {
+
+struct Float3 {
+  float x, y, z;
+};
+inline float dot(Float3 a, Float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// What a path carries from vertex to vertex.
+struct PathState {
+  std::uint32_t replicate;
+  std::uint32_t sample;  // index in the sampler
+  std::uint32_t pixel;
+  std::uint32_t first;   // the part that was met first
+  float weight;          // Jacobian x throughput / survival probabilities (spectral: without the spectral factor)
+  float throughput;      // weight without the Jacobian: what the roulette is played with ...
+  float spectral_max;    // ... times the largest of the path's spectral factors
+  float inverse_length;  // of the ray's direction
+};
+
+// Rays with their paths' states, in packets; spectral factors in rows of `nodes`.
+struct RayBatch {
+  std::vector<RayPacket> packet;
+  std::vector<PathState> state;
+  std::vector<float> spectrum;
+  std::uint32_t size = 0;
+
+  void resize(std::uint32_t capacity, std::size_t nodes) {
+    packet.resize((capacity + RayPacket::kSize - 1) / RayPacket::kSize);
+    state.resize(capacity);
+    spectrum.resize(nodes * capacity);
+  }
+  RayPacket& packet_of(std::uint32_t i) { return packet[i / RayPacket::kSize]; }
+  static std::uint32_t lane_of(std::uint32_t i) { return i % RayPacket::kSize; }
+
+  std::uint32_t push(Float3 origin, Float3 direction, const PathState& s) {
+    const std::uint32_t i = size++;
+    RayPacket& p = packet_of(i);
+    const std::uint32_t lane = lane_of(i);
+    p.org_x[lane] = origin.x;
+    p.org_y[lane] = origin.y;
+    p.org_z[lane] = origin.z;
+    p.dir_x[lane] = direction.x;
+    p.dir_y[lane] = direction.y;
+    p.dir_z[lane] = direction.z;
+    state[i] = s;
+    return i;
+  }
+  // Fields that every ray shares; `hits`: also those that a nearest-hit query wants.
+  void prepare_packets(bool hits) {
+    for (std::uint32_t k = 0; k * RayPacket::kSize < size; ++k) {
+      RayPacket& p = packet[k];
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        p.tnear[lane] = 0;
+        p.time[lane] = 0;
+        p.tfar[lane] = std::numeric_limits<float>::infinity();
+        p.mask[lane] = 0xffffffffu;
+        p.flags[lane] = 0;
+      }
+      if (!hits) continue;
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) p.triangle[lane] = p.geometry[lane] = p.instance[lane] = RayPacket::kMiss;
+    }
+  }
+  template <typename Trace>
+  void for_each_packet(Trace&& trace) {
+    for (std::uint32_t first = 0; first < size; first += RayPacket::kSize)
+      trace(packet[first / RayPacket::kSize], static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, size - first)));
+  }
+};
+
+}  // namespace irsig

@@ -1,0 +1,102 @@
+#include "core/transport/vector_stages.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/sobol.h"
+
+// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define IRSIG_CLONES
+#else
+#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+
+namespace irsig {
+
+IRSIG_CLONES void draw_pairs(SampleList& list) {
+  const std::uint32_t* index = list.index.data();
+  const std::uint32_t* seed_x = list.seed_x.data();
+  const std::uint32_t* seed_y = list.seed_y.data();
+  float* x = list.x.data();
+  float* y = list.y.data();
+  const std::uint32_t size = list.size;
+#pragma GCC ivdep
+  for (std::uint32_t i = 0; i < size; ++i) {
+    x[i] = unit_float(reverse_bits(scramble_reversed(index[i], seed_x[i])));
+    y[i] = unit_float(reverse_bits(scramble_reversed(second_coordinate_reversed(index[i]), seed_y[i])));
+  }
+}
+
+IRSIG_CLONES void draw_pairs_shuffled(SampleList& list) {
+  const std::uint32_t* index = list.index.data();
+  const std::uint32_t* seed_x = list.seed_x.data();
+  const std::uint32_t* seed_y = list.seed_y.data();
+  const std::uint32_t* shuffle = list.seed_shuffle.data();
+  float* x = list.x.data();
+  float* y = list.y.data();
+  const std::uint32_t size = list.size;
+#pragma GCC ivdep
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const std::uint32_t k = reverse_bits(scramble_reversed(reverse_bits(index[i]), shuffle[i]));
+    x[i] = unit_float(reverse_bits(scramble_reversed(k, seed_x[i])));
+    y[i] = unit_float(reverse_bits(scramble_reversed(second_coordinate_reversed(k), seed_y[i])));
+  }
+}
+
+IRSIG_CLONES void aim(const ImagePlane& plane, const float* x_m, const float* y_m, std::uint32_t size, RayPacket* packet, float* weight,
+                      float* inverse_length) {
+  const ImagePlane p = plane;
+  for (std::uint32_t first = 0; first < size; first += RayPacket::kSize) {
+    RayPacket& rays = packet[first / RayPacket::kSize];
+#pragma GCC ivdep
+    for (std::uint32_t lane = 0; lane < RayPacket::kSize; ++lane) {  // the arrays are padded to whole packets
+      const float x = x_m[first + lane], y = y_m[first + lane];
+      const float u = x * p.inverse_plane_per_m, v = y * p.inverse_plane_per_m;
+      const float inverse = 1.0f / std::sqrt(1.0f + u * u + v * v);
+      rays.org_x[lane] = p.origin.x + x * p.right.x + y * p.up.x;
+      rays.org_y[lane] = p.origin.y + x * p.right.y + y * p.up.y;
+      rays.org_z[lane] = p.origin.z + x * p.right.z + y * p.up.z;
+      rays.dir_x[lane] = p.forward.x + u * p.right.x + v * p.up.x;
+      rays.dir_y[lane] = p.forward.y + u * p.right.y + v * p.up.y;
+      rays.dir_z[lane] = p.forward.z + u * p.right.z + v * p.up.z;
+      weight[first + lane] = p.scale * inverse * inverse * inverse;
+      inverse_length[first + lane] = inverse;
+    }
+  }
+}
+
+IRSIG_CLONES void sun_probability(VertexList& vertices, Float3 sun, float sin_radius, float faint) {
+  const float* nx = vertices.nx.data();
+  const float* ny = vertices.ny.data();
+  const float* nz = vertices.nz.data();
+  const float* ox = vertices.ox.data();
+  const float* oy = vertices.oy.data();
+  const float* oz = vertices.oz.data();
+  const float* cos_o_of = vertices.cos_o.data();
+  const float* m2_of = vertices.roughness2.data();
+  float* keep = vertices.keep.data();
+  const std::uint32_t size = vertices.size;
+#pragma GCC ivdep
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const float towards = nx[i] * sun.x + ny[i] * sun.y + nz[i] * sun.z;
+    const float cos_i = std::max(towards, 1e-3f), cos_o = cos_o_of[i];
+    const float hx = ox[i] + sun.x, hy = oy[i] + sun.y, hz = oz[i] + sun.z;
+    const float inverse = 1.0f / std::sqrt(hx * hx + hy * hy + hz * hz + 1e-12f);
+    const float cos_h = std::max((nx[i] * hx + ny[i] * hy + nz[i] * hz) * inverse, 1e-3f);
+    const float cos_d = std::max((ox[i] * hx + oy[i] * hy + oz[i] * hz) * inverse, 1e-3f);
+    const float cos2 = cos_h * cos_h;
+    const float m2 = std::max(m2_of[i], 1e-6f);
+    // exp(-tan^2/m^2) = 2^(-tan^2 / (m^2 ln 2)), the mantissa's piece by a straight line
+    const float exponent = std::max(126.94f - (1.0f - cos2) / (cos2 * m2) * 1.44269504f, 0.0f);
+    const float bell = std::bit_cast<float>(static_cast<std::int32_t>(exponent * 8388608.0f));
+    const float smaller = std::min(cos_i, cos_o), larger = std::max(cos_i, cos_o);
+    const float groove = std::min(2.0f * cos_h / (cos_d * larger), 1.0f / (smaller * larger));
+    const float lobe = 0.25f * bell / (m2 * cos2 * cos2) * groove;  // brdf x pi
+    const float relative = m2_of[i] > 0.0f ? lobe / faint : 1.0f;
+    keep[i] = towards > -sin_radius ? std::min(relative, 1.0f) : 0.0f;
+  }
+}
+
+}  // namespace irsig

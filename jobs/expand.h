@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// The text that names a message: the same for equal messages whatever wrote them, unlike protobuf's
+// bytes. One line for each field that is present, in the order of field numbers,
+//
+//   <path> <type> <value>
+//
+//   path   field numbers, "1.7[2].4"; [i] the i-th element, {"name"} the entry of a map (sorted by
+//   name) type   message (no value) | string | double | uint | bool value  "..." with \xNN for all
+//   but printable ASCII, quotes and backslashes; %a hexadecimal, no
+//          negative zero; decimal; true | false
+//
+// The SHA-256 of a resolved sweep's canonical encoding is its sweep_sha256. The asset stored and
+// sent under that name is the serialized ResolvedSweep: whoever fetched it parses and encodes it to
+// check it.
+[[nodiscard]] std::string canonical_encoding(const schema::ResolvedSweep& sweep);
+
+// SHA-256 in hex.
+[[nodiscard]] std::string sha256_hex(std::string_view bytes);
+
+// The jobs of a sweep: one for each viewpoint, in order, cut along time, then season, then band
+// where its estimated cost exceeds transport.job_size_vertices. Cutting is a pure function of the
+// sweep.
+//
+// Cost in path vertices: tracing = paths x (max_reflections + 1); each condition adds 0.01 tracing
+// for every 122 stored wavelengths, and 0.25 tracing if it has a sun. Paths are target_paths, or
+// replicates x samples_per_replicate, or for a relative error e (for a time budget that no pilot
+// has turned into samples yet, e = 0.01) 2200 (0.01 / e)^(1 / 0.77), at most replicates x
+// max_samples_per_replicate. Every piece traces again, so a piece may always carry as much shading
+// as its tracing costs.
+//
+// job_key = SHA-256 of what determines the job's result: physics_version, the canonical encoding of
+// the sweep without what does not (names, viewpoints other than the job's, how conditions were
+// written, job size, the closed-form model), the viewpoint, and the job's condition and band
+// indices. It covers ALL conditions and bands: they decide sample counts and hot parts together.
+[[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
+                                                       int physics_version);
+
+}  // namespace irsig

@@ -1,0 +1,270 @@
+#include <toml++/toml.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "jobs/nearest_name.h"
+#include "jobs/section_check.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+std::string what_it_is(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "a string";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "a boolean";
+    case toml::node_type::date:
+      return "a date";
+    case toml::node_type::time:
+      return "a time";
+    case toml::node_type::date_time:
+      return "a date and time";
+    default:
+      return "nothing";
+  }
+}
+
+std::string what_is_expected(const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_STRING:
+      return "a string in quotes";
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return "true or false";
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return "a number";
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return "a table";
+    default:
+      return "a whole number, 0 or more";
+  }
+}
+
+std::vector<std::string> keys_of(const Descriptor& table) {
+  std::vector<std::string> keys;
+  for (int i = 0; i < table.field_count(); ++i) keys.push_back(table.field(i)->name());
+  return keys;
+}
+
+// Walks a TOML table and the message of the same shape together.
+class Filler {
+ public:
+  Filler(SweepFile& file, Findings& findings) : file_(file), findings_(findings) {}
+
+  void fill_table(const toml::table& table, const std::string& path, Message& message) {
+    for (const auto& [toml_key, node] : table) {
+      const std::string key(toml_key.str());
+      const std::string key_path = path.empty() ? key : absl::StrCat(path, ".", key);
+      remember(key_path, toml_key.source());
+      const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(key);
+      if (field == nullptr) {
+        findings_.add(key_path, absl::StrCat("unknown key \"", key, "\"", home_of(path), ", ",
+                                             suggestion(key, keys_of(*message.GetDescriptor()))));
+      } else if (field->is_map()) {
+        fill_map(node, key_path, *field, message);
+      } else if (field->is_repeated()) {
+        fill_array(node, key_path, *field, message);
+      } else {
+        fill_value(node, key_path, *field, message);
+      }
+    }
+  }
+
+ private:
+  void remember(const std::string& path, const toml::source_region& source) {
+    file_.where[path] =
+        absl::StrCat(file_.file_name, ":", source.begin.line, ":", source.begin.column);
+  }
+
+  static std::string home_of(const std::string& path) {
+    return path.empty() ? "" : absl::StrCat(" in ", path);
+  }
+
+  void wrong_type(const toml::node& node, const std::string& path, const std::string& expected) {
+    findings_.add(path, absl::StrCat(path, " is ", what_it_is(node), ", expected ", expected));
+  }
+
+  // Every key of a map is a name of the user's own.
+  void fill_map(const toml::node& node, const std::string& path, const FieldDescriptor& field,
+                Message& message) {
+    const toml::table* table = node.as_table();
+    if (table == nullptr) return wrong_type(node, path, "a table: name = number");
+    for (const auto& [toml_key, value] : *table) {
+      const std::string key(toml_key.str());
+      const std::string key_path = absl::StrCat(path, ".", key);
+      remember(key_path, toml_key.source());
+      Message* entry = message.GetReflection()->AddMessage(&message, &field);
+      entry->GetReflection()->SetString(entry, field.message_type()->map_key(), key);
+      fill_value(value, key_path, *field.message_type()->map_value(), *entry);
+    }
+  }
+
+  void fill_array(const toml::node& node, const std::string& path, const FieldDescriptor& field,
+                  Message& message) {
+    const bool of_tables = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
+    const toml::array* array = node.as_array();
+    if (array == nullptr) {
+      return wrong_type(node, path,
+                        of_tables
+                            ? absl::StrCat("an array of tables: [[", path, "]]")
+                            : absl::StrCat("an array: [ ", what_is_expected(field), ", ... ]"));
+    }
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      const toml::node& element = (*array)[i];
+      const std::string element_path = absl::StrCat(path, "[", i, "]");
+      remember(element_path, element.source());
+      fill_value(element, element_path, field, message);
+    }
+  }
+
+  // One value, set or (repeated field) appended.
+  void fill_value(const toml::node& node, const std::string& path, const FieldDescriptor& field,
+                  Message& message) {
+    const Reflection& reflection = *message.GetReflection();
+    const bool append = field.is_repeated();
+    switch (field.cpp_type()) {
+      case FieldDescriptor::CPPTYPE_MESSAGE: {
+        const toml::table* table = node.as_table();
+        if (table == nullptr) return wrong_type(node, path, what_is_expected(field));
+        Message* inner = append ? reflection.AddMessage(&message, &field)
+                                : reflection.MutableMessage(&message, &field);
+        return fill_table(*table, path, *inner);
+      }
+      case FieldDescriptor::CPPTYPE_STRING: {
+        const std::optional<std::string> text = string_of(node, field);
+        if (!text) return wrong_string(node, path, field);
+        return append ? reflection.AddString(&message, &field, *text)
+                      : reflection.SetString(&message, &field, *text);
+      }
+      case FieldDescriptor::CPPTYPE_BOOL: {
+        const toml::value<bool>* value = node.as_boolean();
+        if (value == nullptr) return wrong_type(node, path, what_is_expected(field));
+        return append ? reflection.AddBool(&message, &field, value->get())
+                      : reflection.SetBool(&message, &field, value->get());
+      }
+      case FieldDescriptor::CPPTYPE_DOUBLE: {
+        if (!node.is_number()) return wrong_type(node, path, what_is_expected(field));
+        const double value = *node.value<double>();
+        if (!std::isfinite(value)) {
+          return findings_.add(path,
+                               absl::StrCat(path, " is ", std::isnan(value) ? "nan" : "infinite",
+                                            ", expected a finite number"));
+        }
+        return append ? reflection.AddDouble(&message, &field, value)
+                      : reflection.SetDouble(&message, &field, value);
+      }
+      case FieldDescriptor::CPPTYPE_UINT32:
+        if (const auto value =
+                whole_number(node, path, field, std::numeric_limits<std::uint32_t>::max())) {
+          const auto narrow = static_cast<std::uint32_t>(*value);
+          append ? reflection.AddUInt32(&message, &field, narrow)
+                 : reflection.SetUInt32(&message, &field, narrow);
+        }
+        return;
+      case FieldDescriptor::CPPTYPE_UINT64:
+        if (const auto value =
+                whole_number(node, path, field, std::numeric_limits<std::uint64_t>::max())) {
+          append ? reflection.AddUInt64(&message, &field, *value)
+                 : reflection.SetUInt64(&message, &field, *value);
+        }
+        return;
+      default:
+        findings_.add(path, absl::StrCat(path, " has a type that sweep files do not use"));
+    }
+  }
+
+  // A TOML date without quotes is what people write for a season's date.
+  static std::optional<std::string> string_of(const toml::node& node,
+                                              const FieldDescriptor& field) {
+    if (const auto* text = node.as_string()) return text->get();
+    if (const auto* date = node.as_date(); date != nullptr && field.name() == "date") {
+      char text[16];
+      std::snprintf(text, sizeof text, "%04u-%02u-%02u", unsigned{date->get().year},
+                    unsigned{date->get().month}, unsigned{date->get().day});
+      return text;
+    }
+    return std::nullopt;
+  }
+
+  void wrong_string(const toml::node& node, const std::string& path, const FieldDescriptor& field) {
+    if (field.name() == "time" && (node.is_time() || node.is_date_time())) {
+      return wrong_type(node, path,
+                        "a time of day with its offset from UTC, in quotes: \"10:30+09:00\"");
+    }
+    wrong_type(node, path, what_is_expected(field));
+  }
+
+  // 24 and 2e6 are whole numbers, -1 and 1.5 are not.
+  std::optional<std::uint64_t> whole_number(const toml::node& node, const std::string& path,
+                                            const FieldDescriptor& field, std::uint64_t largest) {
+    std::string found;
+    if (const auto* integer = node.as_integer()) {
+      const std::int64_t value = integer->get();
+      if (value >= 0 && static_cast<std::uint64_t>(value) <= largest) {
+        return static_cast<std::uint64_t>(value);
+      }
+      found = absl::StrCat(value);
+    } else if (const auto* real = node.as_floating_point()) {
+      constexpr double kExactlyCounted = 9007199254740992.0;  // 2^53
+      const double value = real->get();
+      if (value >= 0 && value <= kExactlyCounted && value == std::floor(value) &&
+          value <= static_cast<double>(largest)) {
+        return static_cast<std::uint64_t>(value);
+      }
+      found = absl::StrCat(value);
+    } else {
+      wrong_type(node, path, what_is_expected(field));
+      return std::nullopt;
+    }
+    findings_.add(
+        path, absl::StrCat(path, " = ", found, ", expected a whole number from 0 to ", largest));
+    return std::nullopt;
+  }
+
+  SweepFile& file_;
+  Findings& findings_;
+};
+
+}  // namespace
+
+absl::StatusOr<SweepFile> parse_sweep(std::string_view text, std::string_view file_name) {
+  SweepFile file;
+  file.file_name = std::string(file_name);
+  toml::table table;
+  try {
+    table = toml::parse(text, file_name);
+  } catch (
+      const toml::parse_error& error) {  // the library's way to say it; goes no further than this
+    const toml::source_position at = error.source().begin;
+    return absl::InvalidArgumentError(absl::StrCat(file.file_name, ":", at.line, ":", at.column,
+                                                   ": ",
+                                                   one_line(std::string(error.description()))));
+  }
+  Findings findings(file);
+  Filler(file, findings).fill_table(table, "", file.sweep);
+  if (!findings.empty()) return findings.status();
+  return file;
+}
+
+}  // namespace irsig

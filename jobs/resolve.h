@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "jobs/section_check.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// The pieces of resolve_sweep, one for each group of tables. Each looks at `sweep` as written
+// (before any default is filled in), reports to `findings`, and where it says so completes the
+// resolved sweep.
+
+// [model] [[material]] [[part]]. Built-in materials that parts name are added to sweep.material.
+void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolved,
+                    Findings& findings);
+
+// [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
+// if nothing was found so far.
+void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings);
+
+// [surroundings] and [season.surroundings]: the complete one of each season, in the order of the
+// seasons.
+[[nodiscard]] std::vector<schema::Surroundings> resolve_surroundings(const schema::Sweep& sweep,
+                                                                     Findings& findings);
+
+// [viewpoints]: writes ResolvedSweep.viewpoint.
+void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
+
+// [[band]] [transport] [accuracy] [output] [precompute]
+void check_run(const schema::Sweep& sweep, Findings& findings);
+
+// The temperature range that every temperature of a sweep file must lie in: Planck's law is
+// measured there (core/spectral/planck.h).
+inline constexpr double kHottestK = 20000.0;
+
+// The wavelengths that a sweep file may use: from 0.3 um, where optical constants and the sun are
+// well known, to 1000 um, the end of the range over which Planck's law is measured.
+inline constexpr double kShortestUm = 0.3;
+inline constexpr double kLongestUm = 1000.0;
+
+// Larger sweeps are refused before they fill the memory; split them.
+inline constexpr int kMostViewpoints = 1000000;
+inline constexpr int kMostConditions = 100000;
+inline constexpr int kMostWavelengths = 100000;
+
+}  // namespace irsig

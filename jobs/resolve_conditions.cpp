@@ -1,0 +1,219 @@
+#include <cctype>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+// E490's total at 1 AU [W/m2], as core/spectral/solar.h has it (tests/unit/resolve_test.cpp
+// compares them: this folder may not depend on core_spectral).
+constexpr double kSolarConstantWM2 = 1366.1;
+
+void check_place(const schema::Sweep& sweep, Findings& findings) {
+  if (!sweep.has_place()) {
+    if (sweep.transport().sun()) {
+      findings.add("place",
+                   "[place] is missing, expected latitude_deg, longitude_deg and heading_deg: the "
+                   "sun is on");
+    }
+    return;
+  }
+  const SectionCheck check(sweep.place(), "place", findings);
+  check.require({"latitude_deg"}, "expected degrees north of the equator, -90 to 90");
+  check.require({"longitude_deg"}, "expected degrees east of Greenwich, -180 to 180");
+  check.require({"heading_deg"},
+                "expected the bow's direction in degrees clockwise from true north");
+  check.within("latitude_deg", -90, 90);
+  check.within("longitude_deg", -180, 180);
+  check.within("height_m", -500, 100e3);
+  check.within("heading_deg", -360, 360);
+}
+
+void check_air(const schema::Sweep& sweep, Findings& findings) {
+  if (!sweep.has_air()) {
+    findings.add("air", "[air] is missing, expected model = \"vacuum\" or \"homogeneous\"");
+    return;
+  }
+  const SectionCheck check(sweep.air(), "air", findings);
+  check.require({"model"}, "expected \"vacuum\" or \"homogeneous\"");
+  if (!check.one_of("model", {"vacuum", "homogeneous"})) return;
+  if (sweep.air().model() == "vacuum") {
+    check.only({"model"}, "to model \"vacuum\"");
+    return;
+  }
+  check.require({"absorption_m2_kg"}, "expected the mass absorption coefficient in m2/kg");
+  check.require({"pressure_pa"}, "expected the air pressure in Pa (101325 at sea level)");
+  check.require({"gas_constant_j_kg_k"},
+                "expected the specific gas constant in J/(kg K) (287 for dry air)");
+  check.require({"path_emission"}, "expected true or false: whether the air itself radiates");
+  check.within("absorption_m2_kg", 0, 1e6);
+  check.within("pressure_pa", 0, 1e9);
+  check.above("gas_constant_j_kg_k", 0);
+}
+
+bool all_digits(std::string_view text) {
+  for (const char c : text) {
+    if (!std::isdigit(static_cast<unsigned char>(c))) return false;
+  }
+  return !text.empty();
+}
+
+bool is_date(const std::string& date) {
+  return date.size() == 10 && date[4] == '-' && date[7] == '-' && all_digits(date.substr(0, 4)) &&
+         all_digits(date.substr(5, 2)) && all_digits(date.substr(8)) &&
+         parse_rfc3339(date + "T00:00:00Z").ok();
+}
+
+void check_seasons(const schema::Sweep& sweep, Findings& findings) {
+  if (sweep.season_size() == 0) {
+    findings.add("season",
+                 "[[season]] is missing, expected one or more seasons with name and date");
+    return;
+  }
+  (void)check_names(sweep.season(), "season", findings);
+  const bool homogeneous_air = sweep.air().model() == "homogeneous";
+  for (int i = 0; i < sweep.season_size(); ++i) {
+    const schema::Season& season = sweep.season(i);
+    const SectionCheck check(season, absl::StrCat("season[", i, "]"), findings);
+    check.require({"date"}, "expected a date: 2025-12-21");
+    if (season.has_date() && !is_date(season.date())) {
+      check.error("date", absl::StrCat("= \"", season.date(),
+                                       "\", expected a date of the calendar: 2025-12-21"));
+    }
+    check.within("sun_irradiance_w_m2", 0, 1e9);
+    if (homogeneous_air)
+      check.require({"air_temperature_k"},
+                    "expected the air's temperature: the air is homogeneous");
+    check.within("air_temperature_k", 0, kHottestK);
+    if (season.has_air_temperature_k() && season.air_temperature_k() == 0 && homogeneous_air) {
+      check.error("air_temperature_k",
+                  "= 0, expected a temperature above 0: the air's density depends on it");
+    }
+  }
+}
+
+// The time of day in full, "10:30:00+09:00", from "10:30+09:00"; an empty string and what is wrong
+// if it is no time of day or has no offset.
+struct TimeOfDay {
+  std::string text, wrong;
+};
+TimeOfDay time_of_day(const std::string& text) {
+  constexpr const char* kExample =
+      "expected a time of day with its offset from UTC: \"10:30+09:00\" or \"01:30Z\"";
+  const auto digit_at = [&](std::size_t i) {
+    return i < text.size() && all_digits(text.substr(i, 1));
+  };
+  if (!(digit_at(0) && digit_at(1) && text.size() > 4 && text[2] == ':' && digit_at(3) &&
+        digit_at(4))) {
+    return {"", absl::StrCat("is no time of day, ", kExample)};
+  }
+  std::size_t offset = 5;
+  while (offset < text.size() && (digit_at(offset) || text[offset] == ':' || text[offset] == '.'))
+    ++offset;
+  if (offset == text.size()) return {"", absl::StrCat("has no offset, ", kExample)};
+  const std::string seconds = text.substr(5, offset - 5);
+  return {absl::StrCat(text.substr(0, 5), seconds.empty() ? ":00" : seconds, text.substr(offset)),
+          ""};
+}
+
+// The instant of each season's date at each time, [season][time]; nullopt where the file is wrong.
+std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep& sweep,
+                                                             Findings& findings) {
+  std::vector<std::vector<std::optional<UtcTime>>> instants(
+      static_cast<std::size_t>(sweep.season_size()));
+  if (sweep.time_size() == 0) {
+    findings.add("time",
+                 "time is missing, expected one or more times of day: time = [\"10:30+09:00\"]");
+  }
+  for (int t = 0; t < sweep.time_size(); ++t) {
+    const std::string path = absl::StrCat("time[", t, "]");
+    const TimeOfDay time = time_of_day(sweep.time(t));
+    if (!time.wrong.empty()) {
+      findings.add(path, absl::StrCat(path, " = \"", sweep.time(t), "\" ", time.wrong));
+    }
+    for (int s = 0; s < sweep.season_size(); ++s) {
+      auto& row = instants[static_cast<std::size_t>(s)];
+      row.emplace_back();
+      if (!time.wrong.empty() || !is_date(sweep.season(s).date())) continue;
+      const absl::StatusOr<UtcTime> instant =
+          parse_rfc3339(absl::StrCat(sweep.season(s).date(), "T", time.text));
+      if (!instant.ok()) {
+        findings.add(path, absl::StrCat(path, " = \"", sweep.time(t), "\" is no time on ",
+                                        sweep.season(s).date(), ": ", instant.status().message()));
+        continue;
+      }
+      for (int earlier = 0; earlier < t; ++earlier) {
+        const auto& other = row[static_cast<std::size_t>(earlier)];
+        if (!other || format_rfc3339_utc(*other) != format_rfc3339_utc(*instant)) continue;
+        findings.add(path,
+                     absl::StrCat(path, " = \"", sweep.time(t), "\" is the same instant as time[",
+                                  earlier, "], expected different times"));
+      }
+      row.back() = *instant;
+    }
+  }
+  return instants;
+}
+
+// Writes the sun's irradiance of one condition: as the season states it, else E490 at the sun's
+// distance.
+void resolve_sun(const schema::Sweep& sweep, int season_index, const UtcTime& utc,
+                 schema::Condition& condition, Findings& findings) {
+  const schema::Season& season = sweep.season(season_index);
+  if (!sweep.transport().sun()) return;
+  const schema::Place& place = sweep.place();
+  const absl::StatusOr<SunPosition> sun =
+      sun_position(utc, place.latitude_deg(), place.longitude_deg(), place.height_m());
+  if (!sun.ok()) {
+    const std::string path = absl::StrCat("season[", season_index, "].date");
+    findings.add(path, absl::StrCat(path, " has no sun position: ", sun.status().message()));
+  } else if (season.has_sun_irradiance_w_m2()) {
+    condition.set_sun_irradiance_w_m2(season.sun_irradiance_w_m2());
+  } else {
+    condition.set_sun_irradiance_w_m2(kSolarConstantWM2 / (sun->distance_au * sun->distance_au));
+    condition.set_sun_irradiance_from_distance(true);
+  }
+}
+
+}  // namespace
+
+void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings) {
+  const schema::Sweep& sweep = resolved.sweep();
+  check_place(sweep, findings);
+  check_air(sweep, findings);
+  check_seasons(sweep, findings);
+  const auto instants = check_times(sweep, findings);
+  const auto surroundings = resolve_surroundings(sweep, findings);
+  const double count = static_cast<double>(sweep.season_size()) * sweep.time_size();
+  if (count > kMostConditions) {
+    findings.add("time", absl::StrCat("time and season make ", count,
+                                      " conditions, expected at most ", kMostConditions));
+  }
+  if (!findings.empty()) return;
+
+  for (int s = 0; s < sweep.season_size(); ++s) {
+    const schema::Season& season = sweep.season(s);
+    for (int t = 0; t < sweep.time_size(); ++t) {
+      const UtcTime& utc = *instants[static_cast<std::size_t>(s)][static_cast<std::size_t>(t)];
+      schema::Condition& condition = *resolved.add_condition();
+      condition.set_season_index(static_cast<std::uint32_t>(s));
+      condition.set_time_index(static_cast<std::uint32_t>(t));
+      condition.set_season(season.name());
+      condition.set_time_utc(format_rfc3339_utc(utc));
+      for (const schema::Part& part : sweep.part()) {
+        const auto stated = season.part_temperature_k().find(part.name());
+        condition.add_part_temperature_k(
+            stated != season.part_temperature_k().end() ? stated->second : part.temperature_k());
+      }
+      *condition.mutable_surroundings() = surroundings[static_cast<std::size_t>(s)];
+      resolve_sun(sweep, s, utc, condition, findings);
+      if (sweep.air().model() == "homogeneous")
+        condition.set_air_temperature_k(season.air_temperature_k());
+    }
+  }
+}
+
+}  // namespace irsig

@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "jobs/nearest_name.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+void check_limits(const SectionCheck& check, double least_um, double most_um) {
+  check.require({"lambda_min_um", "lambda_max_um"}, "expected a wavelength in micrometres");
+  check.require({"step_um"}, "expected the spacing of the stored spectrum in micrometres");
+  check.within("lambda_min_um", kShortestUm, kLongestUm);
+  check.within("lambda_max_um", kShortestUm, kLongestUm);
+  check.above("step_um", 0);
+  if (!check.has("lambda_min_um") || !check.has("lambda_max_um")) return;
+  if (!(least_um < most_um)) {
+    check.error("lambda_max_um", absl::StrCat("= ", most_um, " is not above lambda_min_um = ",
+                                              least_um, ", expected the shorter wavelength first"));
+  }
+}
+
+void check_step(const SectionCheck& check, double least_um, double most_um, double step_um) {
+  if (!(step_um > 0) || !(least_um < most_um)) return;
+  if (step_um > most_um - least_um) {
+    check.error("step_um", absl::StrCat("= ", step_um, " is wider than the band, expected at most ",
+                                        most_um - least_um));
+  } else if ((most_um - least_um) / step_um > kMostWavelengths) {
+    check.error("step_um", absl::StrCat("= ", step_um, " makes more than ", kMostWavelengths,
+                                        " wavelengths, expected fewer"));
+  }
+}
+
+void check_response(const schema::Band& band, const std::string& path, Findings& findings) {
+  double largest = 0;
+  for (int i = 0; i < band.response_size(); ++i) {
+    const schema::SpectralPoint& point = band.response(i);
+    const SectionCheck check(point, absl::StrCat(path, ".response[", i, "]"), findings);
+    check.require({"lambda_um", "value"}, "expected a wavelength and the response there");
+    check.within("lambda_um", band.lambda_min_um(), band.lambda_max_um());
+    check.within("value", 0, 1e12);
+    largest = std::max(largest, point.value());
+    if (i > 0 && point.has_lambda_um() && !(point.lambda_um() > band.response(i - 1).lambda_um())) {
+      check.error("lambda_um",
+                  absl::StrCat("= ", point.lambda_um(),
+                               " is not above the one before it, expected increasing wavelengths"));
+    }
+  }
+  if (band.response_size() == 1)
+    findings.add(path + ".response", path + ".response has one point, expected two or more");
+  if (band.response_size() > 1 && largest == 0) {
+    findings.add(path + ".response",
+                 path + ".response is zero everywhere, expected a value above 0");
+  }
+}
+
+void check_bands(const schema::Sweep& sweep, Findings& findings) {
+  if (sweep.band_size() == 0) {
+    findings.add("band",
+                 "[[band]] is missing, expected one or more bands with name, lambda_min_um, "
+                 "lambda_max_um and step_um");
+    return;
+  }
+  (void)check_names(sweep.band(), "band", findings);
+  for (int i = 0; i < sweep.band_size(); ++i) {
+    const schema::Band& band = sweep.band(i);
+    const std::string path = absl::StrCat("band[", i, "]");
+    const SectionCheck check(band, path, findings);
+    check_limits(check, band.lambda_min_um(), band.lambda_max_um());
+    check_step(check, band.lambda_min_um(), band.lambda_max_um(), band.step_um());
+    check_response(band, path, findings);
+    for (int j = 0; j < i; ++j) {
+      const schema::Band& other = sweep.band(j);
+      if (!(band.lambda_min_um() < other.lambda_max_um() &&
+            other.lambda_min_um() < band.lambda_max_um()))
+        continue;
+      findings.add(path, absl::StrCat(path, " \"", band.name(), "\" (", band.lambda_min_um(),
+                                      " to ", band.lambda_max_um(), " um) overlaps band[", j,
+                                      "] \"", other.name(), "\" (", other.lambda_min_um(), " to ",
+                                      other.lambda_max_um(), " um), expected separate bands"));
+    }
+  }
+}
+
+void check_transport(const schema::Sweep& sweep, Findings& findings) {
+  const SectionCheck check(sweep.transport(), "transport", findings);
+  check.require({"sun"}, "expected true or false: whether the sun shines on the target");
+  check.within("max_reflections", 0, 64);
+  check.above("job_size_vertices", 0);
+}
+
+void check_accuracy(const schema::Sweep& sweep, Findings& findings) {
+  const schema::Accuracy& accuracy = sweep.accuracy();
+  const SectionCheck check(accuracy, "accuracy", findings);
+  (void)check.at_most_one(
+      {"relative_error", "target_paths", "samples_per_replicate", "time_budget_s"});
+  check.within("relative_error", 1e-6, 1);
+  check.within("target_paths", 1, 1e15);
+  check.within("samples_per_replicate", 1, 1e12);
+  check.above("time_budget_s", 0);
+  check.within("replicates", 32, 4096);
+  check.within("max_samples_per_replicate", 1, 1e12);
+  if (accuracy.has_samples_per_replicate() && accuracy.has_max_samples_per_replicate() &&
+      accuracy.samples_per_replicate() > accuracy.max_samples_per_replicate()) {
+    check.error("samples_per_replicate",
+                absl::StrCat("= ", accuracy.samples_per_replicate(),
+                             " is more than max_samples_per_replicate, expected at most ",
+                             accuracy.max_samples_per_replicate()));
+  }
+}
+
+void check_by_season(const google::protobuf::Map<std::string, double>& by_season,
+                     const std::string& path, double above, const schema::Sweep& sweep,
+                     Findings& findings) {
+  std::vector<std::string> seasons;
+  for (const schema::Season& season : sweep.season()) {
+    seasons.push_back(season.name());
+    if (by_season.contains(season.name())) continue;
+    findings.add(path, absl::StrCat(path, " lacks season \"", season.name(),
+                                    "\", expected a temperature for every season"));
+  }
+  for (const auto& [season, temperature_k] : by_season) {
+    const std::string key = absl::StrCat(path, ".", season);
+    if (std::find(seasons.begin(), seasons.end(), season) == seasons.end()) {
+      findings.add(key, absl::StrCat(key, ": there is no season \"", season, "\", ",
+                                     suggestion(season, seasons)));
+    }
+    if (!(temperature_k >= above && temperature_k <= kHottestK)) {
+      findings.add(key, absl::StrCat(key, " = ", temperature_k, ", expected a number from ", above,
+                                     " to ", kHottestK));
+    }
+  }
+}
+
+void check_precompute(const schema::Sweep& sweep, Findings& findings) {
+  if (!sweep.has_precompute()) return;
+  const schema::Precompute& model = sweep.precompute();
+  const SectionCheck check(model, "precompute", findings);
+  check.require({"hot_area_m2", "hot_temperature_k", "ambient_area_m2", "emissivity",
+                 "reflected_exitance_w_m2_um", "absorption_m2_kg", "pressure_pa",
+                 "gas_constant_j_kg_k", "range_m"},
+                "expected a number: Eq. 12 needs every one of its inputs");
+  for (const char* name : {"hot_area_m2", "ambient_area_m2", "reflected_exitance_w_m2_um",
+                           "absorption_m2_kg", "pressure_pa"}) {
+    check.within(name, 0, 1e12);
+  }
+  check.within("hot_temperature_k", 0, kHottestK);
+  check.within("emissivity", 0, 1);
+  check.above("gas_constant_j_kg_k", 0);
+  check.above("range_m", 0);
+  check_limits(check, model.lambda_min_um(), model.lambda_max_um());
+  check_step(check, model.lambda_min_um(), model.lambda_max_um(), model.step_um());
+  check_by_season(model.ambient_temperature_k(), "precompute.ambient_temperature_k", 0, sweep,
+                  findings);
+  check_by_season(model.air_temperature_k(), "precompute.air_temperature_k", 1, sweep, findings);
+}
+
+}  // namespace
+
+void check_run(const schema::Sweep& sweep, Findings& findings) {
+  check_bands(sweep, findings);
+  check_transport(sweep, findings);
+  check_accuracy(sweep, findings);
+  SectionCheck(sweep.output(), "output", findings).within("thumbnail_px", 0, 4096);
+  check_precompute(sweep, findings);
+}
+
+}  // namespace irsig

@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+using schema::Surroundings;
+
+bool states_sky(const Surroundings& s) {
+  return s.has_sky_temperature_k() || s.has_sky_radiance_w_m2_sr_um();
+}
+
+// The sweep's own surroundings with what the season says in their place, field by field. The two
+// ways to state the sky are one field; what the other kind of surroundings would need is not
+// inherited.
+Surroundings overridden(Surroundings base, const Surroundings& season) {
+  if (states_sky(season)) {
+    base.clear_sky_temperature_k();
+    base.clear_sky_radiance_w_m2_sr_um();
+  }
+  if (season.has_kind() && season.kind() != base.kind()) {
+    if (season.kind() == "sea") {
+      base.clear_lower_radiance_w_m2_sr_um();
+    } else {
+      base.clear_sky_temperature_k();
+      base.clear_sea_temperature_k();
+      base.clear_sea_emissivity();
+    }
+  }
+  base.MergeFrom(season);
+  return base;
+}
+
+// One table as it is written; `kind` is the kind that it takes part in.
+void check_table(const Surroundings& table, const std::string& kind, const std::string& path,
+                 Findings& findings) {
+  const SectionCheck check(table, path, findings);
+  if (!check.one_of("kind", {"sea", "none"}) && table.has_kind()) return;
+  if (kind == "sea") {
+    check.only({"kind", "sky_temperature_k", "sky_radiance_w_m2_sr_um", "sea_temperature_k",
+                "sea_emissivity"},
+               "to kind \"sea\"");
+    (void)check.at_most_one({"sky_temperature_k", "sky_radiance_w_m2_sr_um"});
+  } else if (kind == "none") {
+    check.only({"kind", "sky_radiance_w_m2_sr_um", "lower_radiance_w_m2_sr_um"},
+               "to kind \"none\"");
+  }
+  check.within("sky_temperature_k", 0, kHottestK);
+  check.within("sky_radiance_w_m2_sr_um", 0, 1e12);
+  check.within("sea_temperature_k", 0, kHottestK);
+  check.within("sea_emissivity", 0, 1);
+  check.within("lower_radiance_w_m2_sr_um", 0, 1e12);
+}
+
+// What the complete surroundings of one season lack, as "key, expected what".
+std::vector<std::pair<const char*, const char*>> missing_from(const Surroundings& complete) {
+  std::vector<std::pair<const char*, const char*>> missing;
+  if (!complete.has_kind()) {
+    missing.emplace_back("kind", "expected \"sea\" or \"none\"");
+  } else if (complete.kind() == "sea") {
+    if (!states_sky(complete)) {
+      missing.emplace_back("sky_temperature_k",
+                           "expected sky_temperature_k or sky_radiance_w_m2_sr_um");
+    }
+    if (!complete.has_sea_temperature_k())
+      missing.emplace_back("sea_temperature_k", "expected the sea's temperature");
+    if (!complete.has_sea_emissivity())
+      missing.emplace_back("sea_emissivity", "expected the sea's emissivity, 0 to 1");
+  } else if (complete.kind() == "none") {
+    if (!complete.has_sky_radiance_w_m2_sr_um()) {
+      missing.emplace_back("sky_radiance_w_m2_sr_um",
+                           "expected the radiance from above (0 if there is none)");
+    }
+    if (!complete.has_lower_radiance_w_m2_sr_um()) {
+      missing.emplace_back("lower_radiance_w_m2_sr_um",
+                           "expected the radiance from below (0 if there is none)");
+    }
+  }
+  return missing;
+}
+
+}  // namespace
+
+std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findings& findings) {
+  const Surroundings& base = sweep.surroundings();
+  if (sweep.has_surroundings()) check_table(base, base.kind(), "surroundings", findings);
+
+  std::vector<Surroundings> complete;
+  for (int i = 0; i < sweep.season_size(); ++i) {
+    const Surroundings& season = sweep.season(i).surroundings();
+    complete.push_back(overridden(base, season));
+    if (sweep.season(i).has_surroundings()) {
+      check_table(season, complete.back().kind(), absl::StrCat("season[", i, "].surroundings"),
+                  findings);
+    }
+  }
+
+  // What no season has is missing from the sweep's own table: said once.
+  Surroundings any = base;
+  for (const Surroundings& s : complete) any.MergeFrom(s);
+  std::vector<std::string> said;
+  if (!sweep.has_surroundings() && !any.has_kind()) {
+    findings.add(
+        "surroundings",
+        "[surroundings] is missing, expected kind = \"sea\" or \"none\" and what belongs to it");
+    return complete;
+  }
+  for (const auto& [key, expected] : missing_from(any)) {
+    const std::string path = absl::StrCat("surroundings.", key);
+    findings.add(path, absl::StrCat(path, " is missing, ", expected));
+    said.emplace_back(key);
+  }
+  for (std::size_t i = 0; i < complete.size(); ++i) {
+    for (const auto& [key, expected] : missing_from(complete[i])) {
+      if (std::find(said.begin(), said.end(), key) != said.end()) continue;
+      const std::string path = absl::StrCat("season[", i, "].surroundings.", key);
+      findings.add(path,
+                   absl::StrCat(path, " is missing (and surroundings.", key, " too), ", expected));
+    }
+  }
+  return complete;
+}
+
+}  // namespace irsig

@@ -1,0 +1,121 @@
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "jobs/resolve.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+namespace {
+
+// Every default of the sweep file stands here and in docs/sweep-file.md, except the names and hot
+// parts below. None of them decides what is there to be seen: temperatures, materials,
+// surroundings, air and sun have no default.
+void write_defaults(schema::Sweep& sweep) {
+  if (!sweep.has_description()) sweep.set_description("");
+  if (!sweep.has_seed()) sweep.set_seed(1);
+
+  schema::Model& model = *sweep.mutable_model();
+  const auto dimension = [](bool has, auto set, double value) {
+    if (!has) set(value);
+  };
+  const auto radius = [&](double m) { model.set_radius_m(m); };
+  const auto length = [&](double m) { model.set_length_m(m); };
+  const auto width = [&](double m) { model.set_width_m(m); };
+  const auto height = [&](double m) { model.set_height_m(m); };
+  const std::string& kind = model.generate();
+  if (kind == "disk" || kind == "sphere" || kind == "cone")
+    dimension(model.has_radius_m(), radius, 1);
+  if (kind == "cylinder") dimension(model.has_radius_m(), radius, 0.5);
+  if (kind == "cylinder") dimension(model.has_length_m(), length, 3);
+  if (kind == "cone" || kind == "box") dimension(model.has_length_m(), length, 2);
+  if (kind == "box") dimension(model.has_width_m(), width, 1);
+  if (kind == "box") dimension(model.has_height_m(), height, 0.5);
+  if (kind == "frigate") dimension(model.has_length_m(), length, 153.8);
+  if (kind == "frigate") dimension(model.has_width_m(), width, 20.4);
+  if (kind == "frigate") dimension(model.has_height_m(), height, 6.4);
+  if (model.has_file() && !model.has_reference()) model.set_reference("origin");
+
+  if (sweep.has_place() && !sweep.place().has_height_m()) sweep.mutable_place()->set_height_m(0);
+
+  for (schema::Material& material : *sweep.mutable_material()) {
+    if (!material.has_allow_energy_gain()) material.set_allow_energy_gain(false);
+  }
+  for (schema::Part& part : *sweep.mutable_part()) {
+    if (part.match_size() == 0) part.add_match(part.name());
+    if (!part.has_two_sided()) part.set_two_sided(false);
+  }
+
+  schema::Viewpoints& viewpoints = *sweep.mutable_viewpoints();
+  if (viewpoints.kind() == "fibonacci") {
+    if (!viewpoints.has_elevation_min_deg()) viewpoints.set_elevation_min_deg(0);
+    if (!viewpoints.has_elevation_max_deg()) viewpoints.set_elevation_max_deg(90);
+  }
+
+  schema::Transport& transport = *sweep.mutable_transport();
+  if (!transport.has_max_reflections()) transport.set_max_reflections(3);
+  if (!transport.has_job_size_vertices()) transport.set_job_size_vertices(2e9);
+
+  schema::Accuracy& accuracy = *sweep.mutable_accuracy();
+  if (!accuracy.has_relative_error() && !accuracy.has_target_paths() &&
+      !accuracy.has_samples_per_replicate() && !accuracy.has_time_budget_s()) {
+    accuracy.set_relative_error(0.01);
+  }
+  if (!accuracy.has_replicates()) accuracy.set_replicates(32);
+  if (!accuracy.has_max_samples_per_replicate()) {
+    accuracy.set_max_samples_per_replicate(
+        std::max<std::uint64_t>(1U << 22U, accuracy.samples_per_replicate()));
+  }
+
+  if (!sweep.output().has_thumbnail_px()) sweep.mutable_output()->set_thumbnail_px(128);
+}
+
+// "ships/frigate.toml" -> "frigate"
+std::string stem(const std::string& file_name) {
+  const std::string base = file_name.substr(file_name.find_last_of('/') + 1);
+  return base.substr(0, base.find_last_of('.'));
+}
+
+// A part that is 30 K or more above the coldest part in any condition gets primary rays of its own:
+// at 300 K, 30 K more are 1.57 times the radiance in 8-12 um and 2.71 times in 3-5 um.
+void mark_hot_parts(schema::ResolvedSweep& resolved) {
+  constexpr double kHotterK = 30;
+  for (int i = 0; i < resolved.sweep().part_size(); ++i) {
+    schema::Part& part = *resolved.mutable_sweep()->mutable_part(i);
+    if (part.has_hot()) continue;
+    bool hot = false;
+    for (const schema::Condition& condition : resolved.condition()) {
+      const auto& temperatures_k = condition.part_temperature_k();
+      const double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
+      hot = hot || temperatures_k[i] >= coldest_k + kHotterK;
+    }
+    part.set_hot(hot);
+  }
+}
+
+void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
+  if (!sweep.has_name()) sweep.set_name(stem(file.file_name));
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (sweep.name().empty() || std::any_of(sweep.name().begin(), sweep.name().end(), is_control)) {
+    findings.add("name", "name is empty or has control characters, expected a plain name");
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
+                                                    std::string_view model_bytes) {
+  schema::ResolvedSweep resolved;
+  *resolved.mutable_sweep() = file.sweep;
+  Findings findings(file);
+  check_name(file, *resolved.mutable_sweep(), findings);
+  resolve_target(model_bytes, resolved, findings);
+  check_run(resolved.sweep(), findings);
+  resolve_viewpoints(resolved, findings);
+  resolve_conditions(resolved, findings);
+  if (!findings.empty()) return findings.status();
+  write_defaults(*resolved.mutable_sweep());
+  mark_hot_parts(resolved);
+  return resolved;
+}
+
+}  // namespace irsig

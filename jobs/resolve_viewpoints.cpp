@@ -1,0 +1,177 @@
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
+#include "core/geo/viewpoint.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+// [0, 360), and no negative zero.
+double normalized_azimuth_deg(double azimuth_deg) {
+  double turned = std::fmod(azimuth_deg, 360.0);
+  if (turned < 0) turned += 360.0;
+  return turned >= 360.0 || turned == 0 ? 0.0 : turned;
+}
+
+void check_angles(const google::protobuf::RepeatedField<double>& angles, const char* name,
+                  double least, double most, Findings& findings) {
+  for (int i = 0; i < angles.size(); ++i) {
+    if (angles[i] >= least && angles[i] <= most) continue;
+    const std::string path = absl::StrCat("viewpoints.", name, "[", i, "]");
+    findings.add(path, absl::StrCat(path, " = ", angles[i], ", expected a number from ", least,
+                                    " to ", most));
+  }
+}
+
+void check_aspects(const schema::Viewpoints& set, Findings& findings) {
+  for (int i = 0; i < set.aspect_size(); ++i) {
+    const schema::Aspect& aspect = set.aspect(i);
+    const SectionCheck check(aspect, absl::StrCat("viewpoints.aspect[", i, "]"), findings);
+    check.require({"azimuth_deg"}, "expected degrees: 0 bow-on, 90 from starboard");
+    check.require({"elevation_deg"}, "expected degrees above the horizon, -90 to 90");
+    check.within("azimuth_deg", -360, 360);
+    check.within("elevation_deg", -90, 90);
+    check.above("range_m", 0);
+    if (!aspect.has_range_m() && !set.has_range_m()) {
+      check.error("range_m", "is missing, expected it here or in [viewpoints]");
+    }
+  }
+}
+
+// How many viewpoints the set has; its keys are checked on the way.
+double checked_count(const schema::Viewpoints& set, const SectionCheck& check, Findings& findings) {
+  const auto nonzero_count = [&] {
+    check.require({"count"}, "expected how many viewpoints");
+    if (set.has_count() && set.count() == 0)
+      check.error("count", "= 0, expected at least one viewpoint");
+  };
+  if (set.kind() != "list")
+    check.require({"range_m"}, "expected the distance to the target in metres");
+  check.above("range_m", 0);
+  if (set.kind() == "fibonacci") {
+    check.only({"kind", "range_m", "count", "elevation_min_deg", "elevation_max_deg"},
+               "to kind \"fibonacci\"");
+    nonzero_count();
+    check.within("elevation_min_deg", -90, 90);
+    check.within("elevation_max_deg", -90, 90);
+    const double least = set.has_elevation_min_deg() ? set.elevation_min_deg() : 0;
+    const double most = set.has_elevation_max_deg() ? set.elevation_max_deg() : 90;
+    if (!(least < most)) {
+      check.error(set.has_elevation_min_deg() ? "elevation_min_deg" : "elevation_max_deg",
+                  absl::StrCat("leaves no zone from ", least, " to ", most,
+                               ", expected minimum below maximum"));
+    }
+    return set.count();
+  }
+  if (set.kind() == "ring") {
+    check.only({"kind", "range_m", "count", "elevation_deg"}, "to kind \"ring\"");
+    nonzero_count();
+    check.require({"elevation_deg"}, "expected the elevation of each ring");
+    check_angles(set.elevation_deg(), "elevation_deg", -90, 90, findings);
+    return static_cast<double>(set.count()) * set.elevation_deg_size();
+  }
+  if (set.kind() == "grid") {
+    check.only({"kind", "range_m", "azimuth_deg", "elevation_deg"}, "to kind \"grid\"");
+    check.require({"azimuth_deg"}, "expected the azimuths of the grid");
+    check.require({"elevation_deg"}, "expected the elevations of the grid");
+    check_angles(set.azimuth_deg(), "azimuth_deg", -360, 360, findings);
+    check_angles(set.elevation_deg(), "elevation_deg", -90, 90, findings);
+    return static_cast<double>(set.azimuth_deg_size()) * set.elevation_deg_size();
+  }
+  check.only({"kind", "range_m", "aspect"}, "to kind \"list\"");
+  check.require({"aspect"}, "expected one or more [[viewpoints.aspect]]");
+  check_aspects(set, findings);
+  return set.aspect_size();
+}
+
+std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
+  if (set.kind() == "fibonacci") {
+    return fibonacci_viewpoints(set.count(), set.range_m(), set.elevation_min_deg(),
+                                set.has_elevation_max_deg() ? set.elevation_max_deg() : 90);
+  }
+  const std::vector<double> azimuths(set.azimuth_deg().begin(), set.azimuth_deg().end());
+  const std::vector<double> elevations(set.elevation_deg().begin(), set.elevation_deg().end());
+  if (set.kind() == "ring") return ring_viewpoints(set.count(), elevations, set.range_m());
+  if (set.kind() == "grid") return grid_viewpoints(azimuths, elevations, set.range_m());
+  std::vector<Viewpoint> list;
+  for (const schema::Aspect& aspect : set.aspect()) {
+    list.push_back({.aspect_azimuth_deg = aspect.azimuth_deg(),
+                    .aspect_elevation_deg = aspect.elevation_deg(),
+                    .range_m = aspect.has_range_m() ? aspect.range_m() : set.range_m()});
+  }
+  return list;
+}
+
+bool over_the_sea_anywhere(const schema::Sweep& sweep) {
+  if (sweep.surroundings().kind() == "sea") return true;
+  for (const schema::Season& season : sweep.season()) {
+    if (season.surroundings().kind() == "sea") return true;
+  }
+  return false;
+}
+
+// Height of the sensor above a spherical sea. z = 0 of the target is the waterline.
+double height_above_sea_m(const Viewpoint& view) {
+  constexpr double kEarthRadiusM =
+      6371008.8;  // IUGG mean radius R1; a height to 0.3 % is enough here
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  const double up_m = view.range_m * std::sin(view.aspect_elevation_deg * kDegree);
+  const double along_m = view.range_m * std::cos(view.aspect_elevation_deg * kDegree);
+  return std::hypot(kEarthRadiusM + up_m, along_m) - kEarthRadiusM;
+}
+
+}  // namespace
+
+void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
+  const schema::Sweep& sweep = resolved.sweep();
+  if (!sweep.has_viewpoints()) {
+    findings.add(
+        "viewpoints",
+        "[viewpoints] is missing, expected kind = \"fibonacci\", \"grid\", \"ring\" or \"list\"");
+    return;
+  }
+  const schema::Viewpoints& set = sweep.viewpoints();
+  const std::size_t before = findings.count();
+  const SectionCheck check(set, "viewpoints", findings);
+  check.require({"kind"}, "expected \"fibonacci\", \"grid\", \"ring\" or \"list\"");
+  if (!check.one_of("kind", {"fibonacci", "grid", "ring", "list"})) return;
+  const double count = checked_count(set, check, findings);
+  if (count > kMostViewpoints) {
+    findings.add("viewpoints", absl::StrCat("viewpoints has ", count,
+                                            " viewpoints, expected at most ", kMostViewpoints));
+  }
+  if (findings.count() != before) return;
+
+  const bool sea = over_the_sea_anywhere(sweep);
+  std::map<std::tuple<double, double, double>, std::size_t> seen;
+  const std::vector<Viewpoint> views = expanded(set);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    Viewpoint view = views[i];
+    view.aspect_azimuth_deg = normalized_azimuth_deg(view.aspect_azimuth_deg);
+    view.aspect_elevation_deg += 0.0;  // no negative zero
+    const std::string path =
+        set.kind() == "list" ? absl::StrCat("viewpoints.aspect[", i, "]") : "viewpoints";
+    const std::string what =
+        absl::StrCat("viewpoint ", i, " (azimuth ", view.aspect_azimuth_deg, ", elevation ",
+                     view.aspect_elevation_deg, ", range ", view.range_m, " m)");
+    const auto [other, is_new] =
+        seen.try_emplace({view.aspect_azimuth_deg, view.aspect_elevation_deg, view.range_m}, i);
+    if (!is_new) {
+      findings.add(path, absl::StrCat(what, " is the same as viewpoint ", other->second,
+                                      ", expected different ones"));
+    }
+    // A millimetre of tolerance: elevation 0 is at the sea's height at any range.
+    if (sea && height_above_sea_m(view) < -1e-3) {
+      findings.add(path, absl::StrCat(what, " lies under water, expected a sensor above the sea"));
+    }
+    schema::Viewpoint& out = *resolved.add_viewpoint();
+    out.set_aspect_azimuth_deg(view.aspect_azimuth_deg);
+    out.set_aspect_elevation_deg(view.aspect_elevation_deg);
+    out.set_range_m(view.range_m);
+  }
+}
+
+}  // namespace irsig

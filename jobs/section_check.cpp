@@ -1,0 +1,148 @@
+#include "jobs/section_check.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <set>
+#include <tuple>
+
+#include "absl/strings/str_cat.h"
+#include "jobs/nearest_name.h"
+
+namespace irsig {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+
+// The line and column at the end of "file:line:column".
+std::pair<long, long> place_of(const std::string& location) {
+  const std::size_t column = location.rfind(':');
+  const std::size_t line = column == std::string::npos ? column : location.rfind(':', column - 1);
+  if (line == std::string::npos) return {0, 0};
+  return {std::atol(location.c_str() + line + 1), std::atol(location.c_str() + column + 1)};
+}
+
+const FieldDescriptor& field_of(const google::protobuf::Message& section, const char* name) {
+  const FieldDescriptor* field = section.GetDescriptor()->FindFieldByName(name);
+  if (field == nullptr) std::abort();  // a name mistyped in this folder, not in a sweep file
+  return *field;
+}
+
+bool is_present(const google::protobuf::Message& section, const FieldDescriptor& field) {
+  return field.is_repeated() ? section.GetReflection()->FieldSize(section, &field) > 0
+                             : section.GetReflection()->HasField(section, &field);
+}
+
+std::string list(SectionCheck::Names names) {
+  return quoted_list(std::vector<std::string>(names.begin(), names.end()));
+}
+
+}  // namespace
+
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
+void Findings::add(const std::string& path, const std::string& what) {
+  found_.emplace_back(path, one_line(what));
+}
+
+absl::Status Findings::status() const {
+  if (found_.empty()) return absl::OkStatus();
+  std::vector<std::tuple<std::pair<long, long>, std::size_t, std::string>> lines;
+  for (const auto& [path, what] : found_) {
+    const std::string location = file_.location(path);
+    lines.emplace_back(place_of(location), lines.size(), absl::StrCat(location, ": ", what));
+  }
+  std::sort(lines.begin(), lines.end());
+  std::string message;
+  std::set<std::string> said;
+  for (const auto& [place, order, line] : lines) {
+    if (!said.insert(line).second) continue;
+    absl::StrAppend(&message, message.empty() ? "" : "\n", line);
+  }
+  return absl::InvalidArgumentError(message);
+}
+
+std::string SectionCheck::path(const std::string& name) const {
+  return path_.empty() ? name : absl::StrCat(path_, ".", name);
+}
+
+void SectionCheck::error(const char* name, const std::string& what) const {
+  findings_.add(path(name), absl::StrCat(path(name), " ", what));
+}
+
+bool SectionCheck::has(const char* name) const {
+  return is_present(section_, field_of(section_, name));
+}
+
+double SectionCheck::number(const char* name) const {
+  const FieldDescriptor& field = field_of(section_, name);
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return section_.GetReflection()->GetDouble(section_, &field);
+    case FieldDescriptor::CPPTYPE_UINT32:
+      return section_.GetReflection()->GetUInt32(section_, &field);
+    case FieldDescriptor::CPPTYPE_UINT64:
+      return static_cast<double>(section_.GetReflection()->GetUInt64(section_, &field));
+    default:
+      std::abort();
+  }
+}
+
+void SectionCheck::require(Names names, const std::string& why) const {
+  for (const char* name : names) {
+    if (!has(name)) error(name, absl::StrCat("is missing, ", why));
+  }
+}
+
+void SectionCheck::only(Names names, const std::string& why) const {
+  std::vector<const FieldDescriptor*> present;
+  section_.GetReflection()->ListFields(section_, &present);
+  for (const FieldDescriptor* field : present) {
+    const auto applies = [&](const char* name) { return field->name() == name; };
+    if (std::none_of(names.begin(), names.end(), applies)) {
+      error(field->name().c_str(),
+            absl::StrCat("does not apply ", why, ", expected only ", list(names)));
+    }
+  }
+}
+
+int SectionCheck::at_most_one(Names names) const {
+  int count = 0;
+  for (const char* name : names) {
+    if (has(name) && ++count > 1) {
+      error(name, absl::StrCat("is one too many, expected only one of ", list(names)));
+    }
+  }
+  return count;
+}
+
+void SectionCheck::within(const char* name, double least, double most) const {
+  if (has(name) && !(number(name) >= least && number(name) <= most)) {
+    error(name, absl::StrCat("= ", number(name), ", expected a number from ", least, " to ", most));
+  }
+}
+
+void SectionCheck::above(const char* name, double limit) const {
+  if (has(name) && !(number(name) > limit)) {
+    error(name, absl::StrCat("= ", number(name), ", expected a number above ", limit));
+  }
+}
+
+bool SectionCheck::one_of(const char* name, Names choices) const {
+  if (!has(name)) return false;
+  const std::string chosen =
+      section_.GetReflection()->GetString(section_, &field_of(section_, name));
+  for (const char* choice : choices) {
+    if (chosen == choice) return true;
+  }
+  error(name,
+        absl::StrCat("= \"", chosen, "\": ",
+                     suggestion(chosen, std::vector<std::string>(choices.begin(), choices.end()))));
+  return false;
+}
+
+}  // namespace irsig

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+
+// The text with control characters as "?": one error is one line, whatever bytes of the file it
+// quotes.
+[[nodiscard]] std::string one_line(std::string text);
+
+// The errors found in one sweep file. Each is kept with the place of the key that it is about, so
+// that all of them are reported together, in the order of the file.
+class Findings {
+ public:
+  explicit Findings(const SweepFile& file) : file_(file) {}
+
+  void add(const std::string& path, const std::string& what);
+  [[nodiscard]] bool empty() const { return found_.empty(); }
+  [[nodiscard]] std::size_t count() const { return found_.size(); }
+  // INVALID_ARGUMENT with one line for each error; OK if there are none.
+  [[nodiscard]] absl::Status status() const;
+
+ private:
+  const SweepFile& file_;
+  std::vector<std::pair<std::string, std::string>> found_;  // path, what
+};
+
+// The checks that every table of a sweep file needs, on one message and by field names. A value
+// that is absent passes every check but require(): each error is reported once.
+class SectionCheck {
+ public:
+  using Names = std::initializer_list<const char*>;
+
+  SectionCheck(const google::protobuf::Message& section, std::string path, Findings& findings)
+      : section_(section), path_(std::move(path)), findings_(findings) {}
+
+  [[nodiscard]] bool has(const char* name) const;
+  [[nodiscard]] std::string path(const std::string& name) const;
+  void error(const char* name, const std::string& what) const;  // "<path> <what>" at the key
+
+  // Missing keys are errors; `why` ends the sentence: "place.latitude_deg is missing, <why>".
+  void require(Names names, const std::string& why) const;
+  // Keys other than these are errors: "<path> does not apply <why>".
+  void only(Names names, const std::string& why) const;
+  // How many of the names are present; more than one is an error.
+  [[nodiscard]] int at_most_one(Names names) const;
+  void within(const char* name, double least, double most) const;    // numbers, limits included
+  void above(const char* name, double limit) const;                  // numbers, limit excluded
+  [[nodiscard]] bool one_of(const char* name, Names choices) const;  // true: present and known
+
+ private:
+  [[nodiscard]] double number(const char* name) const;
+
+  const google::protobuf::Message& section_;
+  std::string path_;
+  Findings& findings_;
+};
+
+// Names of parts, seasons, bands ...: present, printable and different from each other.
+// Returns them in order.
+template <typename Repeated>
+std::vector<std::string> check_names(const Repeated& sections, const std::string& key,
+                                     Findings& findings) {
+  std::vector<std::string> names;
+  for (int i = 0; i < sections.size(); ++i) {
+    const std::string path = key + "[" + std::to_string(i) + "]";
+    const std::string& name = sections[i].name();
+    bool printable = true;
+    for (const char c : name)
+      printable = printable && static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+    if (!sections[i].has_name() || name.empty()) {
+      findings.add(path + ".name", path + ".name is missing, expected a name for this " + key);
+    } else if (!printable || name.front() == ' ' || name.back() == ' ') {
+      findings.add(path + ".name",
+                   path + ".name has control characters or outer spaces, expected a plain name");
+    } else {
+      for (int j = 0; j < i; ++j) {
+        if (names[static_cast<std::size_t>(j)] != name) continue;
+        findings.add(path + ".name", path + ".name \"" + name + "\" is also the name of " + key +
+                                         "[" + std::to_string(j) + "], expected a name of its own");
+        break;
+      }
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace irsig

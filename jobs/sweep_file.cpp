@@ -1,0 +1,18 @@
+#include "jobs/sweep_file.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace irsig {
+
+std::string SweepFile::location(std::string_view path) const {
+  std::string place(path);
+  while (!place.empty()) {
+    if (const auto found = where.find(place); found != where.end()) return found->second;
+    const std::size_t cut = place.find_last_of(".[");
+    if (cut == std::string::npos) break;
+    place.resize(cut);
+  }
+  return absl::StrCat(file_name, ":1:1");
+}
+
+}  // namespace irsig

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "schema/job.pb.h"
+#include "schema/sweep.pb.h"
+
+namespace irsig {
+
+// A parsed sweep file. `where` gives file:line:column of each key by its path: "part[1].material",
+// "season[0].part_temperature_k.hull", and of each table: "part[1]", "season[0].surroundings".
+struct SweepFile {
+  schema::Sweep sweep;
+  std::map<std::string, std::string> where;
+  std::string file_name;
+
+  // "file:line:column" of a path, or of its nearest enclosing table; line 1 if there is none.
+  [[nodiscard]] std::string location(std::string_view path) const;
+};
+
+// TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each
+// file:line:column: what is wrong, what was expected): a syntax error alone (a key given twice is
+// one); else every unknown key, wrong type, nan and inf.
+[[nodiscard]] absl::StatusOr<SweepFile> parse_sweep(std::string_view text,
+                                                    std::string_view file_name);
+
+// Checks the meaning and writes out every default, the viewpoints and the conditions. All errors at
+// once, in the order of the file. A pure function: whoever calls it has read the model file
+// (model.file is relative to the sweep file). model_bytes: the model file's content (ignored for
+// generated models).
+[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
+                                                                  std::string_view model_bytes);
+
+}  // namespace irsig

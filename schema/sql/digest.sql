@@ -1,0 +1,66 @@
+-- The digest (schema/store/digest.cpp, schema/README.md): what does not depend on when, where, by whom and in which
+-- pieces it was computed, in key order. Column order is part of the digest's definition.
+
+-- name: digest_sweeps
+SELECT sweep_id, name, model_sha256, viewpoints, conditions, bands FROM sweep ORDER BY name;
+
+-- name: digest_viewpoints
+SELECT viewpoint_index, aspect_azimuth_deg, aspect_elevation_deg, range_m
+FROM viewpoint WHERE sweep_id = ?1 ORDER BY viewpoint_index;
+
+-- name: digest_conditions
+SELECT condition_id, condition_index, superseded, season, time_utc, sun_irradiance_w_m2, air_temperature_k,
+       surroundings, sky_temperature_k, sky_radiance_w_m2_sr_um, sea_temperature_k, sea_emissivity,
+       lower_radiance_w_m2_sr_um
+FROM condition WHERE sweep_id = ?1 ORDER BY condition_index, superseded, definition_sha256;
+
+-- name: digest_part_temperatures
+SELECT p.name, t.temperature_k
+FROM part_temperature t JOIN part p USING (part_id)
+WHERE t.condition_id = ?1 ORDER BY p.part_index, p.name;
+
+-- name: digest_bands
+SELECT band_id, band_index, superseded, name, lambda_min_um, lambda_max_um, lambda_um
+FROM band WHERE sweep_id = ?1 ORDER BY band_index, superseded, definition_sha256;
+
+-- name: digest_band_response
+SELECT lambda_um, response FROM band_response WHERE band_id = ?1 ORDER BY lambda_um;
+
+-- name: digest_parts
+SELECT part_index, superseded, name, material
+FROM part WHERE sweep_id = ?1 ORDER BY part_index, superseded, name;
+
+-- name: digest_signatures
+SELECT s.signature_id,
+       (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 AS row,
+       j.superseded, s.sun_azimuth_deg, s.sun_zenith_deg, s.intensity_w_sr, s.intensity_stderr_w_sr,
+       s.numerical_error_w_sr, s.truncation_bound_w_sr, s.quadrature_bound_w_sr, s.apparent_intensity_w_sr,
+       s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr, s.projected_area_m2,
+       s.projected_area_stderr_m2, s.apparent_temperature_k, s.emitted_w_sr, s.emitted_stderr_w_sr,
+       s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr, s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr,
+       s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr, s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr,
+       s.stop_reason, s.energy_gain, p.seed_hex, p.physics_version, p.samples, p.replicates, p.target_paths
+FROM viewpoint v
+CROSS JOIN sweep w ON w.sweep_id = v.sweep_id
+CROSS JOIN signature s ON s.viewpoint_id = v.viewpoint_id
+JOIN condition c USING (condition_id)
+JOIN band b USING (band_id)
+JOIN job j USING (job_id)
+JOIN provenance p USING (job_id)
+WHERE v.sweep_id = ?1
+ORDER BY v.viewpoint_index, c.condition_index, b.band_index;
+
+-- name: digest_spectrum
+SELECT spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
+       sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
+       sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
+       apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um
+FROM spectrum WHERE signature_id = ?1;
+
+-- name: digest_part_intensities
+SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr
+FROM part_intensity i JOIN part p USING (part_id)
+WHERE i.signature_id = ?1 ORDER BY p.part_index, p.name;
+
+-- name: digest_thumbnail
+SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;

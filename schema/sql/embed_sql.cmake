@@ -1,0 +1,46 @@
+# cmake -DOUTPUT=<header> -DSOURCES=<a.sql|b.sql> -DMIGRATIONS=<0001_x.sql|...> -P embed_sql.cmake
+#
+# Every statement that follows a line "-- name: <identifier>" in SOURCES becomes irsig::sql::<identifier>; the
+# migrations become the table irsig::sql::kMigrations, in order, numbered from 1.
+set(text "// Made from schema/sql by embed_sql.cmake.\n#pragma once\n\nnamespace irsig::sql {\n\n")
+set(mark "-- name: ")
+string(LENGTH "${mark}" mark_length)
+
+string(REPLACE "|" ";" sources "${SOURCES}")
+foreach(source IN LISTS sources)
+  file(READ "${source}" rest)
+  string(FIND "${rest}" "${mark}" at)
+  if(at EQUAL -1)
+    message(FATAL_ERROR "${source}: no statement (a line \"${mark}<identifier>\")")
+  endif()
+  # Substrings only: a CMake list would split at the semicolons of the SQL.
+  while(NOT at EQUAL -1)
+    math(EXPR at "${at} + ${mark_length}")
+    string(SUBSTRING "${rest}" ${at} -1 rest)
+    string(FIND "${rest}" "\n" line_end)
+    string(SUBSTRING "${rest}" 0 ${line_end} name)
+    string(FIND "${rest}" "${mark}" at)
+    string(SUBSTRING "${rest}" ${line_end} -1 body)
+    if(NOT at EQUAL -1)
+      math(EXPR body_length "${at} - ${line_end}")
+      string(SUBSTRING "${body}" 0 ${body_length} body)
+    endif()
+    string(APPEND text "inline constexpr char ${name}[] = R\"sql(${body})sql\";\n\n")
+  endwhile()
+endforeach()
+
+string(APPEND text "struct Migration {\n  int version;\n  const char* script;\n};\n\ninline constexpr Migration kMigrations[] = {\n")
+string(REPLACE "|" ";" migrations "${MIGRATIONS}")
+set(version 0)
+foreach(migration IN LISTS migrations)
+  math(EXPR version "${version} + 1")
+  get_filename_component(file_name "${migration}" NAME)
+  if(NOT file_name MATCHES "^0*${version}_")
+    message(FATAL_ERROR "${migration}: expected the migration to version ${version}")
+  endif()
+  file(READ "${migration}" script)
+  # One literal may hold 64 kB by the standard; a migration has no name to split at and needs no more.
+  string(APPEND text "    {${version}, R\"sql(${script})sql\"},\n")
+endforeach()
+string(APPEND text "};\n\n}  // namespace irsig::sql\n")
+file(WRITE "${OUTPUT}" "${text}")

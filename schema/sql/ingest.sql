@@ -1,0 +1,58 @@
+-- Storing a result (schema/store/ingest.cpp).
+
+-- name: wants_thumbnail
+SELECT thumbnail_px > 0 FROM sweep WHERE sweep_id = ?1 AND thumbnail_px IS NOT NULL;
+
+-- name: part_ids
+SELECT part_id FROM part WHERE sweep_id = ?1 AND superseded = 0 ORDER BY part_index;
+
+-- name: current_condition
+SELECT condition_id FROM condition WHERE sweep_id = ?1 AND condition_index = ?2 AND superseded = 0;
+
+-- name: current_band
+SELECT band_id, lambda_min_um, lambda_max_um, lambda_um FROM band
+WHERE sweep_id = ?1 AND band_index = ?2 AND superseded = 0;
+
+-- name: set_band_wavelengths
+UPDATE band SET lambda_um = ?2 WHERE band_id = ?1;
+
+-- name: count_signatures_of_viewpoint
+SELECT count(*) FROM (SELECT 1 FROM signature WHERE viewpoint_id = ?1 LIMIT 1);
+
+-- Whatever lies at one place of the sweep: an earlier result of the job, or one of a superseded job.
+-- name: delete_signature_at_place
+DELETE FROM signature
+WHERE viewpoint_id = ?2
+  AND condition_id IN (SELECT condition_id FROM condition WHERE sweep_id = ?1 AND condition_index = ?3)
+  AND band_id IN (SELECT band_id FROM band WHERE sweep_id = ?1 AND band_index = ?4);
+
+-- name: insert_provenance
+INSERT OR REPLACE INTO provenance (
+  job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
+  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15);
+
+-- name: insert_signature
+INSERT INTO signature (
+  job_id, viewpoint_id, condition_id, band_id, sun_azimuth_deg, sun_zenith_deg, intensity_w_sr, intensity_stderr_w_sr,
+  numerical_error_w_sr, truncation_bound_w_sr, quadrature_bound_w_sr, apparent_intensity_w_sr,
+  apparent_intensity_stderr_w_sr, apparent_numerical_error_w_sr, projected_area_m2, projected_area_stderr_m2,
+  apparent_temperature_k, emitted_w_sr, emitted_stderr_w_sr, sun_reflected_w_sr, sun_reflected_stderr_w_sr,
+  sky_reflected_w_sr, sky_reflected_stderr_w_sr, sea_reflected_w_sr, sea_reflected_stderr_w_sr, parts_reflected_w_sr,
+  parts_reflected_stderr_w_sr, stop_reason, energy_gain)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24,
+        ?25, ?26, ?27, ?28, ?29);
+
+-- name: insert_spectrum
+INSERT INTO spectrum (
+  signature_id, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
+  sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
+  sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
+  apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15);
+
+-- name: insert_part_intensity
+INSERT INTO part_intensity (signature_id, part_id, intensity_w_sr, intensity_stderr_w_sr) VALUES (?1, ?2, ?3, ?4);
+
+-- name: insert_thumbnail
+INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr) VALUES (?1, ?2, ?3, ?4, ?5, ?6);

@@ -1,0 +1,78 @@
+-- Reading (schema/store/find_signatures.cpp, schema/store/reader.cpp).
+
+-- Conditions and bands are few: they are filtered by name and then drive the index of signature
+-- (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 season, ?3 time_utc, ?4 band
+-- ('': any), ?5 greatest relative error, ?6 row (NULL: any).
+-- name: find_signatures
+SELECT f.*
+FROM sweep w
+CROSS JOIN condition c ON c.sweep_id = w.sweep_id
+CROSS JOIN band b ON b.sweep_id = w.sweep_id
+CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band_id
+CROSS JOIN signature_view f ON f.signature_id = s.signature_id
+WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
+  AND (?4 = '' OR b.name = ?4)
+  AND (?5 IS NULL OR s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr))
+  AND (?6 IS NULL OR f.row = ?6)
+ORDER BY w.name, f.row;
+
+-- The same for one viewpoint, ?7.
+-- name: find_signatures_of_viewpoint
+SELECT f.*
+FROM viewpoint v
+CROSS JOIN sweep w ON w.sweep_id = v.sweep_id
+CROSS JOIN condition c ON c.sweep_id = w.sweep_id
+CROSS JOIN band b ON b.sweep_id = w.sweep_id
+CROSS JOIN signature s
+  ON s.condition_id = c.condition_id AND s.band_id = b.band_id AND s.viewpoint_id = v.viewpoint_id
+CROSS JOIN signature_view f ON f.signature_id = s.signature_id
+WHERE v.viewpoint_id = ?7
+  AND (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
+  AND (?4 = '' OR b.name = ?4)
+  AND (?5 IS NULL OR s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr))
+  AND (?6 IS NULL OR f.row = ?6)
+ORDER BY f.row;
+
+-- Step one of a nearest query: the viewpoints whose box meets a box around the direction.
+-- name: viewpoints_in_box
+SELECT d.viewpoint_id, v.viewpoint_index, w.name, d.unit_x, d.unit_y, d.unit_z
+FROM viewpoint_direction d
+CROSS JOIN viewpoint v USING (viewpoint_id)
+CROSS JOIN sweep w USING (sweep_id)
+WHERE d.max_x >= ?1 AND d.min_x <= ?2 AND d.max_y >= ?3 AND d.min_y <= ?4 AND d.max_z >= ?5 AND d.min_z <= ?6
+  AND (?7 = '' OR w.name = ?7);
+
+-- At least as many viewpoints as there are: enough to choose the first box, and without counting them.
+-- name: viewpoints_at_most
+SELECT max(viewpoint_id) FROM viewpoint;
+
+-- The viewpoints that hold row ?2, one in each sweep that has so many.
+-- name: viewpoints_at_row
+SELECT v.viewpoint_id
+FROM sweep w
+CROSS JOIN viewpoint v ON v.sweep_id = w.sweep_id AND v.viewpoint_index = (?2 - 1) / (w.conditions * w.bands)
+WHERE (?1 = '' OR w.name = ?1) AND ?2 >= 1
+ORDER BY w.name;
+
+-- name: spectrum_of_signature
+SELECT b.lambda_um, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um,
+       emitted_stderr_w_sr_um, sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um,
+       sky_reflected_stderr_w_sr_um, sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um,
+       parts_reflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um
+FROM spectrum
+JOIN signature USING (signature_id)
+JOIN band b USING (band_id)
+WHERE signature_id = ?1;
+
+-- name: parts_of_signature
+SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr
+FROM part_intensity i
+JOIN part p USING (part_id)
+WHERE i.signature_id = ?1
+ORDER BY p.part_index;
+
+-- name: thumbnail_of_signature
+SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
+
+-- name: signature_exists
+SELECT count(*) FROM signature WHERE signature_id = ?1;

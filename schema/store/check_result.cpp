@@ -1,0 +1,182 @@
+#include "schema/store/check_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "google/protobuf/reflection.h"
+#include "schema/store/database.h"
+
+namespace irsig {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+absl::Status wrong(const std::string& path, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
+}
+
+// Names that stand for something that cannot be negative (GLOSSARY of docs: suffix grammar).
+bool never_negative(const std::string& name) {
+  for (const char* word :
+       {"stderr", "error", "bound", "area", "temperature", "seconds", "pixel_rad"}) {
+    if (absl::StrContains(name, word)) return true;
+  }
+  return false;
+}
+
+absl::Status check_number(double value, bool may_be_negative, const std::string& path) {
+  if (!std::isfinite(value)) return wrong(path, "is not a finite number");
+  if (value < 0 && !may_be_negative) return wrong(path, absl::StrCat("is negative: ", value));
+  return absl::OkStatus();
+}
+
+template <typename Number>
+absl::Status check_array(const google::protobuf::RepeatedFieldRef<Number>& values,
+                         bool may_be_negative, const std::string& path) {
+  for (int i = 0; i < values.size(); ++i) {
+    const auto value = static_cast<double>(values.Get(i));
+    if (std::isfinite(value) && (may_be_negative || value >= 0)) continue;
+    return check_number(value, may_be_negative, absl::StrCat(path, "[", i, "]"));
+  }
+  return absl::OkStatus();
+}
+
+// Every number of a message: finite, not negative where its name forbids it, and small enough for a
+// signed column. `non_negative`: the name of the enclosing field already forbids it
+// (projected_area_m2.value).
+absl::Status check_numbers(const Message& message, const std::string& path, bool non_negative) {
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  const google::protobuf::Descriptor& type = *message.GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor* field = type.field(i);
+    const std::string name = absl::StrCat(path, path.empty() ? "" : ".", field->name());
+    const bool signed_field = !non_negative && !never_negative(field->name());
+    absl::Status status;
+    switch (field->cpp_type()) {
+      case FieldDescriptor::CPPTYPE_DOUBLE:
+        status = field->is_repeated()
+                     ? check_array(reflection.GetRepeatedFieldRef<double>(message, field),
+                                   signed_field, name)
+                     : check_number(reflection.GetDouble(message, field), signed_field, name);
+        break;
+      case FieldDescriptor::CPPTYPE_FLOAT:
+        status =
+            check_array(reflection.GetRepeatedFieldRef<float>(message, field), signed_field, name);
+        break;
+      case FieldDescriptor::CPPTYPE_UINT64:
+        if (reflection.GetUInt64(message, field) >
+            static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+          status = wrong(name, "does not fit into 63 bits");
+        }
+        break;
+      case FieldDescriptor::CPPTYPE_MESSAGE:
+        if (field->is_repeated()) {
+          for (int k = 0; k < reflection.FieldSize(message, field) && status.ok(); ++k) {
+            status = check_numbers(reflection.GetRepeatedMessage(message, field, k),
+                                   absl::StrCat(name, "[", k, "]"), false);
+          }
+        } else if (reflection.HasField(message, field)) {
+          status = check_numbers(reflection.GetMessage(message, field), name, !signed_field);
+        }
+        break;
+      default:
+        break;
+    }
+    IRSIG_STORE_TRY(status);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string& path) {
+  const auto& lambda_um = spectrum.lambda_um();
+  if (lambda_um.empty()) return wrong(path, "has no wavelengths");
+  if (std::adjacent_find(lambda_um.begin(), lambda_um.end(), std::greater_equal<>()) !=
+      lambda_um.end()) {
+    return wrong(path, ".lambda_um does not increase");
+  }
+  const google::protobuf::Descriptor& type = *spectrum.GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const int size = spectrum.GetReflection()->FieldSize(spectrum, type.field(i));
+    if (size != lambda_um.size()) {
+      return wrong(absl::StrCat(path, ".", type.field(i)->name()),
+                   absl::StrCat("has ", size, " values for ", lambda_um.size(), " wavelengths"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& expected,
+                       const std::string& path) {
+  const google::protobuf::Descriptor& type = *row.GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i) {
+    const FieldDescriptor* field = type.field(i);
+    // Every estimate and the spectrum; a thumbnail is absent when none was asked for.
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field->is_repeated() &&
+        field->name() != "thumbnail" && !row.GetReflection()->HasField(row, field)) {
+      return wrong(absl::StrCat(path, ".", field->name()), "is missing");
+    }
+  }
+  if (row.stop_reason() < schema::STOP_REASON_TARGET_REACHED ||
+      row.stop_reason() > schema::STOP_REASON_FIXED_SAMPLES) {
+    return wrong(path + ".stop_reason", "is not stated");
+  }
+  std::set<std::uint32_t> seen;
+  for (const schema::PartIntensity& part : row.part()) {
+    if (part.part_index() >= expected.parts || !seen.insert(part.part_index()).second) {
+      return wrong(path + ".part",
+                   absl::StrCat("names part ", part.part_index(), " twice, or it does not exist"));
+    }
+    if (!part.has_intensity_w_sr()) return wrong(path + ".part", "has no intensity");
+  }
+  if (seen.size() != expected.parts) {
+    return wrong(path + ".part",
+                 absl::StrCat("has ", seen.size(), " of the sweep's ", expected.parts, " parts"));
+  }
+  if (expected.thumbnail && *expected.thumbnail != row.has_thumbnail()) {
+    return wrong(path + ".thumbnail", row.has_thumbnail() ? "was not asked for" : "is missing");
+  }
+  if (row.has_thumbnail()) {
+    const schema::Thumbnail& thumbnail = row.thumbnail();
+    if (thumbnail.width_px() == 0 || thumbnail.height_px() == 0 || !(thumbnail.pixel_rad() > 0) ||
+        thumbnail.png().empty() || thumbnail.exr().empty()) {
+      return wrong(path + ".thumbnail", "is incomplete");
+    }
+  }
+  return check_spectrum(row.spectrum(), path + ".spectrum");
+}
+
+}  // namespace
+
+absl::Status check_result(const schema::JobResult& result, const ExpectedResult& expected) {
+  if (result.job_key() != expected.job_key) {
+    return wrong("job_key",
+                 absl::StrCat("is ", result.job_key(), ", the leased job's is ", expected.job_key));
+  }
+  std::set<std::pair<std::uint32_t, std::uint32_t>> missing;
+  for (const std::uint32_t condition : expected.condition_index) {
+    for (const std::uint32_t band : expected.band_index) missing.emplace(condition, band);
+  }
+  for (int i = 0; i < result.row_size(); ++i) {
+    const schema::SignatureRow& row = result.row(i);
+    const std::string path = absl::StrCat("row[", i, "]");
+    if (missing.erase({row.condition_index(), row.band_index()}) == 0) {
+      return wrong(path,
+                   absl::StrCat("(condition ", row.condition_index(), ", band ", row.band_index(),
+                                ") does not belong to the job, or comes twice"));
+    }
+    IRSIG_STORE_TRY(check_row(row, expected, path));
+  }
+  if (!missing.empty()) {
+    return wrong("row", absl::StrCat("is missing for condition ", missing.begin()->first, ", band ",
+                                     missing.begin()->second));
+  }
+  return check_numbers(result, "", false);
+}
+
+}  // namespace irsig

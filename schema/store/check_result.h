@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// What a result is held against.
+struct ExpectedResult {
+  std::string job_key;
+  std::vector<std::uint32_t> condition_index;
+  std::vector<std::uint32_t> band_index;
+  std::size_t parts;
+  std::optional<bool> thumbnail;  // whether images were asked for
+};
+
+// INVALID_ARGUMENT, naming the field, unless the result is its job's: every condition and band
+// exactly once, every part once, arrays of one length on increasing wavelengths, finite numbers,
+// errors and areas not negative.
+[[nodiscard]] absl::Status check_result(const schema::JobResult& result,
+                                        const ExpectedResult& expected);
+
+}  // namespace irsig

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace irsig {
+
+// Bytes for a BLOB column; the caller keeps them alive until the statement has run.
+struct Blob {
+  std::string_view bytes;
+};
+
+// A running statement. It goes back to its database's cache when it is destroyed, so one statement
+// text runs at most once at a time. Move-only.
+class Rows {
+ public:
+  explicit Rows(sqlite3_stmt* statement) : statement_(statement) {}
+  Rows(Rows&& other) noexcept;
+  Rows& operator=(Rows&&) = delete;
+  ~Rows();
+
+  // Steps to the next row; false: there is none.
+  absl::StatusOr<bool> next();
+
+  // Columns of the current row, from left to right: every call reads the next one.
+  std::int64_t integer();
+  std::uint64_t count() { return static_cast<std::uint64_t>(integer()); }
+  double real();
+  std::string text();
+  // Valid until the next step.
+  std::string_view blob();
+  // Of the column that would be read next.
+  enum class Type { kInteger, kReal, kText, kBlob, kNull };
+  Type type() const;
+  bool is_null() const { return type() == Type::kNull; }
+  bool at_end() const;  // every column of the row was read
+
+ private:
+  sqlite3_stmt* statement_;
+  int column_ = 0;
+};
+
+// One SQLite connection: the only place of the project that calls SQLite. Not thread-safe.
+class Database {
+ public:
+  enum class Mode {
+    kReadWriteCreate,
+    kReadOnly,
+    kImmutable,  // read-only, and nobody writes: needs no lock and no journal
+  };
+  static absl::StatusOr<std::unique_ptr<Database>> open(const std::string& path, Mode mode);
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+  ~Database();
+
+  // Runs a script of statements without parameters.
+  absl::Status script(const std::string& text);
+
+  // Starts a statement with its parameters bound in order (integers, doubles, strings, Blob,
+  // std::nullopt for NULL). `sql` must be a literal: its address is the key of the statement cache.
+  template <typename... Values>
+  absl::StatusOr<Rows> query(const char* sql, const Values&... values) {
+    absl::StatusOr<sqlite3_stmt*> statement = prepared(sql);
+    if (!statement.ok()) return statement.status();
+    int parameter = 0;
+    const bool bound = (bind(*statement, ++parameter, values) && ...);
+    Rows rows(*statement);
+    if (!bound) return error(sql);
+    return rows;
+  }
+
+  // The same for a statement that returns no rows.
+  template <typename... Values>
+  absl::Status run(const char* sql, const Values&... values) {
+    absl::StatusOr<Rows> rows = query(sql, values...);
+    if (!rows.ok()) return rows.status();
+    return rows->next().status();
+  }
+
+  // The first column of the first row as an integer; NOT_FOUND without a row.
+  template <typename... Values>
+  absl::StatusOr<std::int64_t> integer(const char* sql, const Values&... values) {
+    absl::StatusOr<Rows> rows = query(sql, values...);
+    if (!rows.ok()) return rows.status();
+    absl::StatusOr<bool> found = rows->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::NotFoundError("no such row");
+    return rows->integer();
+  }
+
+  [[nodiscard]] std::int64_t last_insert_rowid() const;
+  [[nodiscard]] std::uint64_t changes() const;  // rows changed by the last statement
+  [[nodiscard]] bool in_transaction() const;
+
+ private:
+  Database(sqlite3* handle, std::string path) : handle_(handle), path_(std::move(path)) {}
+  absl::StatusOr<sqlite3_stmt*> prepared(const char* sql);
+  absl::Status error(const std::string& doing) const;
+
+  static bool bind(sqlite3_stmt* statement, int parameter, std::int64_t value);
+  static bool bind(sqlite3_stmt* statement, int parameter, double value);
+  static bool bind(sqlite3_stmt* statement, int parameter, std::string_view value);
+  static bool bind(sqlite3_stmt* statement, int parameter, Blob value);
+  static bool bind(sqlite3_stmt* statement, int parameter, std::nullopt_t);
+  template <std::integral Integer>
+  static bool bind(sqlite3_stmt* statement, int parameter, Integer value) {
+    return bind(statement, parameter, static_cast<std::int64_t>(value));
+  }
+  static bool bind(sqlite3_stmt* statement, int parameter, const char* value) {
+    return bind(statement, parameter, std::string_view(value));
+  }
+  static bool bind(sqlite3_stmt* statement, int parameter, const std::string& value) {
+    return bind(statement, parameter, std::string_view(value));
+  }
+  template <typename Value>
+  static bool bind(sqlite3_stmt* statement, int parameter, const std::optional<Value>& value) {
+    return value ? bind(statement, parameter, *value) : bind(statement, parameter, std::nullopt);
+  }
+
+  sqlite3* handle_;
+  std::string path_;
+  std::unordered_map<const char*, sqlite3_stmt*> statements_;
+};
+
+// A savepoint inside a transaction: what was done since is undone unless keep() succeeds.
+class Savepoint {
+ public:
+  static absl::StatusOr<std::unique_ptr<Savepoint>> open(Database& database);
+  ~Savepoint();
+  absl::Status keep();
+
+ private:
+  explicit Savepoint(Database& database) : database_(database) {}
+  Database& database_;
+  bool open_ = true;
+};
+
+// What the first 100 bytes of a file say about it, read through SQLite's own file layer: a plain
+// open and close of the file would drop the locks that this process holds on it through another
+// connection (POSIX locks are per process).
+struct FileHeader {
+  bool empty;
+  bool is_sqlite;
+  bool write_ahead_log;
+  std::uint32_t application_id;
+  std::uint32_t user_version;
+};
+[[nodiscard]] absl::StatusOr<FileHeader> read_file_header(const std::string& path);
+
+}  // namespace irsig
+
+// Returns from the enclosing function when `expression` (an absl::Status) is not OK.
+#define IRSIG_STORE_TRY(expression)                                                        \
+  do {                                                                                     \
+    if (absl::Status irsig_status = (expression); !irsig_status.ok()) return irsig_status; \
+  } while (false)

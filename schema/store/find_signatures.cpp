@@ -1,0 +1,229 @@
+#include "schema/store/find_signatures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <tuple>
+
+#include "schema/store/statements.h"
+#include "schema/store/sweep_table.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+// A viewpoint on the edge of the cap belongs to it, whatever the last bits of both directions are.
+constexpr double kEdge_deg = 1e-9;
+
+// Columns in the order of signature_view.
+StoredSignature read_signature(Rows& row) {
+  StoredSignature s{};
+  s.signature_id = row.integer();
+  s.row = row.count();
+  for (std::string* text : {&s.sweep, &s.season, &s.time_utc, &s.band}) *text = row.text();
+  for (double* number : {&s.lambda_min_um, &s.lambda_max_um, &s.aspect_azimuth_deg,
+                         &s.aspect_elevation_deg, &s.range_m, &s.sun_azimuth_deg, &s.sun_zenith_deg,
+                         &s.intensity_w_sr, &s.intensity_stderr_w_sr, &s.numerical_error_w_sr}) {
+    *number = row.real();
+  }
+  row.real();  // relative_error: for people
+  for (double* number :
+       {&s.truncation_bound_w_sr, &s.quadrature_bound_w_sr, &s.apparent_intensity_w_sr,
+        &s.apparent_intensity_stderr_w_sr, &s.apparent_numerical_error_w_sr, &s.projected_area_m2,
+        &s.projected_area_stderr_m2, &s.apparent_temperature_k, &s.emitted_w_sr,
+        &s.emitted_stderr_w_sr, &s.sun_reflected_w_sr, &s.sun_reflected_stderr_w_sr,
+        &s.sky_reflected_w_sr, &s.sky_reflected_stderr_w_sr, &s.sea_reflected_w_sr,
+        &s.sea_reflected_stderr_w_sr, &s.parts_reflected_w_sr, &s.parts_reflected_stderr_w_sr}) {
+    *number = row.real();
+  }
+  s.stop_reason = row.text();
+  s.energy_gain = row.integer() != 0;
+  s.samples = row.count();
+  s.replicates = static_cast<std::uint32_t>(row.integer());
+  s.target_paths = row.count();
+  s.rays = row.count();
+  s.seconds = row.real();
+  s.guarded_backface_hits = row.count();
+  s.guarded_nonfinite = row.count();
+  s.guarded_path_limit = row.count();
+  s.job_key = row.text();
+  row.integer();  // superseded
+  s.seed_hex = row.text();
+  s.physics_version = static_cast<std::uint32_t>(row.integer());
+  s.determinism_class = row.text();
+  s.build_id = row.text();
+  const UnitVector unit = unit_vector(s.aspect_azimuth_deg, s.aspect_elevation_deg);
+  s.unit_x = unit.x;
+  s.unit_y = unit.y;
+  s.unit_z = unit.z;
+  return s;
+}
+
+absl::Status append_all(absl::StatusOr<Rows> rows, std::vector<StoredSignature>& out) {
+  if (!rows.ok()) return rows.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = rows->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::OkStatus();
+    out.push_back(read_signature(*rows));
+  }
+}
+
+absl::Status append_viewpoint(Database& database, const SignatureFilter& filter,
+                              std::int64_t viewpoint_id, std::vector<StoredSignature>& out) {
+  return append_all(database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
+                                   filter.time_utc, filter.band, filter.max_relative_error,
+                                   filter.row, viewpoint_id),
+                    out);
+}
+
+struct Candidate {
+  double angle_deg;
+  std::string sweep;
+  std::int64_t viewpoint_index;
+  std::int64_t viewpoint_id;
+};
+
+// Accurate at every angle, unlike the arc cosine near 0 and 180 degrees.
+double angle_between_deg(const UnitVector& a, const UnitVector& b) {
+  const double x = a.y * b.z - a.z * b.y;
+  const double y = a.z * b.x - a.x * b.z;
+  const double z = a.x * b.y - a.y * b.x;
+  return std::atan2(std::sqrt(x * x + y * y + z * z), a.x * b.x + a.y * b.y + a.z * b.z) *
+         kDegPerRad;
+}
+
+// The viewpoints within a cap, nearest first: step one takes a box around the cap from the tree,
+// step two the angle.
+absl::StatusOr<std::vector<Candidate>> viewpoints_within(Database& database,
+                                                         const std::string& sweep,
+                                                         const UnitVector& center,
+                                                         double radius_deg) {
+  // The chord, widened by what the tree's float32 boxes and the vectors' rounding may hide.
+  const double reach = 2 * std::sin(std::min(radius_deg, 180.0) / 2 / kDegPerRad) + 1e-6;
+  absl::StatusOr<Rows> rows =
+      database.query(sql::viewpoints_in_box, center.x - reach, center.x + reach, center.y - reach,
+                     center.y + reach, center.z - reach, center.z + reach, sweep);
+  if (!rows.ok()) return rows.status();
+  std::vector<Candidate> found;
+  for (;;) {
+    const absl::StatusOr<bool> next = rows->next();
+    if (!next.ok()) return next.status();
+    if (!*next) break;
+    Candidate candidate{};
+    candidate.viewpoint_id = rows->integer();
+    candidate.viewpoint_index = rows->integer();
+    candidate.sweep = rows->text();
+    UnitVector unit{};
+    unit.x = rows->real();
+    unit.y = rows->real();
+    unit.z = rows->real();
+    candidate.angle_deg = angle_between_deg(center, unit);
+    if (candidate.angle_deg <= radius_deg + kEdge_deg) found.push_back(std::move(candidate));
+  }
+  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.angle_deg, a.sweep, a.viewpoint_index) <
+           std::tie(b.angle_deg, b.sweep, b.viewpoint_index);
+  });
+  return found;
+}
+
+absl::StatusOr<std::vector<StoredSignature>> find_within(Database& database,
+                                                         const SignatureFilter& filter,
+                                                         const UnitVector& center,
+                                                         double radius_deg) {
+  const absl::StatusOr<std::vector<Candidate>> candidates =
+      viewpoints_within(database, filter.sweep, center, radius_deg);
+  if (!candidates.ok()) return candidates.status();
+  std::vector<StoredSignature> out;
+  for (const Candidate& candidate : *candidates) {
+    IRSIG_STORE_TRY(append_viewpoint(database, filter, candidate.viewpoint_id, out));
+  }
+  return out;
+}
+
+// The nearest viewpoints that have a signature passing the other filters: the cap grows until it
+// holds enough of them. Whatever lies outside a cap is farther away than all inside, so the first
+// cap that suffices is certain.
+absl::StatusOr<std::vector<StoredSignature>> find_nearest(Database& database,
+                                                          const SignatureFilter& filter,
+                                                          const UnitVector& center) {
+  const absl::StatusOr<std::int64_t> viewpoints = database.integer(sql::viewpoints_at_most);
+  if (!viewpoints.ok()) return viewpoints.status();
+  // Radius of a cap that holds four times as many as wanted if they lie evenly on the sphere: its
+  // share of the sphere is sin^2(radius / 2).
+  const double share = 4.0 * filter.nearest / std::max(1.0, static_cast<double>(*viewpoints));
+  double radius_deg = 2 * std::asin(std::sqrt(std::min(1.0, share))) * kDegPerRad;
+  std::vector<StoredSignature> out;
+  std::uint32_t hits = 0;
+  double searched_deg = -1;  // candidates up to here were looked at in an earlier, smaller cap
+  for (;;) {
+    const absl::StatusOr<std::vector<Candidate>> candidates =
+        viewpoints_within(database, filter.sweep, center, radius_deg);
+    if (!candidates.ok()) return candidates.status();
+    for (const Candidate& candidate : *candidates) {
+      if (candidate.angle_deg <= searched_deg) continue;
+      const std::size_t before = out.size();
+      IRSIG_STORE_TRY(append_viewpoint(database, filter, candidate.viewpoint_id, out));
+      if (out.size() > before && ++hits == filter.nearest) return out;
+    }
+    if (radius_deg >= 180) return out;
+    searched_deg = radius_deg + kEdge_deg;
+    radius_deg = std::min(180.0, radius_deg * 2);
+  }
+}
+
+absl::StatusOr<std::vector<StoredSignature>> find_row(Database& database,
+                                                      const SignatureFilter& filter) {
+  std::vector<std::int64_t> viewpoint_ids;
+  {
+    absl::StatusOr<Rows> rows = database.query(sql::viewpoints_at_row, filter.sweep, *filter.row);
+    if (!rows.ok()) return rows.status();
+    for (;;) {
+      const absl::StatusOr<bool> found = rows->next();
+      if (!found.ok()) return found.status();
+      if (!*found) break;
+      viewpoint_ids.push_back(rows->integer());
+    }
+  }
+  std::vector<StoredSignature> out;
+  for (const std::int64_t id : viewpoint_ids)
+    IRSIG_STORE_TRY(append_viewpoint(database, filter, id, out));
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
+                                                             const SignatureFilter& filter) {
+  if (filter.nearest > 0 && filter.within_deg) {
+    return absl::InvalidArgumentError(
+        "either the nearest viewpoints or those within an angle, not both");
+  }
+  if (!filter.direction) {
+    if (filter.nearest > 0 || filter.within_deg) {
+      return absl::InvalidArgumentError("nearest and within need a direction");
+    }
+    if (filter.row) return find_row(database, filter);
+    std::vector<StoredSignature> out;
+    IRSIG_STORE_TRY(append_all(
+        database.query(sql::find_signatures, filter.sweep, filter.season, filter.time_utc,
+                       filter.band, filter.max_relative_error, filter.row),
+        out));
+    return out;
+  }
+  const auto [azimuth_deg, elevation_deg] = *filter.direction;
+  if (!std::isfinite(azimuth_deg) || !(std::abs(elevation_deg) <= 90)) {
+    return absl::InvalidArgumentError(
+        "a direction has a finite azimuth and an elevation from -90 to 90 degrees");
+  }
+  const UnitVector center = unit_vector(azimuth_deg, elevation_deg);
+  if (filter.nearest > 0) return find_nearest(database, filter, center);
+  const double radius_deg = filter.within_deg.value_or(180);
+  if (!(radius_deg >= 0))
+    return absl::InvalidArgumentError("within: expected an angle of 0 degrees or more");
+  return find_within(database, filter, center, radius_deg);
+}
+
+}  // namespace irsig

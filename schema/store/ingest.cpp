@@ -1,0 +1,184 @@
+#include "schema/store/ingest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "schema/store/check_result.h"
+#include "schema/store/spectrum_blob.h"
+#include "schema/store/statements.h"
+
+namespace irsig {
+namespace {
+
+double worst_relative_error(const schema::JobResult& result) {
+  double worst = 0;
+  for (const schema::SignatureRow& row : result.row()) {
+    const double error = row.numerical_error_w_sr();
+    const double intensity = std::abs(row.intensity_w_sr().value());
+    if (error > 0)
+      worst = std::max(worst,
+                       intensity > 0 ? error / intensity : std::numeric_limits<double>::infinity());
+  }
+  return worst;
+}
+
+absl::Status insert_provenance(Database& database, std::int64_t job_id,
+                               const schema::JobResult& result, const std::string& worker_name) {
+  return database.run(sql::insert_provenance, job_id, result.seed_hex(), result.physics_version(),
+                      result.determinism_class(), result.build_id(), worker_name, result.samples(),
+                      result.replicates(), result.target_paths(), result.rays(), result.seconds(),
+                      result.guarded_backface_hits(), result.guarded_nonfinite(),
+                      result.guarded_path_limit(), worst_relative_error(result));
+}
+
+// The band's record, after its wavelengths were compared with those of the spectrum (or stored, the
+// first time).
+absl::StatusOr<std::int64_t> band_for(Database& database, std::int64_t sweep_id,
+                                      const schema::SignatureRow& row) {
+  const std::string lambda_um = wavelength_blob(row.spectrum());
+  std::int64_t band_id = 0;
+  {
+    absl::StatusOr<Rows> band = database.query(sql::current_band, sweep_id, row.band_index());
+    if (!band.ok()) return band.status();
+    const absl::StatusOr<bool> found = band->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::InternalError(absl::StrCat("no band ", row.band_index()));
+    band_id = band->integer();
+    // The ends of a grid made of multiples of a step are only as exact as the sum.
+    const double slack_um = 1e-9 * row.spectrum().lambda_um(0);
+    const double lambda_min_um = band->real() - slack_um;
+    const double lambda_max_um = band->real() + slack_um;
+    const auto& lambda = row.spectrum().lambda_um();
+    if (lambda[0] < lambda_min_um || lambda[lambda.size() - 1] > lambda_max_um) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "result: a spectrum of band ", row.band_index(), " reaches outside the band"));
+    }
+    if (!band->is_null()) {
+      if (band->blob() == lambda_um) return band_id;
+      return absl::InvalidArgumentError(absl::StrCat("result: the wavelengths of band ",
+                                                     row.band_index(),
+                                                     " differ from those stored with it"));
+    }
+  }
+  IRSIG_STORE_TRY(database.run(sql::set_band_wavelengths, band_id, Blob{lambda_um}));
+  return band_id;
+}
+
+absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJob& job,
+                                              const schema::SignatureRow& row) {
+  const absl::StatusOr<std::int64_t> condition_id =
+      database.integer(sql::current_condition, job.sweep_id, row.condition_index());
+  if (!condition_id.ok()) return condition_id.status();
+  const absl::StatusOr<std::int64_t> band_id = band_for(database, job.sweep_id, row);
+  if (!band_id.ok()) return band_id.status();
+  IRSIG_STORE_TRY(database.run(
+      sql::insert_signature, job.job_id, job.viewpoint_id, *condition_id, *band_id,
+      row.sun_azimuth_deg(), row.sun_zenith_deg(), row.intensity_w_sr().value(),
+      row.intensity_w_sr().stderr(), row.numerical_error_w_sr(), row.truncation_bound_w_sr(),
+      row.quadrature_bound_w_sr(), row.apparent_intensity_w_sr().value(),
+      row.apparent_intensity_w_sr().stderr(), row.apparent_numerical_error_w_sr(),
+      row.projected_area_m2().value(), row.projected_area_m2().stderr(),
+      row.apparent_temperature_k(), row.emitted_w_sr().value(), row.emitted_w_sr().stderr(),
+      row.sun_reflected_w_sr().value(), row.sun_reflected_w_sr().stderr(),
+      row.sky_reflected_w_sr().value(), row.sky_reflected_w_sr().stderr(),
+      row.sea_reflected_w_sr().value(), row.sea_reflected_w_sr().stderr(),
+      row.parts_reflected_w_sr().value(), row.parts_reflected_w_sr().stderr(),
+      static_cast<int>(row.stop_reason()), row.energy_gain()));
+  return database.last_insert_rowid();
+}
+
+absl::Status insert_spectrum(Database& database, std::int64_t signature_id,
+                             const schema::Spectrum& spectrum) {
+  const SpectrumBlobs blobs(spectrum);
+  return [&]<std::size_t... Array>(std::index_sequence<Array...>) {
+    return database.run(sql::insert_spectrum, signature_id, Blob{blobs[Array]}...);
+  }
+  (std::make_index_sequence<kSpectrumArrays>());
+}
+
+absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
+  std::vector<std::int64_t> ids;
+  absl::StatusOr<Rows> row = database.query(sql::part_ids, sweep_id);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return ids;
+    ids.push_back(row->integer());
+  }
+}
+
+absl::Status insert_row(Database& database, const LeasedJob& job,
+                        const std::vector<std::int64_t>& parts, const schema::SignatureRow& row) {
+  const absl::StatusOr<std::int64_t> signature_id = insert_signature(database, job, row);
+  if (!signature_id.ok()) return signature_id.status();
+  IRSIG_STORE_TRY(insert_spectrum(database, *signature_id, row.spectrum()));
+  for (const schema::PartIntensity& part : row.part()) {
+    IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, *signature_id,
+                                 parts[part.part_index()], part.intensity_w_sr().value(),
+                                 part.intensity_w_sr().stderr()));
+  }
+  if (!row.has_thumbnail()) return absl::OkStatus();
+  const schema::Thumbnail& thumbnail = row.thumbnail();
+  return database.run(sql::insert_thumbnail, *signature_id, thumbnail.width_px(),
+                      thumbnail.height_px(), thumbnail.pixel_rad(), Blob{thumbnail.png()},
+                      Blob{thumbnail.exr()});
+}
+
+absl::Status make_room(Database& database, const LeasedJob& job, const schema::JobResult& result) {
+  const absl::StatusOr<std::int64_t> earlier =
+      database.integer(sql::count_signatures_of_viewpoint, job.viewpoint_id);
+  if (!earlier.ok()) return earlier.status();
+  if (*earlier == 0) return absl::OkStatus();
+  for (const schema::SignatureRow& row : result.row()) {
+    IRSIG_STORE_TRY(database.run(sql::delete_signature_at_place, job.sweep_id, job.viewpoint_id,
+                                 row.condition_index(), row.band_index()));
+  }
+  return absl::OkStatus();
+}
+
+// Jobs of an earlier version of the sweep end with their last signature; the definitions that only
+// they used, with the last of these jobs.
+absl::Status remove_superseded(Database& database, const LeasedJob& job) {
+  IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.viewpoint_id));
+  if (database.changes() == 0) return absl::OkStatus();
+  const absl::StatusOr<std::int64_t> left =
+      database.integer(sql::has_superseded_jobs, job.sweep_id);
+  if (!left.ok()) return left.status();
+  if (*left != 0) return absl::OkStatus();
+  IRSIG_STORE_TRY(database.run(sql::delete_superseded_conditions, job.sweep_id));
+  IRSIG_STORE_TRY(database.run(sql::delete_superseded_bands, job.sweep_id));
+  return database.run(sql::delete_superseded_parts, job.sweep_id);
+}
+
+}  // namespace
+
+absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
+                          const std::string& worker_name) {
+  const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
+  if (!parts.ok()) return parts.status();
+  const absl::StatusOr<std::int64_t> thumbnail =
+      database.integer(sql::wants_thumbnail, job.sweep_id);
+  if (!thumbnail.ok() && !absl::IsNotFound(thumbnail.status())) return thumbnail.status();
+  IRSIG_STORE_TRY(check_result(
+      result, {.job_key = job.job_key,
+               .condition_index = job.condition_index,
+               .band_index = job.band_index,
+               .parts = parts->size(),
+               .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt}));
+  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
+  if (!savepoint.ok()) return savepoint.status();
+  IRSIG_STORE_TRY(make_room(database, job, result));
+  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
+  for (const schema::SignatureRow& row : result.row()) {
+    IRSIG_STORE_TRY(insert_row(database, job, *parts, row));
+  }
+  IRSIG_STORE_TRY(remove_superseded(database, job));
+  return (*savepoint)->keep();
+}
+
+}  // namespace irsig

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "schema/result.pb.h"
+#include "schema/store/database.h"
+#include "schema/store/queue.h"
+
+namespace irsig {
+
+// Checks the result against its job and stores it in place of whatever lay at its places of the
+// sweep. Does not touch the queue. INVALID_ARGUMENT: the result is not that of the job; then
+// nothing was stored.
+[[nodiscard]] absl::Status store_result(Database& database, const LeasedJob& job,
+                                        const schema::JobResult& result,
+                                        const std::string& worker_name);
+
+}  // namespace irsig

@@ -1,0 +1,199 @@
+#include "schema/store/queue.h"
+
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
+#include "schema/store/statements.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::int64_t kFailedWorkersToQuarantine = 3;
+// With fewer workers than that, a job that can only fail must come to rest as well.
+constexpr std::int64_t kFailuresToQuarantine = 6;
+
+absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
+                                     std::uint64_t fencing_token) {
+  absl::StatusOr<Rows> row = database.query(sql::queued_job, job_id);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) return absl::InternalError(absl::StrCat("no job ", job_id));
+  QueuedJob job{};
+  job.spec.set_sweep_sha256(row->text());
+  job.spec.set_job_key(row->text());
+  job.spec.set_viewpoint_index(static_cast<std::uint32_t>(row->integer()));
+  for (auto* list : {job.spec.mutable_condition_index(), job.spec.mutable_band_index()}) {
+    const absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
+    if (!values.ok()) return values.status();
+    list->Add(values->begin(), values->end());
+  }
+  job.state = static_cast<JobState>(row->integer());
+  job.failures = static_cast<std::uint32_t>(row->integer());
+  job.fencing_token = fencing_token;
+  return job;
+}
+
+absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
+                                                           std::int64_t sweep_id) {
+  std::vector<std::string> failures;
+  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return failures;
+    const std::int64_t job_index = row->integer();
+    const std::string worker_name = row->text();
+    failures.push_back(absl::StrCat("job ", job_index, " on ", worker_name, ": ", row->text()));
+  }
+}
+
+}  // namespace
+
+std::string index_list_text(const google::protobuf::RepeatedField<std::uint32_t>& list) {
+  return absl::StrCat("[", absl::StrJoin(list, ","), "]");
+}
+
+absl::StatusOr<std::vector<std::uint32_t>> index_list(const std::string& text) {
+  absl::string_view items = text;
+  std::vector<std::uint32_t> values;
+  const bool framed = absl::ConsumePrefix(&items, "[") && absl::ConsumeSuffix(&items, "]");
+  for (const absl::string_view item : absl::StrSplit(items, ',')) {
+    if (!framed || !absl::SimpleAtoi(item, &values.emplace_back())) {
+      return absl::DataLossError(absl::StrCat("a stored job has the index list \"", text, "\""));
+    }
+  }
+  return values;
+}
+
+absl::StatusOr<std::optional<QueuedJob>> lease_next_job(Database& database,
+                                                        const std::string& worker_id,
+                                                        double now_s) {
+  const absl::StatusOr<std::int64_t> job_id = database.integer(sql::next_waiting_job);
+  if (absl::IsNotFound(job_id.status())) return std::nullopt;
+  if (!job_id.ok()) return job_id.status();
+  const absl::StatusOr<std::int64_t> token =
+      database.integer(sql::insert_attempt, *job_id, worker_id, now_s);
+  if (!token.ok()) return token.status();
+  IRSIG_STORE_TRY(database.run(sql::set_job_state, *job_id, static_cast<int>(JobState::kLeased)));
+  absl::StatusOr<QueuedJob> job = queued_job(database, *job_id, static_cast<std::uint64_t>(*token));
+  if (!job.ok()) return job.status();
+  return *std::move(job);
+}
+
+absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_token) {
+  absl::StatusOr<Rows> row = database.query(sql::leased_job, fencing_token);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("fencing token ", fencing_token, " is not that of a current lease"));
+  }
+  LeasedJob job;
+  job.job_id = row->integer();
+  job.sweep_id = row->integer();
+  job.job_key = row->text();
+  job.viewpoint_id = row->integer();
+  for (auto* list : {&job.condition_index, &job.band_index}) {
+    absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
+    if (!values.ok()) return values.status();
+    *list = *std::move(values);
+  }
+  return job;
+}
+
+absl::Status end_lease(Database& database, std::uint64_t fencing_token, std::int64_t job_id,
+                       AttemptOutcome outcome, JobState state, const std::string& message,
+                       const std::string& worker_name) {
+  IRSIG_STORE_TRY(database.run(sql::end_attempt, fencing_token, static_cast<int>(outcome), message,
+                               worker_name));
+  return database.run(sql::set_job_state, job_id, static_cast<int>(state));
+}
+
+absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
+                        const std::string& worker_name, const std::string& message) {
+  const absl::StatusOr<LeasedJob> job = leased_job(database, fencing_token);
+  if (!job.ok()) return job.status();
+  IRSIG_STORE_TRY(end_lease(database, fencing_token, job->job_id, AttemptOutcome::kFailed,
+                            JobState::kWaiting, message, worker_name));
+  const absl::StatusOr<std::int64_t> failures = database.integer(sql::count_failure, job->job_id);
+  if (!failures.ok()) return failures.status();
+  const absl::StatusOr<std::int64_t> workers =
+      database.integer(sql::count_failed_workers, job->job_id);
+  if (!workers.ok()) return workers.status();
+  if (*workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine)
+    return absl::OkStatus();
+  return database.run(sql::set_job_state, job->job_id, static_cast<int>(JobState::kQuarantined));
+}
+
+absl::Status release_all_leases(Database& database) {
+  IRSIG_STORE_TRY(database.run(sql::release_all_attempts));
+  return database.run(sql::release_all_jobs);
+}
+
+absl::StatusOr<std::uint64_t> cancel_sweep(Database& database, const std::string& sweep_sha256) {
+  const absl::StatusOr<std::int64_t> sweep_id =
+      database.integer(sql::sweep_id_by_sha256, sweep_sha256);
+  if (absl::IsNotFound(sweep_id.status())) {
+    return absl::NotFoundError(absl::StrCat("no sweep ", sweep_sha256, " in this database"));
+  }
+  if (!sweep_id.ok()) return sweep_id.status();
+  IRSIG_STORE_TRY(database.run(sql::revoke_leases, *sweep_id));
+  IRSIG_STORE_TRY(database.run(sql::cancel_jobs, *sweep_id));
+  return database.changes();
+}
+
+absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database) {
+  std::vector<SweepProgress> sweeps;
+  absl::StatusOr<Rows> row = database.query(sql::progress);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return sweeps;
+    SweepProgress& sweep = sweeps.emplace_back();
+    sweep.name = row->text();
+    sweep.sweep_sha256 = row->text();
+    sweep.jobs = row->count();
+    sweep.waiting = row->count();
+    sweep.leased = row->count();
+    sweep.done = row->count();
+    sweep.quarantined = row->count();
+    sweep.cancelled = row->count();
+    sweep.rays = row->count();
+    sweep.worst_relative_error = row->real();
+    if (sweep.quarantined == 0) continue;
+    absl::StatusOr<std::vector<std::string>> failures = failures_of_sweep(database, row->integer());
+    if (!failures.ok()) return failures.status();
+    sweep.failures = *std::move(failures);
+  }
+}
+
+absl::StatusOr<std::string> bound_determinism_class(Database& database) {
+  absl::StatusOr<Rows> row = database.query(sql::determinism_class);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  return *found ? row->text() : std::string();
+}
+
+absl::Status bind_class(Database& database, const std::string& determinism_class) {
+  const absl::StatusOr<std::string> bound = bound_determinism_class(database);
+  if (!bound.ok()) return bound.status();
+  if (!bound->empty() && *bound != determinism_class) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("the unfinished sweeps are bound to the determinism class \"", *bound,
+                     "\", not \"", determinism_class, "\""));
+  }
+  if (determinism_class.empty())
+    return absl::InvalidArgumentError("a determinism class has a name");
+  return database.run(sql::bind_determinism_class, determinism_class);
+}
+
+}  // namespace irsig

@@ -1,0 +1,108 @@
+#include <array>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "schema/store/digest.h"
+#include "schema/store/find_signatures.h"
+#include "schema/store/open_database.h"
+#include "schema/store/queue.h"
+#include "schema/store/spectrum_blob.h"
+#include "schema/store/statements.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+namespace {
+
+class SqliteReader final : public StoreReader {
+ public:
+  explicit SqliteReader(std::unique_ptr<Database> database)
+      : owned_(std::move(database)), database_(*owned_) {}
+
+  absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) override {
+    return in_one_snapshot([&] { return find_signatures(database_, filter); });
+  }
+
+  absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) override {
+    absl::StatusOr<Rows> row = database_.query(sql::spectrum_of_signature, signature_id);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found)
+      return absl::NotFoundError(absl::StrCat("no spectrum of signature ", signature_id));
+    const std::string lambda_um = row->text();
+    std::array<std::string, kSpectrumArrays> arrays;
+    for (std::string& array : arrays) array = row->text();
+    return spectrum_from_blobs(lambda_um, arrays);
+  }
+
+  absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
+    IRSIG_STORE_TRY(check_exists(signature_id));
+    std::vector<StoredPart> parts;
+    absl::StatusOr<Rows> row = database_.query(sql::parts_of_signature, signature_id);
+    if (!row.ok()) return row.status();
+    for (;;) {
+      const absl::StatusOr<bool> found = row->next();
+      if (!found.ok()) return found.status();
+      if (!*found) return parts;
+      StoredPart& part = parts.emplace_back();
+      part.part = row->text();
+      part.intensity_w_sr = row->real();
+      part.intensity_stderr_w_sr = row->real();
+    }
+  }
+
+  absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) override {
+    IRSIG_STORE_TRY(check_exists(signature_id));
+    absl::StatusOr<Rows> row = database_.query(sql::thumbnail_of_signature, signature_id);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return std::nullopt;
+    schema::Thumbnail thumbnail;
+    thumbnail.set_width_px(static_cast<std::uint32_t>(row->integer()));
+    thumbnail.set_height_px(static_cast<std::uint32_t>(row->integer()));
+    thumbnail.set_pixel_rad(row->real());
+    thumbnail.set_png(row->text());
+    thumbnail.set_exr(row->text());
+    return thumbnail;
+  }
+
+  absl::StatusOr<std::vector<SweepProgress>> progress() override {
+    return in_one_snapshot([&] { return sweep_progress(database_); });
+  }
+
+  absl::StatusOr<std::string> digest() override {
+    return in_one_snapshot([&] { return content_digest(database_); });
+  }
+
+ private:
+  // Several statements that must see the same commit.
+  template <typename Work>
+  auto in_one_snapshot(const Work& work) -> decltype(work()) {
+    IRSIG_STORE_TRY(database_.run("BEGIN"));
+    auto result = work();
+    IRSIG_STORE_TRY(database_.run("COMMIT"));
+    return result;
+  }
+
+  absl::Status check_exists(std::int64_t signature_id) {
+    const absl::StatusOr<std::int64_t> count =
+        database_.integer(sql::signature_exists, signature_id);
+    if (!count.ok()) return count.status();
+    return *count == 1 ? absl::OkStatus()
+                       : absl::NotFoundError(absl::StrCat("no signature ", signature_id));
+  }
+
+  std::unique_ptr<Database> owned_;
+  Database& database_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open(const std::string& path) {
+  absl::StatusOr<std::unique_ptr<Database>> database = open_for_reading(path);
+  if (!database.ok()) return database.status();
+  return std::make_unique<SqliteReader>(*std::move(database));
+}
+
+}  // namespace irsig

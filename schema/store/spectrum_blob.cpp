@@ -1,0 +1,93 @@
+#include "schema/store/spectrum_blob.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <iterator>
+
+namespace irsig {
+namespace {
+
+using Floats = google::protobuf::RepeatedField<float>;
+
+struct Array {
+  const Floats& (schema::Spectrum::*get)() const;
+  Floats* (schema::Spectrum::*mutable_get)();
+};
+
+// In the order of the fields in schema/result.proto and of the columns of table `spectrum`.
+#define ARRAY(name) \
+  { &schema::Spectrum::name, &schema::Spectrum::mutable_##name }
+constexpr Array kArrays[] = {ARRAY(spectral_intensity_w_sr_um),
+                             ARRAY(spectral_intensity_stderr_w_sr_um),
+                             ARRAY(emitted_w_sr_um),
+                             ARRAY(emitted_stderr_w_sr_um),
+                             ARRAY(sun_reflected_w_sr_um),
+                             ARRAY(sun_reflected_stderr_w_sr_um),
+                             ARRAY(sky_reflected_w_sr_um),
+                             ARRAY(sky_reflected_stderr_w_sr_um),
+                             ARRAY(sea_reflected_w_sr_um),
+                             ARRAY(sea_reflected_stderr_w_sr_um),
+                             ARRAY(parts_reflected_w_sr_um),
+                             ARRAY(parts_reflected_stderr_w_sr_um),
+                             ARRAY(apparent_spectral_intensity_w_sr_um),
+                             ARRAY(apparent_spectral_intensity_stderr_w_sr_um)};
+#undef ARRAY
+static_assert(std::size(kArrays) == kSpectrumArrays);
+
+template <typename Number>
+void reverse_each(std::string& bytes) {
+  for (std::size_t at = 0; at + sizeof(Number) <= bytes.size(); at += sizeof(Number)) {
+    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                 bytes.begin() + static_cast<std::ptrdiff_t>(at + sizeof(Number)));
+  }
+}
+
+constexpr bool kLittleEndian = std::endian::native == std::endian::little;
+
+template <typename Number>
+bool numbers_from(std::string_view blob, google::protobuf::RepeatedField<Number>& out) {
+  if (blob.size() % sizeof(Number) != 0) return false;
+  std::string bytes(blob);
+  if (!kLittleEndian) reverse_each<Number>(bytes);
+  out.Resize(static_cast<int>(bytes.size() / sizeof(Number)), Number{});
+  if (!bytes.empty()) std::memcpy(out.mutable_data(), bytes.data(), bytes.size());
+  return true;
+}
+
+}  // namespace
+
+SpectrumBlobs::SpectrumBlobs(const schema::Spectrum& spectrum) {
+  for (std::size_t array = 0; array < kSpectrumArrays; ++array) {
+    const Floats& values = (spectrum.*kArrays[array].get)();
+    bytes_[array] = {reinterpret_cast<const char*>(values.data()),
+                     static_cast<std::size_t>(values.size()) * sizeof(float)};
+    if (kLittleEndian) continue;
+    swapped_[array] = bytes_[array];
+    reverse_each<float>(swapped_[array]);
+    bytes_[array] = swapped_[array];
+  }
+}
+
+absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
+    std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays) {
+  schema::Spectrum spectrum;
+  bool fits = numbers_from(lambda_um, *spectrum.mutable_lambda_um());
+  for (std::size_t array = 0; array < kSpectrumArrays; ++array) {
+    Floats& values = *(spectrum.*kArrays[array].mutable_get)();
+    fits =
+        fits && numbers_from(arrays[array], values) && values.size() == spectrum.lambda_um_size();
+  }
+  if (!fits)
+    return absl::DataLossError("a stored spectrum does not fit the wavelengths of its band");
+  return spectrum;
+}
+
+std::string wavelength_blob(const schema::Spectrum& spectrum) {
+  std::string bytes(reinterpret_cast<const char*>(spectrum.lambda_um().data()),
+                    static_cast<std::size_t>(spectrum.lambda_um_size()) * sizeof(double));
+  if (!kLittleEndian) reverse_each<double>(bytes);
+  return bytes;
+}
+
+}  // namespace irsig

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+inline constexpr std::size_t kSpectrumArrays = 14;
+
+// The bytes of a spectrum's arrays in the order of schema/result.proto (fields 2 to 15): float32,
+// little-endian. Views into the message where the machine is little-endian, so the message must
+// live as long.
+class SpectrumBlobs {
+ public:
+  explicit SpectrumBlobs(const schema::Spectrum& spectrum);
+  [[nodiscard]] std::string_view operator[](std::size_t array) const { return bytes_[array]; }
+
+ private:
+  std::array<std::string, kSpectrumArrays> swapped_;
+  std::array<std::string_view, kSpectrumArrays> bytes_;
+};
+
+// The other way round; DATA_LOSS where the sizes do not fit the wavelengths.
+[[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
+    std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
+
+// Wavelengths: float64, little-endian.
+[[nodiscard]] std::string wavelength_blob(const schema::Spectrum& spectrum);
+
+}  // namespace irsig

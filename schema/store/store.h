@@ -1,0 +1,175 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// The states of a job, as stored (numbers are never reused).
+enum class JobState : int {
+  kWaiting = 0,
+  kLeased = 1,
+  kDone = 2,
+  kQuarantined = 3,
+  kCancelled = 4
+};
+
+struct Asset {
+  std::string sha256;  // hex
+  std::string bytes;
+};
+
+struct QueuedJob {
+  schema::JobSpec spec;
+  JobState state;
+  std::uint32_t failures;       // distinct workers that failed on it
+  std::uint64_t fencing_token;  // of the current lease, 0 if none
+};
+
+struct SweepProgress {
+  std::string name;
+  std::string sweep_sha256;
+  std::uint64_t jobs, waiting, leased, done, quarantined, cancelled, rays;
+  double worst_relative_error;
+  std::vector<std::string> failures;
+};
+
+// The writing side of a signature database: the coordinator is its only user. Not thread-safe: one
+// thread owns it. Every mutation happens inside begin() ... commit(); commit() returns after the
+// data is on disk (synchronous = FULL), so that many results can share one commit (group commit).
+class StoreWriter {
+ public:
+  // Creates the file if it does not exist; migrates an older one; refuses one from a newer version,
+  // a file that is no signature database, and a database that another writer holds.
+  static absl::StatusOr<std::unique_ptr<StoreWriter>> open(const std::string& path);
+  virtual ~StoreWriter() = default;
+
+  virtual absl::Status begin() = 0;
+  virtual absl::Status commit() = 0;
+  virtual void rollback() = 0;
+
+  struct Added {
+    std::uint64_t jobs;
+    std::uint64_t to_compute;  // missing or stale ones
+  };
+  // Adds a sweep, its viewpoints, conditions, bands, parts, assets and jobs, or updates the one
+  // with the same name: jobs whose key is already done keep their rows; rows of jobs that the sweep
+  // no longer has are removed when their replacement is stored (rows whose viewpoint, season, time
+  // or band is gone: now). Quarantined and cancelled jobs wait again. INVALID_ARGUMENT: the jobs do
+  // not cover viewpoints x conditions x bands exactly once, something comes twice, an asset's bytes
+  // are not those of its hash, or the model file is missing; then nothing was changed.
+  virtual absl::StatusOr<Added> add_sweep(const schema::ResolvedSweep& sweep,
+                                          const std::string& sweep_sha256,
+                                          const std::vector<schema::JobSpec>& jobs,
+                                          const std::vector<Asset>& assets) = 0;
+
+  // The bytes of an asset; under a sweep_sha256: the serialized ResolvedSweep.
+  virtual absl::StatusOr<std::string> asset(const std::string& sha256) = 0;
+
+  // Takes the next waiting job (in sweep order; those that failed before come last) and leases it
+  // under a new fencing token; nullopt: none is waiting.
+  virtual absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id,
+                                                              double now_s) = 0;
+  // Back to waiting, unless the token is no longer the job's (FAILED_PRECONDITION).
+  virtual absl::Status release(std::uint64_t fencing_token, const std::string& reason) = 0;
+  // Every lease of an earlier coordinator goes back to waiting: called once after open.
+  virtual absl::Status release_all() = 0;
+  // Counts a failure on this worker; after failures on 3 distinct workers, or 6 in all, the job is
+  // quarantined.
+  virtual absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
+                            const std::string& message) = 0;
+  // Stores the result and marks the job done, replacing the rows of earlier jobs for the same
+  // viewpoint and conditions. FAILED_PRECONDITION: the token is not the current one.
+  // INVALID_ARGUMENT: the result does not match its job.
+  virtual absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
+                                const std::string& worker_name) = 0;
+  virtual absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) = 0;
+  virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
+  // The determinism class that this database's unfinished sweeps are bound to; empty: not bound
+  // yet.
+  virtual absl::StatusOr<std::string> determinism_class() = 0;
+  virtual absl::Status bind_determinism_class(const std::string& determinism_class) = 0;
+  // Checkpoints the journal, so that one plain file remains. UNAVAILABLE: a reader has the file
+  // open; everything is stored, the journal stays beside the file, and finish() may be called
+  // again.
+  virtual absl::Status finish() = 0;
+};
+
+// One stored signature without its spectrum and images.
+struct StoredSignature {
+  std::int64_t signature_id;
+  std::uint64_t
+      row;  // 1-based place in its sweep: ((viewpoint * conditions) + condition) * bands + band + 1
+  std::string sweep, season, time_utc, band;
+  double lambda_min_um, lambda_max_um;
+  double aspect_azimuth_deg, aspect_elevation_deg, range_m;
+  double unit_x, unit_y, unit_z;  // unit vector target -> sensor, body frame
+  double sun_azimuth_deg, sun_zenith_deg;
+  double intensity_w_sr, intensity_stderr_w_sr, numerical_error_w_sr;
+  double apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, apparent_numerical_error_w_sr;
+  double projected_area_m2, projected_area_stderr_m2, apparent_temperature_k;
+  double emitted_w_sr, emitted_stderr_w_sr, sun_reflected_w_sr, sun_reflected_stderr_w_sr;
+  double sky_reflected_w_sr, sky_reflected_stderr_w_sr, sea_reflected_w_sr,
+      sea_reflected_stderr_w_sr;
+  double parts_reflected_w_sr, parts_reflected_stderr_w_sr;
+  double truncation_bound_w_sr, quadrature_bound_w_sr;
+  std::string stop_reason;
+  bool energy_gain;
+  std::uint64_t samples, target_paths, rays;
+  std::uint32_t replicates;
+  double seconds;
+  std::uint64_t guarded_backface_hits, guarded_nonfinite, guarded_path_limit;
+  std::string job_key, seed_hex, determinism_class, build_id;
+  std::uint32_t physics_version;
+};
+
+struct StoredPart {
+  std::string part;
+  double intensity_w_sr, intensity_stderr_w_sr;
+};
+
+// Filters of a query; an empty string or vector means "any".
+struct SignatureFilter {
+  std::string sweep, season, time_utc, band;
+  std::optional<double> max_relative_error;  // numerical_error / |intensity|
+  // Aspect filters: at most one. nearest: the signatures of the `nearest` closest viewpoints that
+  // have one passing the other filters; within: inside a cap, its edge (to 1e-9 deg) included. A
+  // direction alone only orders.
+  struct Direction {
+    double aspect_azimuth_deg, aspect_elevation_deg;
+  };
+  std::optional<Direction> direction;
+  std::uint32_t nearest = 0;
+  std::optional<double> within_deg;
+  std::optional<std::uint64_t> row;
+};
+
+// The reading side: any number of readers, also while the coordinator writes. One object belongs to
+// one thread.
+class StoreReader {
+ public:
+  static absl::StatusOr<std::unique_ptr<StoreReader>> open(const std::string& path);
+  virtual ~StoreReader() = default;
+
+  // In row order; with a direction: nearest first.
+  virtual absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) = 0;
+  virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
+  virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
+  virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
+  virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
+  // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was
+  // computed, in key order: schema/README.md.
+  virtual absl::StatusOr<std::string> digest() = 0;
+};
+
+}  // namespace irsig

@@ -1,0 +1,325 @@
+#include "schema/store/sweep_table.h"
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "google/protobuf/io/coded_stream.h"
+#include "google/protobuf/io/zero_copy_stream_impl_lite.h"
+#include "schema/store/check_sweep.h"
+#include "schema/store/queue.h"
+#include "schema/store/sha256.h"
+#include "schema/store/statements.h"
+
+namespace irsig {
+namespace {
+
+using Ids = std::vector<std::int64_t>;
+
+std::string serialized(const google::protobuf::Message& message) {
+  std::string bytes;
+  google::protobuf::io::StringOutputStream stream(&bytes);
+  google::protobuf::io::CodedOutputStream coded(&stream);
+  coded.SetSerializationDeterministic(true);
+  message.SerializeToCodedStream(&coded);
+  coded.Trim();
+  return bytes;
+}
+
+// -0.0 and 0.0 are the same direction and must find each other in an index.
+double without_sign_of_zero(double value) { return value + 0.0; }
+
+template <typename Message, typename Value>
+std::optional<Value> if_stated(bool stated, Value (Message::*field)() const,
+                               const Message& message) {
+  return stated ? std::optional<Value>((message.*field)()) : std::nullopt;
+}
+
+// What makes a condition another one: all but where it stands in the lists and how it was written.
+std::string condition_definition(const schema::Condition& condition,
+                                 const schema::ResolvedSweep& sweep) {
+  schema::Condition definition = condition;
+  definition.clear_season_index();
+  definition.clear_time_index();
+  definition.clear_sun_irradiance_from_distance();
+  Sha256 hash;
+  hash.add(serialized(definition));
+  for (const schema::Part& part : sweep.sweep().part())
+    hash.add(absl::StrCat(part.name(), "\n", part.material(), "\n"));
+  return hash.hex();
+}
+
+// Adds or updates one sweep, step by step in the order of its methods.
+class SweepUpdate {
+ public:
+  SweepUpdate(Database& database, const schema::ResolvedSweep& sweep)
+      : database_(database), sweep_(sweep) {}
+
+  absl::Status put_sweep(const std::string& sha256) {
+    const std::string& name = sweep_.sweep().name();
+    const std::string bytes = serialized(sweep_);
+    const schema::Output& output = sweep_.sweep().output();
+    const auto thumbnail_px =
+        if_stated(output.has_thumbnail_px(), &schema::Output::thumbnail_px, output);
+    const absl::StatusOr<std::int64_t> known = database_.integer(sql::sweep_id_by_name, name);
+    if (!known.ok() && !absl::IsNotFound(known.status())) return known.status();
+    if (known.ok()) {
+      sweep_id_ = *known;
+      return database_.run(sql::update_sweep, sweep_id_, sha256, sweep_.viewpoint_size(),
+                           sweep_.condition_size(), sweep_.sweep().band_size(),
+                           sweep_.model_sha256(), thumbnail_px, Blob{bytes});
+    }
+    IRSIG_STORE_TRY(database_.run(sql::insert_sweep, name, sha256, sweep_.viewpoint_size(),
+                                  sweep_.condition_size(), sweep_.sweep().band_size(),
+                                  sweep_.model_sha256(), thumbnail_px, Blob{bytes}));
+    sweep_id_ = database_.last_insert_rowid();
+    return absl::OkStatus();
+  }
+
+  absl::Status put_assets(const std::vector<Asset>& assets, const std::string& sweep_sha256) {
+    IRSIG_STORE_TRY(database_.run(sql::clear_sweep_assets, sweep_id_));
+    for (const Asset& asset : assets) {
+      // The sweep's own hash is that of its canonical encoding, not of its bytes; it is kept with
+      // the sweep.
+      if (asset.sha256 == sweep_sha256) continue;
+      if (sha256_of(asset.bytes) != asset.sha256) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("the asset ", asset.sha256, " has other bytes than its name says"));
+      }
+      IRSIG_STORE_TRY(database_.run(sql::insert_asset, asset.sha256, Blob{asset.bytes}));
+      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, asset.sha256));
+    }
+    if (!sweep_.model_sha256().empty()) {
+      const absl::StatusOr<std::int64_t> there =
+          database_.integer(sql::asset_exists, sweep_.model_sha256());
+      if (!there.ok()) return there.status();
+      if (*there == 0) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("the model file ", sweep_.model_sha256(), " is not among the assets"));
+      }
+      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sweep_.model_sha256()));
+    }
+    return database_.run(sql::delete_unused_assets);
+  }
+
+  absl::Status put_parts() {
+    IRSIG_STORE_TRY(database_.run(sql::supersede_parts, sweep_id_));
+    for (int i = 0; i < sweep_.sweep().part_size(); ++i) {
+      const schema::Part& part = sweep_.sweep().part(i);
+      absl::StatusOr<std::int64_t> id =
+          database_.integer(sql::revive_part, sweep_id_, part.name(), part.material(), i);
+      if (absl::IsNotFound(id.status())) {
+        id = database_.integer(sql::insert_part, sweep_id_, part.name(), part.material(), i);
+      }
+      if (!id.ok()) return id.status();
+      part_ids_.push_back(*id);
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status put_conditions() {
+    IRSIG_STORE_TRY(database_.run(sql::supersede_conditions, sweep_id_));
+    for (int i = 0; i < sweep_.condition_size(); ++i) {
+      const std::string definition = condition_definition(sweep_.condition(i), sweep_);
+      const absl::StatusOr<std::int64_t> id =
+          database_.integer(sql::revive_condition, sweep_id_, definition, i);
+      if (id.ok()) continue;
+      if (!absl::IsNotFound(id.status())) return id.status();
+      IRSIG_STORE_TRY(insert_condition(i, definition));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status put_bands() {
+    IRSIG_STORE_TRY(database_.run(sql::supersede_bands, sweep_id_));
+    for (int i = 0; i < sweep_.sweep().band_size(); ++i) {
+      const schema::Band& band = sweep_.sweep().band(i);
+      const std::string definition = sha256_of(serialized(band));
+      absl::StatusOr<std::int64_t> id =
+          database_.integer(sql::revive_band, sweep_id_, definition, i);
+      if (id.ok()) continue;
+      if (!absl::IsNotFound(id.status())) return id.status();
+      id = database_.integer(sql::insert_band, sweep_id_, definition, i, band.name(),
+                             band.lambda_min_um(), band.lambda_max_um());
+      if (!id.ok()) return id.status();
+      for (const schema::SpectralPoint& point : band.response()) {
+        IRSIG_STORE_TRY(
+            database_.run(sql::insert_band_response, *id, point.lambda_um(), point.value()));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status put_viewpoints() {
+    IRSIG_STORE_TRY(database_.run(sql::shift_viewpoints, sweep_id_));
+    for (int i = 0; i < sweep_.viewpoint_size(); ++i) {
+      const schema::Viewpoint& viewpoint = sweep_.viewpoint(i);
+      const double azimuth_deg = without_sign_of_zero(viewpoint.aspect_azimuth_deg());
+      const double elevation_deg = without_sign_of_zero(viewpoint.aspect_elevation_deg());
+      absl::StatusOr<std::int64_t> id = database_.integer(
+          sql::revive_viewpoint, sweep_id_, azimuth_deg, elevation_deg, viewpoint.range_m(), i);
+      if (absl::IsNotFound(id.status())) {
+        id = database_.integer(sql::insert_viewpoint, sweep_id_, azimuth_deg, elevation_deg,
+                               viewpoint.range_m(), i);
+        if (!id.ok()) return id.status();
+        const UnitVector unit = unit_vector(azimuth_deg, elevation_deg);
+        IRSIG_STORE_TRY(
+            database_.run(sql::insert_viewpoint_direction, *id, unit.x, unit.y, unit.z));
+      }
+      if (!id.ok()) return id.status();
+      viewpoint_ids_.push_back(*id);
+    }
+    IRSIG_STORE_TRY(database_.run(sql::delete_signatures_of_gone_viewpoints, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_jobs_of_gone_viewpoints, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_directions_of_gone_viewpoints, sweep_id_));
+    return database_.run(sql::delete_gone_viewpoints, sweep_id_);
+  }
+
+  absl::Status put_jobs(const std::vector<schema::JobSpec>& jobs) {
+    IRSIG_STORE_TRY(database_.run(sql::supersede_jobs, sweep_id_));
+    for (std::size_t i = 0; i < jobs.size(); ++i) IRSIG_STORE_TRY(put_job(jobs[i], i));
+    return absl::OkStatus();
+  }
+
+  absl::Status remove_what_is_gone() {
+    IRSIG_STORE_TRY(database_.run(sql::delete_signatures_of_gone_conditions, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_signatures_of_gone_bands, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::place_superseded_conditions, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::place_superseded_bands, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::revoke_superseded_leases, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::settle_superseded_jobs, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_superseded_jobs, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_superseded_conditions, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_superseded_bands, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_superseded_parts, sweep_id_));
+    return database_.run(sql::unbind_sweep_without_results, sweep_id_);
+  }
+
+  absl::StatusOr<std::uint64_t> count_jobs_to_compute() {
+    const absl::StatusOr<std::int64_t> count =
+        database_.integer(sql::count_jobs_to_compute, sweep_id_);
+    if (!count.ok()) return count.status();
+    return static_cast<std::uint64_t>(*count);
+  }
+
+ private:
+  absl::Status insert_condition(int index, const std::string& definition) {
+    const schema::Condition& condition = sweep_.condition(index);
+    const schema::Surroundings& around = condition.surroundings();
+    using S = schema::Surroundings;
+    const absl::StatusOr<std::int64_t> id = database_.integer(
+        sql::insert_condition, sweep_id_, definition, index, condition.season(),
+        condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
+        around.kind(), if_stated(around.has_sky_temperature_k(), &S::sky_temperature_k, around),
+        if_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um, around),
+        if_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
+        if_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
+        if_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um, around));
+    if (!id.ok()) return id.status();
+    for (std::size_t part = 0; part < part_ids_.size(); ++part) {
+      IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, *id, part_ids_[part],
+                                    condition.part_temperature_k(static_cast<int>(part))));
+    }
+    return absl::OkStatus();
+  }
+
+  struct KnownJob {
+    std::int64_t job_id;
+    JobState state;
+    std::int64_t viewpoint_id;
+    std::string condition_index, band_index;
+  };
+
+  absl::StatusOr<std::optional<KnownJob>> known_job(const std::string& job_key) {
+    absl::StatusOr<Rows> row = database_.query(sql::job_by_key, sweep_id_, job_key);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return std::nullopt;
+    KnownJob job;
+    job.job_id = row->integer();
+    job.state = static_cast<JobState>(row->integer());
+    job.viewpoint_id = row->integer();
+    job.condition_index = row->text();
+    job.band_index = row->text();
+    return job;
+  }
+
+  absl::Status put_job(const schema::JobSpec& spec, std::size_t index) {
+    const std::int64_t viewpoint_id = viewpoint_ids_[spec.viewpoint_index()];
+    const std::string condition_index = index_list_text(spec.condition_index());
+    const std::string band_index = index_list_text(spec.band_index());
+    const absl::StatusOr<std::optional<KnownJob>> known = known_job(spec.job_key());
+    if (!known.ok()) return known.status();
+    if (!known->has_value()) {
+      return database_.run(sql::insert_job, sweep_id_, spec.job_key(), index, viewpoint_id,
+                           condition_index, band_index);
+    }
+    const KnownJob& job = **known;
+    JobState state = JobState::kWaiting;
+    if (job.state == JobState::kDone) {
+      // All its signatures must still be there (a version of the sweep in between may have replaced
+      // some) and mean what they meant.
+      const absl::StatusOr<std::int64_t> signatures =
+          database_.integer(sql::count_current_signatures, job.job_id);
+      if (!signatures.ok()) return signatures.status();
+      const int expected = spec.condition_index_size() * spec.band_index_size();
+      if (*signatures == expected && job.viewpoint_id == viewpoint_id) state = JobState::kDone;
+    } else if (job.state == JobState::kLeased) {
+      // The worker's result will name conditions and bands by the indices that it was given.
+      const bool same = job.condition_index == condition_index && job.band_index == band_index;
+      if (same) {
+        state = JobState::kLeased;
+      } else {
+        IRSIG_STORE_TRY(database_.run(sql::revoke_lease_of_job, job.job_id));
+      }
+    }
+    return database_.run(sql::revive_job, job.job_id, index, viewpoint_id, condition_index,
+                         band_index, static_cast<int>(state));
+  }
+
+  Database& database_;
+  const schema::ResolvedSweep& sweep_;
+  std::int64_t sweep_id_ = 0;
+  Ids part_ids_, viewpoint_ids_;
+};
+
+}  // namespace
+
+absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
+                                               const schema::ResolvedSweep& sweep,
+                                               const std::string& sweep_sha256,
+                                               const std::vector<schema::JobSpec>& jobs,
+                                               const std::vector<Asset>& assets) {
+  IRSIG_STORE_TRY(check_sweep(sweep, sweep_sha256, jobs));
+  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
+  if (!savepoint.ok()) return savepoint.status();
+  SweepUpdate update(database, sweep);
+  IRSIG_STORE_TRY(update.put_sweep(sweep_sha256));
+  IRSIG_STORE_TRY(update.put_assets(assets, sweep_sha256));
+  IRSIG_STORE_TRY(update.put_parts());
+  IRSIG_STORE_TRY(update.put_conditions());
+  IRSIG_STORE_TRY(update.put_bands());
+  IRSIG_STORE_TRY(update.put_viewpoints());
+  IRSIG_STORE_TRY(update.put_jobs(jobs));
+  IRSIG_STORE_TRY(update.remove_what_is_gone());
+  const absl::StatusOr<std::uint64_t> to_compute = update.count_jobs_to_compute();
+  if (!to_compute.ok()) return to_compute.status();
+  IRSIG_STORE_TRY((*savepoint)->keep());
+  return StoreWriter::Added{.jobs = jobs.size(), .to_compute = *to_compute};
+}
+
+UnitVector unit_vector(double aspect_azimuth_deg, double aspect_elevation_deg) {
+  // At the poles the azimuth is free: exactly one direction, not one for each azimuth's rounding.
+  if (std::abs(aspect_elevation_deg) == 90) return {0, 0, aspect_elevation_deg > 0 ? -1.0 : 1.0};
+  constexpr double kRadPerDeg = std::numbers::pi / 180;
+  const double azimuth_rad = aspect_azimuth_deg * kRadPerDeg;
+  const double elevation_rad = aspect_elevation_deg * kRadPerDeg;
+  return {std::cos(elevation_rad) * std::cos(azimuth_rad),
+          std::cos(elevation_rad) * std::sin(azimuth_rad), -std::sin(elevation_rad)};
+}
+
+}  // namespace irsig

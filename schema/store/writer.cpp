@@ -1,0 +1,133 @@
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "schema/store/ingest.h"
+#include "schema/store/open_database.h"
+#include "schema/store/queue.h"
+#include "schema/store/statements.h"
+#include "schema/store/store.h"
+#include "schema/store/sweep_table.h"
+
+namespace irsig {
+namespace {
+
+absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
+                                     const std::string& sha256) {
+  absl::StatusOr<Rows> row = database.query(statement, sha256);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) return absl::NotFoundError(absl::StrCat("no asset ", sha256));
+  return row->text();
+}
+
+class SqliteWriter final : public StoreWriter {
+ public:
+  explicit SqliteWriter(WritableDatabase opened)
+      : lock_(std::move(opened.lock)), owned_(std::move(opened.database)), database_(*owned_) {}
+
+  // Without finish() the journal stays; the next writer, and every reader, goes on from it.
+  ~SqliteWriter() override { rollback(); }
+
+  absl::Status begin() override { return database_.run("BEGIN IMMEDIATE"); }
+
+  absl::Status commit() override { return database_.run("COMMIT"); }
+
+  void rollback() override {
+    if (database_.in_transaction()) static_cast<void>(database_.run("ROLLBACK"));
+  }
+
+  absl::StatusOr<Added> add_sweep(const schema::ResolvedSweep& sweep,
+                                  const std::string& sweep_sha256,
+                                  const std::vector<schema::JobSpec>& jobs,
+                                  const std::vector<Asset>& assets) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return store_sweep(database_, sweep, sweep_sha256, jobs, assets);
+  }
+
+  absl::StatusOr<std::string> asset(const std::string& sha256) override {
+    absl::StatusOr<std::string> bytes = bytes_of(database_, sql::asset_bytes, sha256);
+    if (!absl::IsNotFound(bytes.status())) return bytes;
+    return bytes_of(database_, sql::resolved_sweep_by_sha256, sha256);
+  }
+
+  absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id,
+                                                      double now_s) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return lease_next_job(database_, worker_id, now_s);
+  }
+
+  absl::Status release(std::uint64_t fencing_token, const std::string& reason) override {
+    IRSIG_STORE_TRY(require_transaction());
+    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
+    if (!job.ok()) return job.status();
+    return end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kReleased,
+                     JobState::kWaiting, reason, "");
+  }
+
+  absl::Status release_all() override {
+    IRSIG_STORE_TRY(require_transaction());
+    return release_all_leases(database_);
+  }
+
+  absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
+                    const std::string& message) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return fail_lease(database_, fencing_token, worker_name, message);
+  }
+
+  absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
+                        const std::string& worker_name) override {
+    IRSIG_STORE_TRY(require_transaction());
+    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
+    if (!job.ok()) return job.status();
+    IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name));
+    return end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kDone, JobState::kDone,
+                     "", worker_name);
+  }
+
+  absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return cancel_sweep(database_, sweep_sha256);
+  }
+
+  absl::StatusOr<std::vector<SweepProgress>> progress() override {
+    return sweep_progress(database_);
+  }
+
+  absl::StatusOr<std::string> determinism_class() override {
+    return bound_determinism_class(database_);
+  }
+
+  absl::Status bind_determinism_class(const std::string& determinism_class) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return bind_class(database_, determinism_class);
+  }
+
+  absl::Status finish() override {
+    if (database_.in_transaction())
+      return absl::FailedPreconditionError("finish() inside a transaction");
+    IRSIG_STORE_TRY(database_.script("PRAGMA wal_checkpoint(TRUNCATE)"));
+    return database_.script("PRAGMA journal_mode = DELETE");
+  }
+
+ private:
+  absl::Status require_transaction() const {
+    if (database_.in_transaction()) return absl::OkStatus();
+    return absl::FailedPreconditionError("a change of the database outside begin() ... commit()");
+  }
+
+  std::unique_ptr<WriterLock> lock_;  // given back after the connection is closed
+  std::unique_ptr<Database> owned_;
+  Database& database_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::string& path) {
+  absl::StatusOr<WritableDatabase> opened = open_for_writing(path);
+  if (!opened.ok()) return opened.status();
+  return std::make_unique<SqliteWriter>(*std::move(opened));
+}
+
+}  // namespace irsig

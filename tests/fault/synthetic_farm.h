@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+#include "worker/lease_loop.h"
+
+namespace irsig {
+
+// The frigate of jobs/examples with another number of viewpoints: a sweep whose results have their
+// real size (6 rows of 41 or 81 wavelengths, 8 parts), for tests of the farm that need no physics.
+[[nodiscard]] schema::ResolvedSweep frigate_sweep(std::uint32_t viewpoints,
+                                                  const std::string& name = "frigate");
+
+inline constexpr char kSyntheticClass[] = "synthetic";
+
+// A result with made-up numbers, the same for the same job key, wherever it is made; with a PNG of
+// 4 kB and an EXR of 20 kB a row.
+[[nodiscard]] schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep,
+                                                 const schema::JobSpec& job);
+
+struct SyntheticWork {
+  double seconds = 0;                // that a job takes
+  std::set<std::uint32_t> failing;   // viewpoints whose jobs fail
+  std::set<std::uint32_t> crashing;  // viewpoints whose jobs kill the worker
+};
+
+[[nodiscard]] RunnerFactory synthetic_runner(const SyntheticWork& work);
+
+}  // namespace irsig

@@ -1,0 +1,211 @@
+"""The reading subcommands of irsig on a database that irsig run has made.
+
+usage: cli_view_test.py <irsig executable>
+"""
+import csv
+import io
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+IRSIG = sys.argv[1] if len(sys.argv) > 1 else "irsig"
+
+SWEEP = """
+name = "can"
+time = ["10:30+09:00"]
+[model]
+generate = "cylinder"
+triangles = 2000
+[place]
+latitude_deg = 25
+longitude_deg = 130
+height_m = 0
+heading_deg = 0
+[[material]]
+name = "paint"
+kind = "lambert"
+emissivity = 0.9
+[[part]]
+name = "can"
+match = ["*"]
+material = "paint"
+[[season]]
+name = "winter"
+date = 2025-12-21
+part_temperature_k = { can = 280 }
+[[season]]
+name = "summer"
+date = 2025-06-21
+part_temperature_k = { can = 310 }
+[[band]]
+name = "mwir"
+lambda_min_um = 3
+lambda_max_um = 5
+step_um = 0.25
+[[band]]
+name = "lwir"
+lambda_min_um = 8
+lambda_max_um = 12
+step_um = 0.25
+[viewpoints]
+kind = "fibonacci"
+count = 40
+range_m = 1000
+[surroundings]
+kind = "sea"
+sky_temperature_k = 260
+sea_temperature_k = 285
+sea_emissivity = 0.98
+[air]
+model = "vacuum"
+[transport]
+sun = false
+max_reflections = 1
+[accuracy]
+samples_per_replicate = 256
+[output]
+thumbnail_px = 32
+"""
+
+
+def irsig(*arguments, expect=0):
+    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == expect, f"irsig {arguments}: exit code {done.returncode}, expected " \
+                                      f"{expect}\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+    return done
+
+
+class FrontDoor(unittest.TestCase):
+    def test_version_and_help(self):
+        self.assertRegex(irsig("--version").stdout, r"^irsig \d+\.\d+\.\d+ \(build ")
+        help_text = irsig("--help").stdout
+        for command in ("run", "submit", "status", "cancel", "digest", "query", "export", "plot",
+                        "show", "model"):
+            self.assertIn(f"  {command} ", help_text)
+            self.assertIn("--help", irsig(command, "--help").stdout)
+
+    def test_wrong_options_are_the_users(self):
+        for arguments in ([], ["fly"], ["--fast"], ["query"], ["query", "a.sigdb", "--colour"],
+                          ["query", "a.sigdb", "--format", "xml"], ["plot", "a.sigdb"],
+                          ["query", "a.sigdb", "--aspect", "45"],
+                          ["plot", "a.sigdb", "--kind", "map", "--elevation", "3", "--out", "x.svg"]):
+            done = irsig(*arguments, expect=2)
+            self.assertEqual(done.stdout, "")
+            self.assertTrue(done.stderr.startswith("irsig: "), done.stderr)
+
+    def test_what_is_no_database(self):
+        with tempfile.TemporaryDirectory() as folder:
+            missing = pathlib.Path(folder, "missing.sigdb")
+            for command in (["query"], ["export", "--format", "csv", "--out", f"{folder}/x"],
+                            ["plot", "--kind", "polar", "--out", f"{folder}/x"], ["digest"]):
+                done = irsig(command[0], missing, *command[1:], expect=2)
+                self.assertIn("missing.sigdb", done.stderr)
+            self.assertFalse(missing.exists())
+            text = pathlib.Path(folder, "text.sigdb")
+            text.write_text("no database\n" * 500)
+            irsig("query", text, expect=2)
+            self.assertEqual(text.read_text(), "no database\n" * 500)
+
+
+class Views(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        sweep = cls.path / "can.toml"
+        sweep.write_text(SWEEP)
+        cls.db = cls.path / "can.sigdb"
+        irsig("run", sweep, "--db", cls.db, "--workers", 1)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def rows(self, *arguments):
+        text = irsig("query", self.db, *arguments, "--format", "csv").stdout
+        return list(csv.DictReader(io.StringIO(text)))
+
+    def test_rows_are_complete_and_ordered(self):
+        rows = self.rows()
+        self.assertEqual([int(r["row"]) for r in rows], list(range(1, 40 * 2 * 2 + 1)))
+        self.assertEqual(rows[0]["time_utc"], "2025-12-21T01:30:00Z")
+        for r in rows:
+            self.assertGreater(float(r["intensity_w_sr"]), 0)
+            self.assertGreaterEqual(float(r["numerical_error_w_sr"]), float(r["intensity_stderr_w_sr"]))
+
+    def test_filters(self):
+        summer = self.rows("--season", "summer", "--band", "lwir", "--time", "2025-06-20T20:30:00-05:00")
+        self.assertEqual(len(summer), 40)
+        nearest = self.rows("--season", "summer", "--band", "lwir", "--aspect", "90,30", "--nearest", 3)
+        self.assertEqual(len(nearest), 3)
+        done = irsig("query", self.db, "--season", "autumn", expect=2)
+        self.assertIn("summer, winter", done.stderr)
+        none = irsig("query", self.db, "--max-relative-error", "1e-12", "--format", "csv")
+        self.assertEqual(none.stdout.count("\n"), 1)
+        self.assertIn("no signature matches", none.stderr)
+
+    def test_spectrum_integrates_to_the_band(self):
+        lines = self.rows("--row", 2, "--spectrum")
+        self.assertEqual(len(lines), 17)
+        s = [float(r["spectral_intensity_w_sr_um"]) for r in lines]
+        trapezoid = 0.25 * (sum(s) - 0.5 * (s[0] + s[-1]))
+        # Bin means by the trapezoid rule: h^2/12 of the curvature, < 0.5 % at 0.25 um.
+        self.assertAlmostEqual(trapezoid / float(lines[0]["intensity_w_sr"]), 1, delta=0.005)
+
+    def test_json_and_table(self):
+        rows = json.loads(irsig("query", self.db, "--format", "json", "--causes").stdout)
+        self.assertEqual(len(rows), 160)
+        r = rows[0]
+        causes = sum(r[c] for c in ("emitted_w_sr", "sun_reflected_w_sr", "sky_reflected_w_sr",
+                                    "sea_reflected_w_sr", "parts_reflected_w_sr"))
+        self.assertAlmostEqual(causes / r["intensity_w_sr"], 1, delta=1e-6)
+        self.assertIn("[W/sr]", irsig("query", self.db).stdout)
+
+    def test_interpolation_meets_a_viewpoint_and_its_error_covers_it(self):
+        viewpoint = self.rows("--row", 82)[0]
+        aspect = f"{viewpoint['aspect_azimuth_deg']},{viewpoint['aspect_elevation_deg']}"
+        there = self.rows("--aspect", aspect, "--interpolate", "--season", viewpoint["season"],
+                          "--band", viewpoint["band"])[0]
+        off = abs(float(there["intensity_w_sr"]) - float(viewpoint["intensity_w_sr"]))
+        self.assertLessEqual(off, 2 * float(there["numerical_error_w_sr"]))
+        irsig("query", self.db, "--aspect", "0,-40", "--interpolate", expect=2)
+
+    def test_thumbnail(self):
+        png, exr = self.path / "t.png", self.path / "t.exr"
+        irsig("query", self.db, "--row", 1, "--thumbnail", png)
+        irsig("query", self.db, "--row", 1, "--thumbnail", exr)
+        self.assertEqual(png.read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(exr.read_bytes()[:4], b"\x76\x2f\x31\x01")
+        self.assertIn("--row 2", irsig("query", self.db, "--thumbnail", png, expect=2).stderr)
+
+    def test_exports(self):
+        import numpy
+        import xarray
+        nc, text = self.path / "all.nc", self.path / "all.csv"
+        irsig("export", self.db, "--format", "netcdf", "--out", nc)
+        irsig("export", self.db, "--format", "csv", "--out", text)
+        with xarray.open_dataset(nc) as d, open(text) as f:
+            values = d["intensity_w_sr"].values
+            self.assertEqual(values.shape, (40, 2, 2))
+            rows = list(csv.DictReader(f))
+            self.assertEqual([float(r["intensity_w_sr"]) for r in rows], values.ravel().tolist())
+            self.assertFalse(numpy.isnan(d["spectral_intensity_w_sr_um_lwir"].values).any())
+        irsig("export", self.db, "--format", "csv", "--out", self.path / "no" / "x.csv", expect=2)
+
+    def test_plots_are_svg(self):
+        for arguments in (["polar"], ["polar", "--elevation", 30, "--season", "summer"],
+                          ["spectrum", "--aspect", "45,20"], ["map", "--band", "lwir"]):
+            out = self.path / "plot.svg"
+            irsig("plot", self.db, "--kind", *arguments, "--out", out)
+            root = xml.etree.ElementTree.parse(out).getroot()
+            self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+            self.assertNotIn("nan", out.read_text())
+        irsig("plot", self.db, "--kind", "spectrum", "--out", out, expect=2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v"])

@@ -1,0 +1,275 @@
+// The edges of the farm: addresses, budgets, texts, and the service over a real socket.
+#include <gmock/gmock.h>
+#include <grpcpp/client_context.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "coordinator/client/address.h"
+#include "coordinator/client/channel.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/client/progress_text.h"
+#include "coordinator/client/time_budget.h"
+#include "coordinator/farm_server.h"
+#include "jobs/expand.h"
+#include "tests/fault/synthetic_farm.h"
+
+namespace irsig {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Address, OnlyThisMachineIsAccepted) {
+  for (const char* good : {"unix:/run/x", "unix:relative/x", "unix:///run/x", "127.0.0.1:50051",
+                           "127.3.2.1:1", "localhost:0", "[::1]:7"}) {
+    EXPECT_TRUE(parse_address(good).ok()) << good;
+  }
+  for (const char* bad : {"", "unix:", "0.0.0.0:50051", "192.168.1.2:50051", "example.org:80",
+                          "[::]:50051", "127.0.0.1", "127.0.0.1:", "127.0.0.1:70000",
+                          "127.0.0.1:5x", "127.0.0.1.example.org:80", "*:50051"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(parse_address(bad).status())) << bad;
+  }
+  EXPECT_THAT(std::string(parse_address("10.1.2.3:4").status().message()),
+              HasSubstr("not a loopback address"));
+  EXPECT_THAT(std::string(parse_address("unix:/" + std::string(200, 'x')).status().message()),
+              HasSubstr("107 bytes"));
+}
+
+TEST(TimeBudget, FillsTheBudgetWithPowersOfTwo) {
+  BudgetQuestion question{.budget_s = 100,
+                          .workers = 2,
+                          .jobs = 191,
+                          .seconds_per_job = 0.01,
+                          .seconds_per_sample = 1e-6,
+                          .replicates = 32,
+                          .max_samples_per_replicate = 1 << 20};
+  // 96 waves: 1.0317 s for samples in each, 32241 of them a replicate.
+  EXPECT_EQ(*samples_per_replicate_for(question), 16384U);
+  question.workers = 4;  // 48 waves: 64779
+  EXPECT_EQ(*samples_per_replicate_for(question), 32768U);
+  question.max_samples_per_replicate = 20000;
+  EXPECT_EQ(*samples_per_replicate_for(question), 16384U);
+}
+
+TEST(TimeBudget, TooLittleTimeSaysHowMuchIsNeeded) {
+  const auto answer = samples_per_replicate_for({1, 1, 100, 0.05, 1e-6, 32, 1 << 20});
+  EXPECT_TRUE(absl::IsInvalidArgument(answer.status()));
+  EXPECT_THAT(std::string(answer.status().message()), HasSubstr("at least 5.05 s"));
+  EXPECT_FALSE(samples_per_replicate_for({10, 0, 100, 0, 1e-6, 32, 1 << 20}).ok());
+  EXPECT_FALSE(samples_per_replicate_for({10, 1, 100, 0, 0, 32, 1 << 20}).ok());
+}
+
+TEST(ProgressText, LeavesOutWhatWasDoneBefore) {
+  schema::SweepStatus sweep;
+  sweep.set_jobs(191);
+  sweep.set_done(91);
+  sweep.set_rays(300'000'000);
+  sweep.set_worst_relative_error(0.00123);
+  EXPECT_EQ(
+      progress_text(sweep,
+                    {.elapsed_s = 10, .done_before = 41, .rays_before = 100'000'000, .workers = 2}),
+      "jobs 91/191  20 Mrays/s  0:20 left  worst error 0.12 %  2 workers");
+  EXPECT_EQ(duration_text(3723.4), "1:02:03");
+}
+
+class ServerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "/irsig-server-XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] absl::StatusOr<std::unique_ptr<FarmServer>> start(
+      const std::string& address, const std::string& db = "test.sigdb") {
+    auto parsed = parse_address(address);
+    if (!parsed.ok()) return parsed.status();
+    const auto seconds = [] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+          .count();
+    };
+    return FarmServer::start({folder_ + "/" + db,
+                              *parsed,
+                              {0.1, 2, 5},
+                              seconds,
+                              seconds,
+                              [](const absl::Status& status) { ADD_FAILURE() << status; }});
+  }
+  [[nodiscard]] std::string socket() const { return "unix:" + folder_ + "/farm"; }
+
+  WorkerPlan worker(const std::string& address, const std::string& name) {
+    WorkerPlan plan;
+    plan.coordinator = *parse_address(address);
+    plan.worker_name = name;
+    plan.determinism_class = kSyntheticClass;
+    plan.physics_version = 1;
+    plan.exit_when_finished = true;
+    plan.give_up_after_s = 5;
+    return plan;
+  }
+
+  std::string folder_;
+  std::atomic<bool> stop_ = false;
+};
+
+TEST_F(ServerTest, ASweepGoesThroughARealSocketAndLeavesOnePlainFile) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  struct stat there {};
+  ASSERT_EQ(stat((folder_ + "/farm").c_str(), &there), 0);
+  EXPECT_EQ(there.st_mode & 0777, 0600U);
+  const auto address = *parse_address(socket());
+  const auto sweep = frigate_sweep(5);
+  const auto reply = submit(address, sweep, "", 1);
+  ASSERT_TRUE(reply.ok()) << reply.status();
+  EXPECT_EQ(reply->jobs(), 5U);
+  EXPECT_EQ(reply->jobs_to_compute(), 5U);
+  EXPECT_EQ(reply->sweep_sha256(), sha256_hex(canonical_encoding(sweep)));
+  const auto stored = stored_sweep(address, reply->sweep_sha256());
+  ASSERT_TRUE(stored.ok()) << stored.status();
+  EXPECT_EQ(canonical_encoding(*stored), canonical_encoding(sweep));
+  EXPECT_TRUE(absl::IsNotFound(stored_sweep(address, std::string(64, '0')).status()));
+
+  std::thread other([&] {
+    EXPECT_TRUE(run_lease_loop(worker(socket(), "b"), synthetic_runner({}), stop_).ok());
+  });
+  EXPECT_TRUE(run_lease_loop(worker(socket(), "a"), synthetic_runner({}), stop_).ok());
+  other.join();
+  const auto status = farm_status(address);
+  ASSERT_TRUE(status.ok()) << status.status();
+  EXPECT_EQ(status->sweep(0).done(), 5U);
+  EXPECT_EQ(submit(address, sweep, "", 1)->jobs_to_compute(), 0U);
+  EXPECT_TRUE((*server)->stop().ok());
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    left.push_back(entry.path().filename());
+  }
+  EXPECT_THAT(left, testing::ElementsAre("test.sigdb"));
+}
+
+TEST_F(ServerTest, APortInUseIsSaidAndLeavesNoDatabase) {
+  auto first = start("127.0.0.1:0");
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_THAT((*first)->address(), testing::Not(testing::EndsWith(":0")));
+  auto second = start((*first)->address(), "second.sigdb");
+  EXPECT_TRUE(absl::IsAlreadyExists(second.status())) << second.status();
+  EXPECT_FALSE(std::filesystem::exists(folder_ + "/second.sigdb"));
+  EXPECT_TRUE(farm_status(*parse_address((*first)->address())).ok());
+}
+
+TEST_F(ServerTest, ASocketInUseIsNotStolenAndAStaleOneIsReplaced) {
+  auto first = start(socket());
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_TRUE(absl::IsAlreadyExists(start(socket(), "second.sigdb").status()));
+  EXPECT_TRUE(farm_status(*parse_address(socket())).ok());
+  ASSERT_TRUE((*first)->stop().ok());
+  std::ofstream(folder_ + "/farm") << "precious";
+  EXPECT_TRUE(absl::IsInvalidArgument(start(socket()).status()));
+  EXPECT_TRUE(std::filesystem::exists(folder_ + "/farm"));
+}
+
+TEST_F(ServerTest, AFolderThatOthersMayWriteToIsRefused) {
+  ASSERT_EQ(chmod(folder_.c_str(), 0777), 0);
+  EXPECT_TRUE(absl::IsInvalidArgument(start(socket()).status()));
+}
+
+TEST_F(ServerTest, AResultThatWasCutIsNotTakenForAResult) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  const auto sweep = frigate_sweep(1);
+  ASSERT_TRUE(submit(address, sweep, "", 1).ok());
+  const auto farm = schema::Farm::NewStub(connect(address));
+  schema::RegisterRequest request;
+  request.set_worker_name("a");
+  request.set_determinism_class(kSyntheticClass);
+  request.set_physics_version(1);
+  schema::RegisterReply registered;
+  grpc::ClientContext first, second;
+  ASSERT_TRUE(farm->Register(&first, request, &registered).ok());
+  schema::LeaseRequest ask;
+  ask.set_worker_id(registered.worker_id());
+  schema::LeaseReply lease;
+  ASSERT_TRUE(farm->Lease(&second, ask, &lease).ok());
+  const auto bytes = synthetic_result(sweep, lease.job()).SerializeAsString();
+  const auto send = [&](const std::string& piece) {
+    grpc::ClientContext context;
+    schema::CompleteReply reply;
+    const auto stream = farm->Complete(&context, &reply);
+    schema::CompleteChunk chunk;
+    chunk.set_worker_id(registered.worker_id());
+    chunk.set_fencing_token(lease.fencing_token());
+    chunk.set_result_bytes(bytes.size());
+    chunk.set_piece(piece);
+    stream->Write(chunk);
+    stream->WritesDone();
+    return to_absl(stream->Finish());
+  };
+  EXPECT_TRUE(absl::IsDataLoss(send(bytes.substr(0, bytes.size() / 2))));
+  EXPECT_EQ(farm_status(address)->sweep(0).leased(), 1U);
+  EXPECT_TRUE(send(bytes).ok());
+  EXPECT_EQ(farm_status(address)->sweep(0).done(), 1U);
+}
+
+TEST_F(ServerTest, ADamagedModelIsRefused) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  auto sweep = frigate_sweep(1);
+  sweep.set_model_sha256(sha256_hex("the model"));
+  const auto address = *parse_address(socket());
+  EXPECT_TRUE(absl::IsInvalidArgument(submit(address, sweep, "another model", 1).status()));
+  EXPECT_EQ(farm_status(address)->sweep_size(), 0);
+  EXPECT_TRUE(submit(address, sweep, "the model", 1).ok());
+  const auto farm = schema::Farm::NewStub(connect(address));
+  EXPECT_EQ(*fetch_model(*farm, sweep.model_sha256(), 5), "the model");
+}
+
+TEST_F(ServerTest, CancelByNameByHashAndByNothing) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  ASSERT_TRUE(submit(address, frigate_sweep(4), "", 1).ok());
+  const auto unknown = cancel(address, "no such sweep");
+  EXPECT_TRUE(absl::IsNotFound(unknown.status()));
+  EXPECT_THAT(std::string(unknown.status().message()), HasSubstr("frigate"));
+  EXPECT_EQ(cancel(address, "frigate")->cancelled(), 4U);
+  const auto sha = farm_status(address)->sweep(0).sweep_sha256();
+  EXPECT_EQ(cancel(address, sha.substr(0, 10))->cancelled(), 0U);
+}
+
+TEST_F(ServerTest, AWorkerOutlivesARestartOfTheCoordinator) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  ASSERT_TRUE(submit(*parse_address(socket()), frigate_sweep(20), "", 1).ok());
+  absl::Status ended = absl::UnknownError("still running");
+  std::thread a([&] {
+    SyntheticWork work;
+    work.seconds = 0.05;
+    ended = run_lease_loop(worker(socket(), "a"), synthetic_runner(work), stop_);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE((*server)->stop().ok());
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  server = start(socket());
+  EXPECT_TRUE(server.ok()) << server.status();
+  a.join();
+  EXPECT_TRUE(ended.ok()) << ended;
+  EXPECT_EQ(farm_status(*parse_address(socket()))->sweep(0).done(), 20U);
+}
+
+TEST_F(ServerTest, AWorkerWithoutACoordinatorGivesUp) {
+  auto plan = worker(socket(), "a");
+  plan.give_up_after_s = 0.3;
+  const auto status = run_lease_loop(plan, synthetic_runner({}), stop_);
+  EXPECT_TRUE(absl::IsUnavailable(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("no coordinator answers at unix:"));
+}
+
+}  // namespace
+}  // namespace irsig

@@ -1,0 +1,158 @@
+// Exported files: read back with other software (xarray on netCDF4), and never left half-written.
+#include "view/export.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "fake_store_reader.h"
+#include "view/atomic_file.h"
+
+namespace irsig {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string contents(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+class Export : public ::testing::Test {
+ protected:
+  Export() : folder_(::testing::TempDir() + "irsig_export_test_" + std::to_string(::getpid())) {
+    std::filesystem::create_directory(folder_);
+  }
+  ~Export() override { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  [[nodiscard]] std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_),
+                                                  std::filesystem::directory_iterator()));
+  }
+  // Runs a Python script on the exported file; it fails if an assertion in it does.
+  [[nodiscard]] int python(const std::string& script, const std::string& file) const {
+    std::ofstream(path("check.py")) << script;
+    return std::system(("/usr/bin/python3 " + path("check.py") + " " + file + " >&2").c_str());
+  }
+
+ private:
+  std::string folder_;
+};
+
+TEST_F(Export, NetcdfOpensInXarray) {
+  FakeStoreReader db = fake_database();
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("all.nc")).ok());
+  EXPECT_EQ(files(), 1U);
+  const StoredSignature& s = db.signatures[(10 * 3 + 2) * 2 + 1];  // viewpoint 10, summer, lwir
+  std::ostringstream script;
+  script.precision(17);
+  script << R"(
+import sys, numpy as np, xarray as xr
+d = xr.open_dataset(sys.argv[1])
+assert d.attrs["Conventions"] == "CF-1.10", d.attrs
+assert dict(d.sizes) == {"viewpoint": 191, "condition": 3, "band": 2, "part": 2,
+                         "lambda_um_mwir": 5, "lambda_um_lwir": 9}, d.sizes
+assert list(d["season"].values) == ["winter", "spring", "summer"]
+assert list(d["band"].values) == ["mwir", "lwir"]
+i = d["intensity_w_sr"]
+assert i.dims == ("viewpoint", "condition", "band") and i.attrs["units"] == "W sr-1"
+assert i.attrs["long_name"] == "intensity"
+assert not np.isnan(i.values).any()
+assert d["row"].values[10, 2, 1] == )"
+         << s.row << "\nassert i.values[10, 2, 1] == " << s.intensity_w_sr
+         << "\nassert d['aspect_azimuth_deg'].values[10] == " << s.aspect_azimuth_deg << R"(
+spectrum = d["spectral_intensity_w_sr_um_lwir"]
+assert spectrum.dims == ("viewpoint", "condition", "lambda_um_lwir")
+assert spectrum.attrs["units"] == "W sr-1 um-1"
+band = spectrum.integrate("lambda_um_lwir").values
+assert np.allclose(band, i.sel(band="lwir").values, rtol=1e-6)
+assert np.allclose(d["part_intensity_w_sr"].sum("part"), i)
+assert d["lambda_um_lwir"].attrs["units"] == "um"
+for name, v in d.variables.items():
+    assert "long_name" in v.attrs and len(v.attrs["long_name"]) > 2, name
+)";
+  EXPECT_EQ(python(script.str(), path("all.nc")), 0);
+}
+
+TEST_F(Export, NetcdfOfAnUnfinishedSweepHasNan) {
+  FakeStoreReader db = fake_database();
+  std::erase_if(db.signatures, [](const auto& s) { return s.row == 8; });
+  db.signatures[0].apparent_temperature_k = 0;
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("part.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, numpy as np, xarray as xr
+d = xr.open_dataset(sys.argv[1])
+assert np.isnan(d["intensity_w_sr"].values).sum() == 1
+assert np.isnan(d["intensity_w_sr"].values[1, 0, 1]) and d["row"].values[1, 0, 1] == -1
+assert np.isnan(d["spectral_intensity_w_sr_um_lwir"].values[1, 0]).all()
+assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0])
+)",
+                   path("part.nc")),
+            0);
+}
+
+TEST_F(Export, NetcdfNamesOfBandsAreMadePlain) {
+  FakeStoreReader db = fake_database();
+  for (auto& s : db.signatures) s.band = s.band == "lwir" ? "8-12 um" : "8/12 um";
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("bands.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, xarray as xr
+d = xr.open_dataset(sys.argv[1])
+assert "spectral_intensity_w_sr_um_8_12_um" in d and "spectral_intensity_w_sr_um_8_12_um_1" in d
+assert list(d["band"].values) == ["8/12 um", "8-12 um"]
+)",
+                   path("bands.nc")),
+            0);
+}
+
+TEST_F(Export, CsvHasTheCausesAndTheFilters) {
+  FakeStoreReader db = fake_database();
+  ASSERT_TRUE(export_file(db, {.season = "winter", .band = "mwir"}, "csv", path("w.csv")).ok());
+  const std::string text = contents(path("w.csv"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 192);
+  EXPECT_THAT(text, HasSubstr("sun_reflected_w_sr"));
+}
+
+TEST_F(Export, RefusalsLeaveNothingBehind) {
+  FakeStoreReader db = fake_database();
+  std::ofstream(path("old.nc")) << "old";
+  EXPECT_EQ(export_file(db, {.max_relative_error = 1e-9}, "netcdf", path("old.nc")).code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(export_file(db, {}, "parquet", path("old.nc")).code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(export_file(db, {.aspect = SignatureFilter::Direction{0, 20}, .interpolate = true},
+                        "netcdf", path("old.nc"))
+                .code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(export_file(db, {}, "csv", path("no/such/folder.csv")).code(),
+            absl::StatusCode::kInvalidArgument);
+  // A store that breaks in the middle of the export.
+  db.spectra[db.signatures[700].signature_id].set_lambda_um(0, 1.5);
+  EXPECT_EQ(export_file(db, {}, "netcdf", path("old.nc")).code(), absl::StatusCode::kInternal);
+  EXPECT_EQ(contents(path("old.nc")), "old");
+  EXPECT_EQ(files(), 1U);
+}
+
+TEST_F(Export, ReplacesAFileInOneStep) {
+  std::ofstream(path("a")) << "old";
+  EXPECT_TRUE(replace_file(path("a"), "new").ok());
+  EXPECT_EQ(contents(path("a")), "new");
+  EXPECT_EQ(
+      replace_file(path("a"), [](const std::string&) { return absl::InternalError("broken"); })
+          .code(),
+      absl::StatusCode::kInternal);
+  EXPECT_EQ(contents(path("a")), "new");
+  EXPECT_EQ(replace_file(path(""), "x").code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(files(), 1U);
+}
+
+}  // namespace
+}  // namespace irsig

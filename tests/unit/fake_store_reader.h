@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geo/frames.h"
+#include "core/geo/viewpoint.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// A database in memory: signatures given by the test, filtered as store.h promises.
+class FakeStoreReader : public StoreReader {
+ public:
+  std::vector<StoredSignature> signatures;
+  std::map<std::int64_t, schema::Spectrum> spectra;
+  std::map<std::int64_t, std::vector<StoredPart>> stored_parts;
+  std::map<std::int64_t, schema::Thumbnail> thumbnails;
+
+  absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& f) override {
+    std::vector<StoredSignature> out;
+    for (const auto& s : signatures) {
+      const bool match = (f.sweep.empty() || f.sweep == s.sweep) &&
+                         (f.season.empty() || f.season == s.season) &&
+                         (f.time_utc.empty() || f.time_utc == s.time_utc) &&
+                         (f.band.empty() || f.band == s.band) && (!f.row || *f.row == s.row) &&
+                         (!f.max_relative_error ||
+                          s.numerical_error_w_sr <= *f.max_relative_error * s.intensity_w_sr);
+      if (match) out.push_back(s);
+    }
+    if (!f.direction) return out;
+    const Vec<Body> where =
+        body_from_aspect(f.direction->aspect_azimuth_deg, f.direction->aspect_elevation_deg);
+    const auto angle_deg = [&](const StoredSignature& s) {
+      const double c = where.x * s.unit_x + where.y * s.unit_y + where.z * s.unit_z;
+      return std::acos(std::clamp(c, -1.0, 1.0)) * 180 / std::numbers::pi;
+    };
+    std::stable_sort(out.begin(), out.end(),
+                     [&](const auto& a, const auto& b) { return angle_deg(a) < angle_deg(b); });
+    if (f.within_deg) {
+      std::erase_if(out, [&](const auto& s) { return angle_deg(s) > *f.within_deg; });
+    }
+    if (f.nearest > 0) {
+      std::vector<std::pair<double, double>> seen;
+      std::erase_if(out, [&](const auto& s) {
+        const std::pair<double, double> at{s.aspect_azimuth_deg, s.aspect_elevation_deg};
+        if (std::find(seen.begin(), seen.end(), at) == seen.end()) seen.push_back(at);
+        return static_cast<std::size_t>(std::find(seen.begin(), seen.end(), at) - seen.begin()) >=
+               f.nearest;
+      });
+    }
+    return out;
+  }
+  absl::StatusOr<schema::Spectrum> spectrum(std::int64_t id) override { return spectra.at(id); }
+  absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t id) override {
+    return stored_parts.at(id);
+  }
+  absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t id) override {
+    if (!thumbnails.contains(id)) return std::nullopt;
+    return thumbnails.at(id);
+  }
+  absl::StatusOr<std::vector<SweepProgress>> progress() override {
+    return std::vector<SweepProgress>();
+  }
+  absl::StatusOr<std::string> digest() override { return std::string("fake"); }
+};
+
+struct FakeSeason {
+  std::string name, time_utc;
+  double factor;
+};
+
+struct FakeSweep {
+  std::vector<Viewpoint> viewpoint = fibonacci_viewpoints(191, 5000, 0, 90);
+  std::vector<FakeSeason> season = {{"winter", "2025-12-21T01:30:00Z", 1},
+                                    {"spring", "2025-03-20T01:30:00Z", 1.2},
+                                    {"summer", "2025-06-21T01:30:00Z", 1.45}};
+  double relative_stderr = 1e-3;
+};
+
+// In-band intensity of a box-like ship of 154 x 20 x 12 m: smooth but for the kinks of its
+// silhouette at the bow, the beam and the zenith, with a hot funnel that stands out towards
+// starboard.
+inline double box_ship_w_sr(Vec<Body> d) {
+  const double area = 154 * 12 * std::abs(d.y) + 20 * 12 * std::abs(d.x) + 154 * 20 * std::abs(d.z);
+  const double funnel = 16 * std::exp(-3 * (1 - (0.3 * d.x + 0.9 * d.y - 0.3 * d.z)));
+  return 40 * area * (1 + 0.1 * d.x) + 2000 * funnel;
+}
+
+// Rows in the order of the store: viewpoint, condition, band; two bands ("mwir" a quarter of
+// "lwir").
+inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
+  FakeStoreReader out;
+  std::uint64_t row = 0;
+  for (const Viewpoint& v : sweep.viewpoint) {
+    const Vec<Body> d = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+    for (const FakeSeason& season : sweep.season) {
+      for (const bool lwir : {false, true}) {
+        StoredSignature s{};
+        s.row = ++row;
+        s.signature_id = static_cast<std::int64_t>(1000 + row);
+        s.sweep = "box ship";
+        s.season = season.name;
+        s.time_utc = season.time_utc;
+        s.band = lwir ? "lwir" : "mwir";
+        s.lambda_min_um = lwir ? 8 : 3;
+        s.lambda_max_um = lwir ? 12 : 5;
+        s.aspect_azimuth_deg = v.aspect_azimuth_deg;
+        s.aspect_elevation_deg = v.aspect_elevation_deg;
+        s.range_m = v.range_m;
+        s.unit_x = d.x;
+        s.unit_y = d.y;
+        s.unit_z = d.z;
+        s.sun_azimuth_deg = 150.5;
+        s.sun_zenith_deg = 55.1;
+        s.intensity_w_sr = box_ship_w_sr(d) * season.factor * (lwir ? 1 : 0.25);
+        s.intensity_stderr_w_sr = sweep.relative_stderr * s.intensity_w_sr;
+        s.numerical_error_w_sr = 1.25 * s.intensity_stderr_w_sr;
+        s.apparent_intensity_w_sr = 0.9 * s.intensity_w_sr;
+        s.apparent_intensity_stderr_w_sr = 0.9 * s.intensity_stderr_w_sr;
+        s.apparent_numerical_error_w_sr = 0.9 * s.numerical_error_w_sr;
+        s.projected_area_m2 = s.intensity_w_sr / 40;
+        s.projected_area_stderr_m2 = 1e-4 * s.projected_area_m2;
+        s.apparent_temperature_k = 300 * std::sqrt(std::sqrt(season.factor));
+        s.emitted_w_sr = 0.75 * s.intensity_w_sr;
+        s.sun_reflected_w_sr = 0.25 * s.intensity_w_sr;
+        s.stop_reason = "TARGET_REACHED";
+        s.samples = 65536;
+        s.replicates = 32;
+        s.build_id = "test";
+        s.physics_version = 1;
+
+        schema::Spectrum& spectrum = out.spectra[s.signature_id];
+        const double step = 0.5, width = s.lambda_max_um - s.lambda_min_um;
+        for (double l = s.lambda_min_um; l < s.lambda_max_um + 1e-9; l += step) {
+          // Its trapezoid integral over the band is the in-band intensity: 1 + a linear term of
+          // mean 0.
+          const double shape = 1 + 0.5 * (l - (s.lambda_min_um + 0.5 * width)) / width;
+          const auto value = static_cast<float>(s.intensity_w_sr / width * shape);
+          spectrum.add_lambda_um(l);
+          for (auto add : {&schema::Spectrum::add_spectral_intensity_w_sr_um,
+                           &schema::Spectrum::add_apparent_spectral_intensity_w_sr_um}) {
+            (spectrum.*add)(value);
+          }
+          spectrum.add_spectral_intensity_stderr_w_sr_um(0.002F * value);
+          spectrum.add_apparent_spectral_intensity_stderr_w_sr_um(0.002F * value);
+          spectrum.add_emitted_w_sr_um(0.75F * value);
+          spectrum.add_emitted_stderr_w_sr_um(0.0015F * value);
+          spectrum.add_sun_reflected_w_sr_um(0.25F * value);
+          spectrum.add_sun_reflected_stderr_w_sr_um(0.0005F * value);
+          for (auto add : {&schema::Spectrum::add_sky_reflected_w_sr_um,
+                           &schema::Spectrum::add_sky_reflected_stderr_w_sr_um,
+                           &schema::Spectrum::add_sea_reflected_w_sr_um,
+                           &schema::Spectrum::add_sea_reflected_stderr_w_sr_um,
+                           &schema::Spectrum::add_parts_reflected_w_sr_um,
+                           &schema::Spectrum::add_parts_reflected_stderr_w_sr_um}) {
+            (spectrum.*add)(0.0F);
+          }
+        }
+        out.stored_parts[s.signature_id] = {
+            {"hull", 0.7 * s.intensity_w_sr, 0.7 * s.intensity_stderr_w_sr},
+            {"funnel", 0.3 * s.intensity_w_sr, 0.3 * s.intensity_stderr_w_sr}};
+        out.signatures.push_back(std::move(s));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace irsig

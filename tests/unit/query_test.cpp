@@ -1,0 +1,277 @@
+// The question a user asks and the table it is answered with.
+#include "view/query.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+
+#include "fake_store_reader.h"
+#include "view/quantity.h"
+#include "view/query_table.h"
+#include "view/thumbnail.h"
+
+namespace irsig {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> out;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
+  return out;
+}
+
+std::string printed(StoreReader& db, const Query& query, const QueryContent& content,
+                    std::string_view format) {
+  auto rows = run_query(db, query);
+  EXPECT_TRUE(rows.ok()) << rows.status();
+  std::ostringstream out;
+  const absl::Status status = write_rows(db, *rows, content, format, out);
+  EXPECT_TRUE(status.ok()) << status;
+  return out.str();
+}
+
+// Scripts rely on these names and this order.
+constexpr const char* kFixedColumns =
+    "row,sweep,season,time_utc,band,aspect_azimuth_deg,aspect_elevation_deg,range_m,intensity_w_sr,"
+    "intensity_stderr_w_sr,numerical_error_w_sr,projected_area_m2,projected_area_stderr_m2,"
+    "apparent_temperature_k";
+
+TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
+  FakeStoreReader db = fake_database();
+  auto rows = run_query(db, {.season = "summer", .band = "lwir"});
+  ASSERT_TRUE(rows.ok());
+  EXPECT_EQ(rows->size(), 191U);
+  auto same = run_query(db, {.band = "lwir", .time = "2025-06-21T10:30:00+09:00"});
+  ASSERT_TRUE(same.ok()) << same.status();
+  ASSERT_EQ(same->size(), 191U);
+  EXPECT_EQ((*same)[7].signature.row, (*rows)[7].signature.row);
+}
+
+TEST(Query, NearestAndWithin) {
+  FakeStoreReader db = fake_database();
+  Query query{.season = "winter", .band = "mwir", .aspect = SignatureFilter::Direction{90, 20}};
+  query.nearest = 3;
+  auto nearest = run_query(db, query);
+  ASSERT_TRUE(nearest.ok());
+  EXPECT_EQ(nearest->size(), 3U);
+  query.nearest = 0;
+  query.within_deg = 30;
+  auto within = run_query(db, query);
+  ASSERT_TRUE(within.ok());
+  EXPECT_GT(within->size(), 15U);
+  EXPECT_EQ(within->front().signature.row, nearest->front().signature.row);
+}
+
+TEST(Query, UnknownNamesListTheKnownOnes) {
+  FakeStoreReader db = fake_database();
+  auto season = run_query(db, {.season = "autumn"});
+  EXPECT_EQ(season.status().code(), absl::StatusCode::kNotFound);
+  EXPECT_THAT(std::string(season.status().message()),
+              HasSubstr("no season \"autumn\" in this database; there is: spring, summer, winter"));
+  auto band = run_query(db, {.season = "winter", .band = "swir"});
+  EXPECT_THAT(std::string(band.status().message()), HasSubstr("there is: lwir, mwir"));
+  auto time = run_query(db, {.time = "2025-06-21T10:30:00Z"});
+  EXPECT_THAT(std::string(time.status().message()), HasSubstr("2025-06-21T01:30:00Z"));
+  auto row = run_query(db, {.row = 5000});
+  EXPECT_THAT(std::string(row.status().message()), HasSubstr("the last one is 1146"));
+}
+
+TEST(Query, RefusesWhatMakesNoSense) {
+  FakeStoreReader db = fake_database();
+  const SignatureFilter::Direction bow{0, 10};
+  for (const Query& query :
+       {Query{.aspect = bow}, Query{.nearest = 2}, Query{.interpolate = true},
+        Query{.aspect = bow, .nearest = 2, .interpolate = true},
+        Query{.aspect = SignatureFilter::Direction{0, 95}, .nearest = 1},
+        Query{.time = "2025-06-21T10:30:00"}, Query{.aspect = bow, .within_deg = 0},
+        Query{.max_relative_error = 0}, Query{.aspect = bow, .interpolate = true, .row = 3}}) {
+    EXPECT_EQ(run_query(db, query).status().code(), absl::StatusCode::kInvalidArgument);
+  }
+}
+
+TEST(Query, NoMatchIsNoErrorAndPrintsTheHeaderOnly) {
+  FakeStoreReader db = fake_database();
+  const std::string csv = printed(db, {.max_relative_error = 1e-9}, {}, "csv");
+  ASSERT_EQ(lines(csv).size(), 1U);
+  EXPECT_THAT(csv, StartsWith(kFixedColumns));
+  EXPECT_EQ(printed(db, {.max_relative_error = 1e-9}, {}, "json"), "[]\n");
+  FakeStoreReader empty;
+  EXPECT_TRUE(run_query(empty, {.season = "winter"}).ok());
+}
+
+TEST(Query, CsvGivesBackTheSameDoubles) {
+  FakeStoreReader db = fake_database();
+  const auto csv = lines(printed(db, {.row = 700}, {}, "csv"));
+  ASSERT_EQ(csv.size(), 2U);
+  EXPECT_THAT(csv[0], StartsWith(kFixedColumns));
+  const auto head = cells(csv[0]), row = cells(csv[1]);
+  EXPECT_EQ(row[0], "700");
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    if (head[i] == "intensity_w_sr") {
+      EXPECT_EQ(std::stod(row[i]), db.signatures[699].intensity_w_sr);
+    }
+    if (head[i] == "aspect_azimuth_deg") {
+      EXPECT_EQ(std::stod(row[i]), db.signatures[699].aspect_azimuth_deg);
+    }
+  }
+}
+
+TEST(Query, NamesWithCommasAndQuotesAreEscaped) {
+  FakeStoreReader db = fake_database();
+  for (auto& s : db.signatures) s.sweep = "ship \"A\", grey\n";
+  EXPECT_THAT(printed(db, {.row = 1}, {}, "csv"), HasSubstr("1,\"ship \"\"A\"\", grey\n\",winter"));
+  EXPECT_THAT(printed(db, {.row = 1}, {}, "json"),
+              HasSubstr("\"sweep\": \"ship \\\"A\\\", grey\\u000a\""));
+}
+
+TEST(Query, SpectrumHasOneLinePerWavelength) {
+  FakeStoreReader db = fake_database();
+  const auto csv = lines(printed(db, {.row = 2}, {.spectrum = true}, "csv"));
+  ASSERT_EQ(csv.size(), 1U + 9);
+  EXPECT_THAT(
+      csv[0],
+      StartsWith(std::string(kFixedColumns) +
+                 ",lambda_um,spectral_intensity_w_sr_um,spectral_intensity_stderr_w_sr_um"));
+  EXPECT_EQ(cells(csv[1])[14], "8");
+  EXPECT_EQ(std::stof(cells(csv[9])[15]),
+            db.spectra.at(db.signatures[1].signature_id).spectral_intensity_w_sr_um(8));
+  const auto causes = lines(printed(db, {.row = 2}, {.spectrum = true, .causes = true}, "csv"));
+  EXPECT_THAT(causes[0], HasSubstr("spectral_sun_reflected_w_sr_um"));
+}
+
+TEST(Query, PartsAddUp) {
+  FakeStoreReader db = fake_database();
+  const auto csv = lines(printed(db, {.row = 2}, {.parts = true}, "csv"));
+  ASSERT_EQ(csv.size(), 3U);
+  EXPECT_NEAR(std::stod(cells(csv[1])[15]) + std::stod(cells(csv[2])[15]),
+              db.signatures[1].intensity_w_sr, 1e-9 * db.signatures[1].intensity_w_sr);
+}
+
+TEST(Query, NoProjectedAreaHasNoTemperature) {
+  FakeStoreReader db = fake_database();
+  db.signatures[0].apparent_temperature_k = 0;
+  const auto csv = lines(printed(db, {.row = 1}, {}, "csv"));
+  EXPECT_EQ(cells(csv[1])[13], "");
+  EXPECT_THAT(printed(db, {.row = 1}, {}, "json"), HasSubstr("\"apparent_temperature_k\": null"));
+}
+
+TEST(Query, InterpolatesEverySeasonAndBand) {
+  FakeStoreReader db = fake_database();
+  Query query{.aspect = SignatureFilter::Direction{-60, 25}, .interpolate = true};
+  auto rows = run_query(db, query);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_EQ(rows->size(), 6U);
+  const double truth = box_ship_w_sr(body_from_aspect(-60, 25));
+  for (const QueryRow& r : *rows) {
+    const StoredSignature& s = r.signature;
+    EXPECT_EQ(s.aspect_azimuth_deg, 300);
+    const double season = s.season == "winter" ? 1 : s.season == "spring" ? 1.2 : 1.45;
+    const double expected = truth * season * (s.band == "lwir" ? 1 : 0.25);
+    EXPECT_NEAR(s.intensity_w_sr, expected, 3 * s.numerical_error_w_sr);
+    EXPECT_GE(s.numerical_error_w_sr, r.interpolation->interpolation_error_w_sr);
+    EXPECT_LT(s.numerical_error_w_sr, 0.05 * expected);
+    EXPECT_NEAR(s.emitted_w_sr + s.sun_reflected_w_sr, s.intensity_w_sr, 1e-6 * s.intensity_w_sr);
+    // Parts and spectrum have the row's own weights: they add up to it.
+    auto parts = parts_of(db, r);
+    ASSERT_TRUE(parts.ok());
+    ASSERT_EQ(parts->size(), 2U);
+    EXPECT_NEAR((*parts)[0].part.intensity_w_sr + (*parts)[1].part.intensity_w_sr, s.intensity_w_sr,
+                1e-9 * s.intensity_w_sr);
+    auto spectrum = spectrum_of(db, r);
+    ASSERT_TRUE(spectrum.ok());
+    const auto& values = spectrum->spectrum.spectral_intensity_w_sr_um();
+    double integral = 0;
+    for (int k = 0; k + 1 < values.size(); ++k) integral += 0.25 * (values[k] + values[k + 1]);
+    EXPECT_NEAR(integral, s.intensity_w_sr, 1e-5 * s.intensity_w_sr);
+    EXPECT_EQ(spectrum->spectral_interpolation_error_w_sr_um.size(),
+              static_cast<std::size_t>(values.size()));
+    EXPECT_GT(spectrum->spectral_interpolation_error_w_sr_um[0], 0);
+  }
+  const auto csv = lines(printed(db, query, {}, "csv"));
+  ASSERT_EQ(csv.size(), 7U);
+  EXPECT_THAT(csv[1], StartsWith(",box ship,winter"));
+  EXPECT_THAT(csv[0], HasSubstr("interpolation_error_w_sr,viewpoints_used"));
+}
+
+TEST(Query, RefusesToExtrapolate) {
+  FakeStoreReader db = fake_database();
+  auto rows = run_query(db, {.aspect = SignatureFilter::Direction{30, -20}, .interpolate = true});
+  EXPECT_EQ(rows.status().code(), absl::StatusCode::kOutOfRange);
+  EXPECT_THAT(std::string(rows.status().message()),
+              HasSubstr("cannot interpolate at aspect 30,-20 deg"));
+}
+
+TEST(Query, InterpolationNeverMixesRanges) {
+  FakeStoreReader db = fake_database();
+  FakeStoreReader far = fake_database();
+  for (auto& s : far.signatures) {
+    s.range_m = 20000;
+    s.intensity_w_sr *= 2;
+    db.signatures.push_back(s);
+  }
+  Query query{.season = "winter",
+              .band = "lwir",
+              .aspect = SignatureFilter::Direction{60, 25},
+              .interpolate = true};
+  auto rows = run_query(db, query);
+  ASSERT_TRUE(rows.ok());
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_NEAR((*rows)[1].signature.intensity_w_sr, 2 * (*rows)[0].signature.intensity_w_sr,
+              0.01 * (*rows)[1].signature.intensity_w_sr);
+}
+
+TEST(Table, TextHasUnitsAndAlignedColumns) {
+  FakeStoreReader db = fake_database();
+  const auto text = lines(printed(db, {.season = "winter"}, {}, "table"));
+  ASSERT_EQ(text.size(), 4U + 191 * 2);
+  EXPECT_THAT(text[2], HasSubstr("[W/sr]"));
+  EXPECT_THAT(text[2], HasSubstr("[K]"));
+  for (const auto& line : text) EXPECT_LE(line.size(), text[3].size());
+}
+
+TEST(Quantity, UnitsComeFromTheSuffix) {
+  EXPECT_EQ(quantity_of("spectral_intensity_stderr_w_sr_um").noun, "spectral intensity stderr");
+  EXPECT_EQ(quantity_of("spectral_intensity_stderr_w_sr_um").cf_unit, "W sr-1 um-1");
+  EXPECT_EQ(quantity_of("background_radiance_w_m2_sr").unit, "W/(m2 sr)");
+  EXPECT_EQ(quantity_of("projected_area_m2").unit, "m2");
+  EXPECT_EQ(quantity_of("range_m").unit, "m");
+  EXPECT_EQ(quantity_of("samples").unit, "");
+  EXPECT_EQ(quantity_of("samples").cf_unit, "1");
+  EXPECT_EQ(quantity_of("lambda_um").noun, "lambda");
+}
+
+TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
+  FakeStoreReader db = fake_database();
+  const std::string path = ::testing::TempDir() + "irsig_thumbnail_test.png";
+  db.thumbnails[db.signatures[4].signature_id].set_png("png bytes");
+  auto one = run_query(db, {.row = 5});
+  auto many = run_query(db, {.season = "winter"});
+  ASSERT_TRUE(one.ok() && many.ok());
+  EXPECT_TRUE(write_thumbnail(db, *one, path).ok());
+  std::ifstream in(path);
+  std::stringstream bytes;
+  bytes << in.rdbuf();
+  EXPECT_EQ(bytes.str(), "png bytes");
+  std::remove(path.c_str());
+  EXPECT_EQ(write_thumbnail(db, *one, "a.jpg").code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(write_thumbnail(db, *many, path).message()),
+              HasSubstr("382 signatures match, choose one:\n  --row 1:"));
+  auto without = run_query(db, {.row = 6});
+  EXPECT_EQ(write_thumbnail(db, *without, path).code(), absl::StatusCode::kNotFound);
+  EXPECT_FALSE(std::ifstream(path).good());
+}
+
+}  // namespace
+}  // namespace irsig

@@ -1,0 +1,229 @@
+// What goes in comes out: every field, through the writer and the reader.
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+
+#include <fstream>
+#include <random>
+
+#include "tests/unit/store_fixture.h"
+
+namespace irsig {
+namespace {
+
+using google::protobuf::util::MessageDifferencer;
+
+class StoreContent : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto writer = StoreWriter::open(path_);
+    ASSERT_OK(writer.status());
+    ASSERT_OK(submit(**writer, sweep_, "sweep-a").status());
+    ASSERT_OK(complete_jobs(**writer, sweep_).status());
+    ASSERT_OK((*writer)->finish());
+    writer->reset();
+    auto reader = StoreReader::open(path_);
+    ASSERT_OK(reader.status());
+    reader_ = *std::move(reader);
+  }
+
+  ScratchFolder folder_;
+  std::string path_ = folder_.file("a.sigdb");
+  schema::ResolvedSweep sweep_ = make_sweep({});
+  std::unique_ptr<StoreReader> reader_;
+};
+
+TEST_F(StoreContent, EveryScalarComesBack) {
+  const auto found = reader_->find({});
+  ASSERT_OK(found.status());
+  ASSERT_EQ(found->size(), 16U);
+  const auto jobs = make_jobs(sweep_, "sweep-a");
+  std::size_t n = 0;
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    const schema::JobResult result = make_result(sweep_, jobs[v]);
+    for (const schema::SignatureRow& row : result.row()) {
+      const StoredSignature& s = (*found)[n++];
+      EXPECT_EQ(s.row, ((v * 2) + row.condition_index()) * 2 + row.band_index() + 1);
+      EXPECT_EQ(s.row, n);
+      EXPECT_EQ(s.sweep, "ship");
+      EXPECT_EQ(s.season, row.condition_index() == 0 ? "winter" : "summer");
+      EXPECT_EQ(s.time_utc, "2025-06-21T01:30:00Z");
+      EXPECT_EQ(s.band, row.band_index() == 0 ? "mwir" : "lwir");
+      EXPECT_EQ(s.lambda_min_um, row.band_index() == 0 ? 3 : 8);
+      EXPECT_EQ(s.lambda_max_um, row.band_index() == 0 ? 5 : 12);
+      EXPECT_EQ(s.aspect_azimuth_deg, 90.0 * v);
+      EXPECT_EQ(s.aspect_elevation_deg,
+                sweep_.viewpoint(static_cast<int>(v)).aspect_elevation_deg());
+      EXPECT_EQ(s.range_m, 5000);
+      EXPECT_EQ(s.sun_azimuth_deg, row.sun_azimuth_deg());
+      EXPECT_EQ(s.sun_zenith_deg, row.sun_zenith_deg());
+      EXPECT_EQ(s.intensity_w_sr, row.intensity_w_sr().value());
+      EXPECT_EQ(s.intensity_stderr_w_sr, row.intensity_w_sr().stderr());
+      EXPECT_EQ(s.numerical_error_w_sr, row.numerical_error_w_sr());
+      EXPECT_EQ(s.apparent_intensity_w_sr, row.apparent_intensity_w_sr().value());
+      EXPECT_EQ(s.apparent_intensity_stderr_w_sr, row.apparent_intensity_w_sr().stderr());
+      EXPECT_EQ(s.apparent_numerical_error_w_sr, row.apparent_numerical_error_w_sr());
+      EXPECT_EQ(s.projected_area_m2, row.projected_area_m2().value());
+      EXPECT_EQ(s.projected_area_stderr_m2, row.projected_area_m2().stderr());
+      EXPECT_EQ(s.apparent_temperature_k, row.apparent_temperature_k());
+      EXPECT_EQ(s.emitted_w_sr, row.emitted_w_sr().value());
+      EXPECT_EQ(s.emitted_stderr_w_sr, row.emitted_w_sr().stderr());
+      EXPECT_EQ(s.sun_reflected_w_sr, row.sun_reflected_w_sr().value());
+      EXPECT_EQ(s.sun_reflected_stderr_w_sr, row.sun_reflected_w_sr().stderr());
+      EXPECT_EQ(s.sky_reflected_w_sr, row.sky_reflected_w_sr().value());
+      EXPECT_EQ(s.sky_reflected_stderr_w_sr, row.sky_reflected_w_sr().stderr());
+      EXPECT_EQ(s.sea_reflected_w_sr, row.sea_reflected_w_sr().value());
+      EXPECT_EQ(s.sea_reflected_stderr_w_sr, row.sea_reflected_w_sr().stderr());
+      EXPECT_EQ(s.parts_reflected_w_sr, row.parts_reflected_w_sr().value());
+      EXPECT_EQ(s.parts_reflected_stderr_w_sr, row.parts_reflected_w_sr().stderr());
+      EXPECT_EQ(s.truncation_bound_w_sr, row.truncation_bound_w_sr());
+      EXPECT_EQ(s.quadrature_bound_w_sr, row.quadrature_bound_w_sr());
+      EXPECT_EQ(s.stop_reason, "target_reached");
+      EXPECT_EQ(s.energy_gain, row.energy_gain());
+      EXPECT_EQ(s.samples, result.samples());
+      EXPECT_EQ(s.target_paths, result.target_paths());
+      EXPECT_EQ(s.rays, result.rays());
+      EXPECT_EQ(s.replicates, 32U);
+      EXPECT_EQ(s.seconds, 0.5);
+      EXPECT_EQ(s.guarded_backface_hits, 3U);
+      EXPECT_EQ(s.guarded_nonfinite, 1U);
+      EXPECT_EQ(s.guarded_path_limit, 2U);
+      EXPECT_EQ(s.job_key, jobs[v].job_key());
+      EXPECT_EQ(s.seed_hex, "00000000000000aa");
+      EXPECT_EQ(s.determinism_class, "test-class");
+      EXPECT_EQ(s.build_id, "test-build");
+      EXPECT_EQ(s.physics_version, 1U);
+    }
+  }
+}
+
+TEST_F(StoreContent, SpectraPartsAndThumbnailsComeBack) {
+  const auto found = reader_->find({});
+  ASSERT_OK(found.status());
+  const auto jobs = make_jobs(sweep_, "sweep-a");
+  std::size_t n = 0;
+  for (const schema::JobSpec& job : jobs) {
+    const schema::JobResult result = make_result(sweep_, job);
+    for (const schema::SignatureRow& row : result.row()) {
+      const std::int64_t id = (*found)[n++].signature_id;
+      const auto spectrum = reader_->spectrum(id);
+      ASSERT_OK(spectrum.status());
+      EXPECT_TRUE(MessageDifferencer::Equals(*spectrum, row.spectrum()));
+      const auto thumbnail = reader_->thumbnail(id);
+      ASSERT_OK(thumbnail.status());
+      ASSERT_TRUE(thumbnail->has_value());
+      EXPECT_TRUE(MessageDifferencer::Equals(**thumbnail, row.thumbnail()));
+      const auto parts = reader_->parts(id);
+      ASSERT_OK(parts.status());
+      ASSERT_EQ(parts->size(), 2U);
+      EXPECT_EQ((*parts)[1].part, "part1");
+      EXPECT_EQ((*parts)[1].intensity_w_sr, row.part(1).intensity_w_sr().value());
+      EXPECT_EQ((*parts)[1].intensity_stderr_w_sr, row.part(1).intensity_w_sr().stderr());
+    }
+  }
+  EXPECT_TRUE(absl::IsNotFound(reader_->spectrum(4711).status()));
+  EXPECT_TRUE(absl::IsNotFound(reader_->parts(4711).status()));
+  EXPECT_TRUE(absl::IsNotFound(reader_->thumbnail(4711).status()));
+}
+
+// schema/README.md promises this to readers in other languages.
+TEST_F(StoreContent, BlobsAreLittleEndianFloat32) {
+  const schema::JobResult result = make_result(sweep_, make_jobs(sweep_, "")[0]);
+  const float first = result.row(0).spectrum().emitted_w_sr_um(0);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &first, 4);
+  std::string hex;
+  for (int byte = 0; byte < 4; ++byte) {
+    absl::StrAppend(&hex, absl::Hex(bits >> (8 * byte) & 0xff, absl::kZeroPad2));
+  }
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT lower(hex(substr(emitted_w_sr_um, 1, 4))) FROM spectrum"
+                        " JOIN signature_view USING (signature_id) WHERE row = 1"),
+            hex);
+}
+
+TEST_F(StoreContent, ViewsAreReadableByPeople) {
+  EXPECT_EQ(
+      sqlite_text(
+          path_,
+          "SELECT season || ' ' || band || ' ' || row || ' ' || stop_reason FROM signature_view"
+          " WHERE viewpoint_id IS NULL OR row = 7"),
+      "error: no such column: viewpoint_id");
+  EXPECT_EQ(
+      sqlite_text(
+          path_,
+          "SELECT season || ' ' || band || ' ' || stop_reason FROM signature_view WHERE row = 7"),
+      "summer mwir target_reached");
+  EXPECT_EQ(sqlite_text(path_, "SELECT state || ' ' || done_by FROM job_view WHERE job_index = 3"),
+            "done host:1");
+  EXPECT_EQ(sqlite_text(path_, "SELECT done || '/' || jobs FROM sweep_view"), "4/4");
+  EXPECT_EQ(sqlite_text(path_, "SELECT outcome FROM attempt_view WHERE job_index = 3"), "done");
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT temperature_k FROM part_temperature_view WHERE season = 'summer'"
+                        " AND part = 'part1'"),
+            "301.0");
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM part_intensity_view"), "32");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA foreign_key_check"), "(no row)");
+  EXPECT_EQ(
+      sqlite_text(
+          path_,
+          "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND type = 'table'"
+          " AND NOT strict AND name NOT LIKE 'sqlite_%' AND name NOT LIKE 'viewpoint_direction%'"),
+      "0");
+}
+
+// A filter on names must not read the whole table.
+TEST_F(StoreContent, FiltersByName) {
+  SignatureFilter filter;
+  filter.season = "summer";
+  filter.band = "lwir";
+  auto found = reader_->find(filter);
+  ASSERT_OK(found.status());
+  ASSERT_EQ(found->size(), 4U);
+  for (const StoredSignature& s : *found) EXPECT_EQ(s.season + s.band, "summerlwir");
+  filter.sweep = "another";
+  found = reader_->find(filter);
+  ASSERT_OK(found.status());
+  EXPECT_TRUE(found->empty());
+  filter = {};
+  filter.row = 6;
+  found = reader_->find(filter);
+  ASSERT_OK(found.status());
+  ASSERT_EQ(found->size(), 1U);
+  EXPECT_EQ(found->front().row, 6U);
+  for (const std::uint64_t row : {0U, 17U}) {
+    filter.row = row;
+    found = reader_->find(filter);
+    ASSERT_OK(found.status());
+    EXPECT_TRUE(found->empty()) << row;
+  }
+}
+
+TEST_F(StoreContent, FiltersByRelativeError) {
+  const auto all = reader_->find({});
+  ASSERT_OK(all.status());
+  std::vector<double> errors;
+  for (const StoredSignature& s : *all) errors.push_back(s.numerical_error_w_sr / s.intensity_w_sr);
+  std::sort(errors.begin(), errors.end());
+  SignatureFilter filter;
+  filter.max_relative_error = (errors[6] + errors[7]) / 2;
+  const auto found = reader_->find(filter);
+  ASSERT_OK(found.status());
+  EXPECT_EQ(found->size(), 7U);
+}
+
+TEST_F(StoreContent, DirectionsThatMakeNoSenseAreRefused) {
+  SignatureFilter filter;
+  filter.nearest = 1;
+  EXPECT_TRUE(absl::IsInvalidArgument(reader_->find(filter).status()));
+  filter.direction = {0, 0};
+  filter.within_deg = 1;
+  EXPECT_TRUE(absl::IsInvalidArgument(reader_->find(filter).status()));
+  filter.within_deg.reset();
+  filter.direction = {0, 91};
+  EXPECT_TRUE(absl::IsInvalidArgument(reader_->find(filter).status()));
+}
+
+}  // namespace
+}  // namespace irsig

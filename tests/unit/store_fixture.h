@@ -1,0 +1,255 @@
+#pragma once
+
+// Sweeps, jobs and results for the tests of the store: cheap to make, every number different from
+// its neighbours, and a pure function of what they stand for, so that two databases can be
+// compared.
+
+#include <google/protobuf/reflection.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+#define ASSERT_OK(expression)                                        \
+  do {                                                               \
+    const auto ok_status = (expression);                             \
+    ASSERT_TRUE(ok_status.ok()) << #expression << ": " << ok_status; \
+  } while (false)
+
+// A folder that goes when the test ends.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "irsig-store-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder: " + name);
+    path_ = name;
+  }
+  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const auto& entry : std::filesystem::directory_iterator(path_))
+      out.push_back(entry.path().filename());
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct SweepShape {
+  std::string name = "ship";
+  std::vector<std::pair<double, double>> aspects = {{0, 0}, {90, 10}, {180, 45}, {270, -5}};
+  std::vector<std::string> seasons = {"winter", "summer"};
+  std::vector<std::string> bands = {"mwir", "lwir"};
+  int parts = 2;
+  double hull_temperature_k = 290;
+  int wavelengths = 5;
+};
+
+inline schema::ResolvedSweep make_sweep(const SweepShape& shape) {
+  schema::ResolvedSweep resolved;
+  schema::Sweep& sweep = *resolved.mutable_sweep();
+  sweep.set_name(shape.name);
+  for (int i = 0; i < shape.parts; ++i) {
+    schema::Part& part = *sweep.add_part();
+    part.set_name(absl::StrCat("part", i));
+    part.set_material("paint");
+  }
+  for (const std::string& name : shape.bands) {
+    schema::Band& band = *sweep.add_band();
+    band.set_name(name);
+    band.set_lambda_min_um(name == "mwir" ? 3 : 8);
+    band.set_lambda_max_um(name == "mwir" ? 5 : 12);
+    band.set_step_um((band.lambda_max_um() - band.lambda_min_um()) / (shape.wavelengths - 1));
+  }
+  sweep.mutable_output()->set_thumbnail_px(16);
+  for (const auto& [azimuth_deg, elevation_deg] : shape.aspects) {
+    schema::Viewpoint& viewpoint = *resolved.add_viewpoint();
+    viewpoint.set_aspect_azimuth_deg(azimuth_deg);
+    viewpoint.set_aspect_elevation_deg(elevation_deg);
+    viewpoint.set_range_m(5000);
+  }
+  for (std::size_t i = 0; i < shape.seasons.size(); ++i) {
+    schema::Condition& condition = *resolved.add_condition();
+    condition.set_season_index(static_cast<std::uint32_t>(i));
+    condition.set_season(shape.seasons[i]);
+    condition.set_time_utc("2025-06-21T01:30:00Z");
+    for (int part = 0; part < shape.parts; ++part) {
+      condition.add_part_temperature_k(shape.hull_temperature_k + part +
+                                       10 * static_cast<double>(i));
+    }
+    condition.mutable_surroundings()->set_kind("sea");
+    condition.mutable_surroundings()->set_sky_temperature_k(250);
+    condition.mutable_surroundings()->set_sea_temperature_k(285);
+    condition.mutable_surroundings()->set_sea_emissivity(0.98);
+  }
+  return resolved;
+}
+
+// One job for each viewpoint; its key names all that determines the result, as real keys do.
+inline std::vector<schema::JobSpec> make_jobs(const schema::ResolvedSweep& sweep,
+                                              const std::string& sweep_sha256) {
+  std::string determining;
+  for (const schema::Condition& c : sweep.condition()) {
+    absl::StrAppend(&determining, c.season(), "@", c.time_utc(), ":", c.part_temperature_k(0), ";");
+  }
+  for (const schema::Band& b : sweep.sweep().band())
+    absl::StrAppend(&determining, b.name(), ":", b.step_um(), ";");
+  std::vector<schema::JobSpec> jobs;
+  for (int v = 0; v < sweep.viewpoint_size(); ++v) {
+    schema::JobSpec& job = jobs.emplace_back();
+    job.set_sweep_sha256(sweep_sha256);
+    job.set_job_key(absl::StrCat(determining, sweep.viewpoint(v).aspect_azimuth_deg(), ",",
+                                 sweep.viewpoint(v).aspect_elevation_deg()));
+    job.set_viewpoint_index(static_cast<std::uint32_t>(v));
+    for (int c = 0; c < sweep.condition_size(); ++c)
+      job.add_condition_index(static_cast<std::uint32_t>(c));
+    for (int b = 0; b < sweep.sweep().band_size(); ++b)
+      job.add_band_index(static_cast<std::uint32_t>(b));
+  }
+  return jobs;
+}
+
+// Sets every number of the message that is still unset to one of its own.
+inline void fill_numbers(google::protobuf::Message& message, double& next) {
+  const auto& reflection = *message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const auto* field = message.GetDescriptor()->field(i);
+    if (field->is_repeated() || field->name() == "thumbnail" || field->name() == "spectrum")
+      continue;
+    switch (field->cpp_type()) {
+      case google::protobuf::FieldDescriptor::CPPTYPE_DOUBLE:
+        reflection.SetDouble(&message, field, next += 0.25);
+        break;
+      case google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE:
+        fill_numbers(*reflection.MutableMessage(&message, field), next);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
+                                     int wavelengths = 5, std::size_t png_bytes = 40,
+                                     std::size_t exr_bytes = 200) {
+  schema::JobResult result;
+  result.set_job_key(job.job_key());
+  const std::size_t hash = std::hash<std::string>()(job.job_key());
+  double next = 1 + static_cast<double>(hash % 1000);
+  for (const std::uint32_t c : job.condition_index()) {
+    for (const std::uint32_t b : job.band_index()) {
+      schema::SignatureRow& row = *result.add_row();
+      row.set_condition_index(c);
+      row.set_band_index(b);
+      fill_numbers(row, next);
+      row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
+      row.set_energy_gain(c == 1);
+      for (int p = 0; p < sweep.sweep().part_size(); ++p) {
+        schema::PartIntensity& part = *row.add_part();
+        part.set_part_index(static_cast<std::uint32_t>(p));
+        part.mutable_intensity_w_sr()->set_value(next += 0.25);
+        part.mutable_intensity_w_sr()->set_stderr(next += 0.25);
+      }
+      schema::Spectrum& spectrum = *row.mutable_spectrum();
+      const schema::Band& band = sweep.sweep().band(static_cast<int>(b));
+      for (int i = 0; i < wavelengths; ++i) {
+        spectrum.add_lambda_um(band.lambda_min_um() +
+                               (band.lambda_max_um() - band.lambda_min_um()) * i /
+                                   (wavelengths - 1));
+      }
+      for (int f = 0; f < spectrum.GetDescriptor()->field_count(); ++f) {
+        const auto* field = spectrum.GetDescriptor()->field(f);
+        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT) continue;
+        for (int i = 0; i < wavelengths; ++i) {
+          spectrum.GetReflection()->AddFloat(&spectrum, field, static_cast<float>(next += 0.125));
+        }
+      }
+      schema::Thumbnail& thumbnail = *row.mutable_thumbnail();
+      thumbnail.set_width_px(16);
+      thumbnail.set_height_px(9);
+      thumbnail.set_pixel_rad(1e-4);
+      thumbnail.set_png(std::string(png_bytes, static_cast<char>(hash)) + absl::StrCat(c, ",", b));
+      thumbnail.set_exr(std::string(exr_bytes, static_cast<char>(hash + 1)) +
+                        absl::StrCat(c, ",", b));
+    }
+  }
+  result.set_samples(1000 + hash % 7);
+  result.set_replicates(32);
+  result.set_target_paths(500 + hash % 5);
+  result.set_rays(9000 + hash % 11);
+  result.set_seconds(0.5);
+  result.set_guarded_backface_hits(3);
+  result.set_guarded_nonfinite(1);
+  result.set_guarded_path_limit(2);
+  result.set_seed_hex("00000000000000aa");
+  result.set_physics_version(1);
+  result.set_determinism_class("test-class");
+  result.set_build_id("test-build");
+  return result;
+}
+
+inline absl::StatusOr<StoreWriter::Added> submit(StoreWriter& writer,
+                                                 const schema::ResolvedSweep& sweep,
+                                                 const std::string& sweep_sha256) {
+  if (auto status = writer.begin(); !status.ok()) return status;
+  auto added = writer.add_sweep(sweep, sweep_sha256, make_jobs(sweep, sweep_sha256), {});
+  if (!added.ok()) {
+    writer.rollback();
+    return added;
+  }
+  if (auto status = writer.commit(); !status.ok()) return status;
+  return added;
+}
+
+// Leases and completes up to `most` jobs, in one transaction. Returns how many.
+inline absl::StatusOr<int> complete_jobs(StoreWriter& writer, const schema::ResolvedSweep& sweep,
+                                         int most = 1 << 30, int wavelengths = 5) {
+  if (auto status = writer.begin(); !status.ok()) return status;
+  int done = 0;
+  for (; done < most; ++done) {
+    auto job = writer.lease_next("worker", 0);
+    if (!job.ok()) return job.status();
+    if (!job->has_value()) break;
+    auto status = writer.complete((*job)->fencing_token,
+                                  make_result(sweep, (*job)->spec, wavelengths), "host:1");
+    if (!status.ok()) return status;
+  }
+  if (auto status = writer.commit(); !status.ok()) return status;
+  return done;
+}
+
+// What any SQLite client sees: the first column of the first row, as text.
+inline std::string sqlite_text(const std::string& path, const std::string& statement) {
+  sqlite3* handle = nullptr;
+  std::string text = "(no row)";
+  if (sqlite3_open_v2(path.c_str(), &handle, SQLITE_OPEN_READWRITE, nullptr) == SQLITE_OK) {
+    char* message = nullptr;
+    sqlite3_exec(
+        handle, statement.c_str(),
+        [](void* out, int, char** values, char**) {
+          *static_cast<std::string*>(out) = values[0] == nullptr ? "NULL" : values[0];
+          return 0;
+        },
+        &text, &message);
+    if (message != nullptr) text = absl::StrCat("error: ", message);
+    sqlite3_free(message);
+  }
+  sqlite3_close(handle);
+  return text;
+}
+
+}  // namespace irsig

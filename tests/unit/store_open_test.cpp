@@ -1,0 +1,229 @@
+// Which files are opened, which are refused, and what stays behind.
+
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+#include "schema/store/open_database.h"
+#include "tests/unit/store_fixture.h"
+
+namespace irsig {
+namespace {
+
+std::string bytes_of(const std::string& path) {
+  std::ostringstream out;
+  out << std::ifstream(path, std::ios::binary).rdbuf();
+  return out.str();
+}
+
+class StoreOpen : public ::testing::Test {
+ protected:
+  // A finished database with every job done.
+  void write() {
+    auto writer = StoreWriter::open(path_);
+    ASSERT_OK(writer.status());
+    ASSERT_OK(submit(**writer, sweep_, "sweep-a").status());
+    ASSERT_OK(complete_jobs(**writer, sweep_).status());
+    ASSERT_OK((*writer)->finish());
+  }
+
+  ScratchFolder folder_;
+  std::string path_ = folder_.file("a.sigdb");
+  schema::ResolvedSweep sweep_ = make_sweep({});
+};
+
+TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "1");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA application_id"), absl::StrCat(0x49525347));
+}
+
+TEST_F(StoreOpen, WriteAheadLoggingWithFullSynchronisationWhileWriting) {
+  auto opened = open_for_writing(path_);
+  ASSERT_OK(opened.status());
+  auto& database = *opened->database;
+  EXPECT_EQ(*database.integer("PRAGMA synchronous"), 2);
+  EXPECT_EQ(*database.integer("PRAGMA foreign_keys"), 1);
+  auto rows = database.query("PRAGMA journal_mode");
+  ASSERT_OK(rows.status());
+  ASSERT_TRUE(*rows->next());
+  EXPECT_EQ(rows->text(), "wal");
+}
+
+TEST_F(StoreOpen, ReadingChangesNothing) {
+  EXPECT_TRUE(absl::IsNotFound(StoreReader::open(path_).status()));
+  EXPECT_TRUE(folder_.names().empty());
+  ASSERT_NO_FATAL_FAILURE(write());
+  const std::string before = bytes_of(path_);
+  {
+    auto reader = StoreReader::open(path_);
+    ASSERT_OK(reader.status());
+    ASSERT_OK((*reader)->find({}).status());
+    ASSERT_OK((*reader)->digest().status());
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+  }
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+  EXPECT_EQ(bytes_of(path_), before);
+}
+
+// Somebody copied the file while it was in write-ahead mode.
+TEST_F(StoreOpen, ReadingAFileInWriteAheadModeMakesNoJournal) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  ASSERT_EQ(sqlite_text(path_, "PRAGMA journal_mode = WAL"), "wal");
+  ASSERT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+  const std::string before = bytes_of(path_);
+  {
+    auto reader = StoreReader::open(path_);
+    ASSERT_OK(reader.status());
+    EXPECT_EQ((*reader)->find({})->size(), 16U);
+    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+  }
+  EXPECT_EQ(bytes_of(path_), before);
+}
+
+TEST_F(StoreOpen, ReadersSeeCommitsWhileTheWriterWrites) {
+  auto writer = StoreWriter::open(path_);
+  ASSERT_OK(writer.status());
+  ASSERT_OK(submit(**writer, sweep_, "sweep-a").status());
+  auto reader = StoreReader::open(path_);
+  ASSERT_OK(reader.status());
+  EXPECT_EQ((*reader)->find({})->size(), 0U);
+  ASSERT_OK(complete_jobs(**writer, sweep_, 1).status());
+  EXPECT_EQ((*reader)->find({})->size(), 4U);
+  ASSERT_OK((*writer)->begin());
+  EXPECT_EQ((*reader)->progress()->front().done, 1U);
+  (*writer)->rollback();
+  reader->reset();
+  ASSERT_OK((*writer)->finish());
+}
+
+TEST_F(StoreOpen, ForeignFilesAreRefusedAndStayAsTheyAre) {
+  const std::string text = folder_.file("notes.txt");
+  std::ofstream(text) << "not a database, but longer than a header: " << std::string(200, 'x');
+  const std::string short_text = folder_.file("short.txt");
+  std::ofstream(short_text) << "hello";
+  const std::string other = folder_.file("other.db");
+  std::ofstream(other).close();
+  ASSERT_EQ(sqlite_text(other, "CREATE TABLE t (x); SELECT 'made'"), "made");
+  ASSERT_NO_FATAL_FAILURE(write());
+  ASSERT_EQ(sqlite_text(path_, "PRAGMA user_version = 99; SELECT 'newer'"), "newer");
+  const auto names = folder_.names();
+  for (const auto& [path, message] :
+       {std::pair{text, "is not a signature database"},
+        std::pair{short_text, "is not a signature database"},
+        std::pair{other, "is an SQLite file, but not a signature database"},
+        std::pair{path_, "has format version 99"}}) {
+    const std::string before = bytes_of(path);
+    for (const absl::Status& status :
+         {StoreWriter::open(path).status(), StoreReader::open(path).status()}) {
+      EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+      EXPECT_NE(status.message().find(message), absl::string_view::npos) << status;
+      EXPECT_NE(status.message().find(path), absl::string_view::npos) << status;
+    }
+    EXPECT_EQ(bytes_of(path), before) << path;
+  }
+  EXPECT_EQ(folder_.names(), names);
+  EXPECT_TRUE(absl::IsInvalidArgument(StoreWriter::open(folder_.path()).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(StoreReader::open(folder_.path()).status()));
+}
+
+TEST_F(StoreOpen, AnEmptyFileBecomesADatabase) {
+  std::ofstream(path_).close();
+  EXPECT_TRUE(absl::IsInvalidArgument(StoreReader::open(path_).status()));
+  ASSERT_NO_FATAL_FAILURE(write());
+}
+
+TEST_F(StoreOpen, AFailedCreationLeavesNothing) {
+  EXPECT_TRUE(absl::IsNotFound(StoreWriter::open(folder_.file("missing/a.sigdb")).status()));
+  EXPECT_TRUE(folder_.names().empty());
+  // As a directory of the database's own name: SQLite cannot make its journal there.
+  std::filesystem::create_directory(path_ + "-journal");
+  EXPECT_FALSE(StoreWriter::open(path_).ok());
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb-journal"});
+}
+
+TEST_F(StoreOpen, AnUnwritableFolderIsRefused) {
+  if (geteuid() == 0) {
+    // Root writes everywhere; a child without privileges has to try.
+    ASSERT_EQ(chmod(folder_.path().c_str(), 0755), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      if (setuid(65534) != 0) _exit(3);
+      _exit(StoreWriter::open(path_).ok() ? 1 : 0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  } else {
+    ASSERT_EQ(chmod(folder_.path().c_str(), 0555), 0);
+    EXPECT_FALSE(StoreWriter::open(path_).ok());
+    ASSERT_EQ(chmod(folder_.path().c_str(), 0755), 0);
+  }
+  EXPECT_TRUE(folder_.names().empty());
+}
+
+TEST_F(StoreOpen, OneWriterAtATime) {
+  auto first = StoreWriter::open(path_);
+  ASSERT_OK(first.status());
+  const auto second = StoreWriter::open(path_);
+  EXPECT_TRUE(absl::IsFailedPrecondition(second.status())) << second.status();
+  EXPECT_NE(second.status().message().find("another irsig is writing"), absl::string_view::npos);
+  // The refused one must not have broken the lock of the first.
+  EXPECT_FALSE(StoreWriter::open(path_).ok());
+  std::filesystem::create_symlink(path_, folder_.file("link.sigdb"));
+  EXPECT_FALSE(StoreWriter::open(folder_.file("link.sigdb")).ok());
+  ASSERT_OK(submit(**first, sweep_, "sweep-a").status());
+  first->reset();
+  ASSERT_OK(StoreWriter::open(path_).status());
+}
+
+// The journal cannot go while somebody reads from it; nothing is lost by that.
+TEST_F(StoreOpen, AReaderAtTheEndPostponesThePlainFile) {
+  auto writer = StoreWriter::open(path_).value();
+  ASSERT_OK(submit(*writer, sweep_, "sweep-a").status());
+  ASSERT_OK(complete_jobs(*writer, sweep_).status());
+  {
+    auto reader = StoreReader::open(path_).value();
+    EXPECT_EQ(reader->find({})->size(), 16U);
+    EXPECT_TRUE(absl::IsUnavailable(writer->finish()));
+    EXPECT_EQ(reader->find({})->size(), 16U);
+  }
+  ASSERT_OK(writer->finish());
+  writer.reset();
+  EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
+}
+
+TEST_F(StoreOpen, ChangesNeedATransaction) {
+  auto writer = StoreWriter::open(path_);
+  ASSERT_OK(writer.status());
+  EXPECT_TRUE(absl::IsFailedPrecondition((*writer)->lease_next("worker", 0).status()));
+  EXPECT_TRUE(absl::IsFailedPrecondition((*writer)->release_all()));
+}
+
+// The mechanism, on steps made for the test: the format itself has one version so far.
+TEST_F(StoreOpen, MigrationsRunInOrderOnceAndAllOrNothing) {
+  auto opened = Database::open(path_, Database::Mode::kReadWriteCreate);
+  ASSERT_OK(opened.status());
+  Database& database = **opened;
+  const MigrationStep first = {1, "CREATE TABLE t (x INTEGER) STRICT; INSERT INTO t VALUES (1)"};
+  const MigrationStep second = {2, "ALTER TABLE t ADD COLUMN y INTEGER; UPDATE t SET y = x + 1"};
+  const MigrationStep broken = {3, "UPDATE t SET y = 99; UPDATE no_such_table SET z = 1"};
+  ASSERT_OK(migrate(database, std::vector{first}));
+  ASSERT_OK(migrate(database, std::vector{first}));
+  ASSERT_OK(migrate(database, std::vector{first, second}));
+  EXPECT_EQ(*database.integer("PRAGMA user_version"), 2);
+  EXPECT_EQ(*database.integer("SELECT y FROM t"), 2);
+  EXPECT_FALSE(migrate(database, std::vector{first, second, broken}).ok());
+  EXPECT_EQ(*database.integer("PRAGMA user_version"), 2);
+  EXPECT_EQ(*database.integer("SELECT y FROM t"), 2);
+  EXPECT_TRUE(absl::IsInvalidArgument(migrate(database, std::vector{first})));
+}
+
+}  // namespace
+}  // namespace irsig

@@ -1,0 +1,147 @@
+// A result that is not exactly its job's is refused, names the field, and leaves nothing behind.
+
+#include <cmath>
+#include <limits>
+
+#include "schema/store/ingest.h"
+#include "schema/store/open_database.h"
+#include "schema/store/queue.h"
+#include "tests/unit/store_fixture.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Damage {
+  std::string expected_message;
+  std::function<void(schema::JobResult&)> apply;
+};
+
+TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("a.sigdb");
+  const schema::ResolvedSweep sweep = make_sweep({});
+  auto writer = StoreWriter::open(path).value();
+  ASSERT_OK(submit(*writer, sweep, "sweep-a").status());
+  ASSERT_OK(complete_jobs(*writer, sweep, 1).status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+
+  const std::vector<Damage> damages = {
+      {"job_key", [](auto& r) { r.set_job_key("another"); }},
+      {"missing for condition 1, band 1", [](auto& r) { r.mutable_row()->RemoveLast(); }},
+      {"comes twice", [](auto& r) { *r.add_row() = r.row(0); }},
+      {"does not belong to the job", [](auto& r) { r.mutable_row(0)->set_condition_index(7); }},
+      {"row[2].intensity_w_sr.value is not a finite number",
+       [](auto& r) { r.mutable_row(2)->mutable_intensity_w_sr()->set_value(kNan); }},
+      {"row[2].sun_azimuth_deg is not a finite number",
+       [](auto& r) { r.mutable_row(2)->set_sun_azimuth_deg(INFINITY); }},
+      {"row[0].intensity_w_sr.stderr is negative",
+       [](auto& r) { r.mutable_row(0)->mutable_intensity_w_sr()->set_stderr(-1); }},
+      {"row[0].projected_area_m2.value is negative",
+       [](auto& r) { r.mutable_row(0)->mutable_projected_area_m2()->set_value(-1); }},
+      {"row[0].emitted_w_sr is missing", [](auto& r) { r.mutable_row(0)->clear_emitted_w_sr(); }},
+      {"row[0].spectrum is missing", [](auto& r) { r.mutable_row(0)->clear_spectrum(); }},
+      {"row[1].spectrum.emitted_w_sr_um has 4 values for 5 wavelengths",
+       [](auto& r) {
+         r.mutable_row(1)->mutable_spectrum()->mutable_emitted_w_sr_um()->RemoveLast();
+       }},
+      {"row[1].spectrum.sky_reflected_w_sr_um[3] is not a finite number",
+       [](auto& r) { r.mutable_row(1)->mutable_spectrum()->set_sky_reflected_w_sr_um(3, NAN); }},
+      {"lambda_um does not increase",
+       [](auto& r) {
+         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(3, r.row(1).spectrum().lambda_um(2));
+       }},
+      {"differ from those stored",
+       [](auto& r) {
+         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(
+             3, r.row(1).spectrum().lambda_um(3) + 1e-6);
+       }},
+      {"reaches outside the band",
+       [](auto& r) {
+         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(4,
+                                                             r.row(1).spectrum().lambda_um(4) + 1);
+       }},
+      {"1 of the sweep's 2 parts", [](auto& r) { r.mutable_row(1)->mutable_part()->RemoveLast(); }},
+      {"names part 0 twice", [](auto& r) { r.mutable_row(1)->mutable_part(1)->set_part_index(0); }},
+      {"names part 9 twice, or it does not exist",
+       [](auto& r) { r.mutable_row(1)->mutable_part(1)->set_part_index(9); }},
+      {"stop_reason is not stated", [](auto& r) { r.mutable_row(3)->clear_stop_reason(); }},
+      {"thumbnail is incomplete",
+       [](auto& r) { r.mutable_row(3)->mutable_thumbnail()->clear_exr(); }},
+      {"thumbnail is missing", [](auto& r) { r.mutable_row(3)->clear_thumbnail(); }},
+      {"seconds is not a finite number", [](auto& r) { r.set_seconds(kNan); }},
+      {"rays does not fit", [](auto& r) { r.set_rays(~0ULL); }},
+  };
+  for (const Damage& damage : damages) {
+    schema::JobResult result = make_result(sweep, job.spec);
+    damage.apply(result);
+    const absl::Status status = writer->complete(job.fencing_token, result, "w");
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_NE(status.message().find(damage.expected_message), absl::string_view::npos) << status;
+  }
+  // The lease is still good, and the sound result is welcome.
+  EXPECT_EQ(writer->progress()->front().leased, 1U);
+  ASSERT_OK(writer->complete(job.fencing_token, make_result(sweep, job.spec), "w"));
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
+  EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 8U);
+}
+
+// A full disk, simulated by a limit on the file's pages.
+TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("a.sigdb");
+  const schema::ResolvedSweep sweep = make_sweep({});
+  {
+    auto writer = StoreWriter::open(path).value();
+    ASSERT_OK(submit(*writer, sweep, "sweep-a").status());
+    ASSERT_OK(complete_jobs(*writer, sweep, 1).status());
+  }
+  {
+    auto opened = open_for_writing(path).value();
+    Database& database = *opened.database;
+    ASSERT_OK(database.script("BEGIN IMMEDIATE"));
+    const QueuedJob job = lease_next_job(database, "w", 0).value().value();
+    const LeasedJob leased = leased_job(database, job.fencing_token).value();
+    const auto pages = database.integer("PRAGMA page_count").value();
+    ASSERT_OK(database.script(absl::StrCat("PRAGMA max_page_count = ", pages + 2)));
+    const auto result = make_result(sweep, job.spec, 5, 4000, 100000);
+    const absl::Status status = store_result(database, leased, result, "w");
+    EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
+    EXPECT_NE(status.message().find("full"), absl::string_view::npos) << status;
+    EXPECT_NE(status.message().find(path), absl::string_view::npos) << status;
+    if (database.in_transaction()) ASSERT_OK(database.script("ROLLBACK"));
+    // With room again, the same connection goes on.
+    ASSERT_OK(database.script("PRAGMA max_page_count = 1000000"));
+    ASSERT_OK(database.script("BEGIN IMMEDIATE"));
+    const QueuedJob again = lease_next_job(database, "w", 0).value().value();
+    EXPECT_EQ(again.spec.job_key(), job.spec.job_key());
+    ASSERT_OK(
+        store_result(database, leased_job(database, again.fencing_token).value(), result, "w"));
+    ASSERT_OK(database.script("ROLLBACK"));
+  }
+  EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 4U);
+  EXPECT_EQ(sqlite_text(path, "PRAGMA integrity_check"), "ok");
+}
+
+TEST(StoreResult, ARolledBackCompletionLeavesNothing) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("a.sigdb");
+  const schema::ResolvedSweep sweep = make_sweep({});
+  auto writer = StoreWriter::open(path).value();
+  ASSERT_OK(submit(*writer, sweep, "sweep-a").status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+  ASSERT_OK(writer->complete(job.fencing_token, make_result(sweep, job.spec), "w"));
+  writer->rollback();
+  EXPECT_EQ(writer->progress()->front().waiting, 4U);
+  ASSERT_OK(writer->begin());
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
+  EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 0U);
+}
+
+}  // namespace
+}  // namespace irsig

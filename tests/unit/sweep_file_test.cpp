@@ -1,0 +1,134 @@
+// The TOML reader: every kind of value, the place of every key, and what it refuses.
+#include "jobs/sweep_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "jobs/nearest_name.h"
+
+namespace irsig {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+SweepFile parsed(std::string_view text) {
+  absl::StatusOr<SweepFile> file = parse_sweep(text, "s.toml");
+  EXPECT_TRUE(file.ok()) << file.status();
+  return file.ok() ? *file : SweepFile{};
+}
+
+std::string error_of(std::string_view text) {
+  const absl::StatusOr<SweepFile> file = parse_sweep(text, "s.toml");
+  EXPECT_EQ(file.status().code(), absl::StatusCode::kInvalidArgument);
+  return std::string(file.status().message());
+}
+
+TEST(ParseSweep, ReadsEveryKindOfValue) {
+  const SweepFile file = parsed(R"(
+name = "a \"b\" ü"
+seed = 9223372036854775807
+time = ["10:30Z", "11:30Z"]
+[model]
+triangles = 2e5
+unit_m = 1
+[[part]]
+name = "x"
+two_sided = true
+[[part]]
+temperature_k = 300.5
+[[season]]
+date = 2025-12-21
+part_temperature_k = { x = 300, "a.b" = 280.5 }
+[viewpoints]
+azimuth_deg = [0, 90.5]
+count = 24.0
+aspect = [ { azimuth_deg = 1 }, { elevation_deg = 2 } ]
+)");
+  const schema::Sweep& sweep = file.sweep;
+  EXPECT_EQ(sweep.name(), "a \"b\" ü");
+  EXPECT_EQ(sweep.seed(), 9223372036854775807U);
+  ASSERT_EQ(sweep.time_size(), 2);
+  EXPECT_EQ(sweep.time(1), "11:30Z");
+  EXPECT_EQ(sweep.model().triangles(), 200000U);
+  EXPECT_EQ(sweep.model().unit_m(), 1.0);
+  ASSERT_EQ(sweep.part_size(), 2);
+  EXPECT_TRUE(sweep.part(0).two_sided());
+  EXPECT_EQ(sweep.part(1).temperature_k(), 300.5);
+  EXPECT_EQ(sweep.season(0).date(), "2025-12-21");
+  ASSERT_EQ(sweep.season(0).part_temperature_k_size(), 2);
+  EXPECT_EQ(sweep.season(0).part_temperature_k().at("a.b"), 280.5);
+  EXPECT_EQ(sweep.viewpoints().azimuth_deg(1), 90.5);
+  EXPECT_EQ(sweep.viewpoints().count(), 24U);
+  EXPECT_EQ(sweep.viewpoints().aspect(1).elevation_deg(), 2.0);
+}
+
+TEST(ParseSweep, AbsentIsNotZero) {
+  const SweepFile file = parsed("[place]\nlatitude_deg = 0\n");
+  EXPECT_TRUE(file.sweep.place().has_latitude_deg());
+  EXPECT_FALSE(file.sweep.place().has_longitude_deg());
+  EXPECT_FALSE(file.sweep.has_seed());
+}
+
+TEST(ParseSweep, RemembersWhereEachKeyStands) {
+  const SweepFile file = parsed(
+      "time = [\"1\",\n  \"2\"]\n[model]\n  file = \"a\"\n[[part]]\n[[part]]\nname = \"p\"\n"
+      "[[season]]\n[season.surroundings]\nkind = \"sea\"\n[season.part_temperature_k]\n\"a.b\" = "
+      "3\n");
+  EXPECT_EQ(file.location("time[1]"), "s.toml:2:3");
+  EXPECT_EQ(file.location("model"), "s.toml:3:2");
+  EXPECT_EQ(file.location("model.file"), "s.toml:4:3");
+  EXPECT_EQ(file.location("part[1]"), "s.toml:6:1");
+  EXPECT_EQ(file.location("part[1].name"), "s.toml:7:1");
+  EXPECT_EQ(file.location("season[0].surroundings.kind"), "s.toml:10:1");
+  EXPECT_EQ(file.location("season[0].part_temperature_k.a.b"), "s.toml:12:1");
+}
+
+TEST(ParseSweep, PlacesAnAbsentKeyAtItsTable) {
+  const SweepFile file = parsed("name = \"x\"\n[[part]]\nname = \"p\"\n");
+  EXPECT_EQ(file.location("part[0].material"), "s.toml:2:1");
+  EXPECT_EQ(file.location("part[7].material"), file.location("part"));
+  EXPECT_EQ(file.location("air.model"), "s.toml:1:1");
+  EXPECT_EQ(file.location(""), "s.toml:1:1");
+}
+
+TEST(ParseSweep, ReportsASyntaxErrorAlone) {
+  const std::string error = error_of("nane = 1\n[model\nseed = \"x\"\n");
+  EXPECT_THAT(error, StartsWith("s.toml:2:7: "));
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+  EXPECT_THAT(error_of("seed = 1\nseed = 2\n"), StartsWith("s.toml:2:"));
+}
+
+TEST(ParseSweep, ReportsAllOtherErrorsInTheOrderOfTheFile) {
+  EXPECT_EQ(error_of("seed = -1\nnane = 1\n[air]\npressure_pa = nan\n[model]\nfile = 3\n"),
+            "s.toml:1:1: seed = -1, expected a whole number from 0 to 18446744073709551615\n"
+            "s.toml:2:1: unknown key \"nane\", did you mean \"name\"?\n"
+            "s.toml:4:1: air.pressure_pa is nan, expected a finite number\n"
+            "s.toml:6:1: model.file is an integer, expected a string in quotes");
+}
+
+TEST(ParseSweep, RefusesWhatIsNoWholeNumber) {
+  for (const char* seed : {"-1", "1.5", "-0.5", "nan", "inf", "1e300", "\"1\"", "true"}) {
+    EXPECT_THAT(error_of(std::string("seed = ") + seed), HasSubstr("whole number")) << seed;
+  }
+  EXPECT_THAT(error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4294967295"));
+}
+
+TEST(ParseSweep, KeepsEachErrorOnOneLine) {
+  EXPECT_EQ(error_of("\"a\\nb\" = 1").find('\n'), std::string::npos);
+}
+
+TEST(ParseSweep, TakesADateWithoutQuotesForADateOnly) {
+  EXPECT_THAT(error_of("name = 2025-12-21"), HasSubstr("name is a date, expected a string"));
+}
+
+TEST(Suggestion, NamesTheNearestOrAll) {
+  const std::vector<std::string> known = {"season", "surroundings", "a"};
+  EXPECT_EQ(suggestion("sesaon", known), "did you mean \"season\"?");
+  EXPECT_EQ(suggestion("surrounding", known), "did you mean \"surroundings\"?");
+  EXPECT_EQ(suggestion("b", known), "expected one of \"season\", \"surroundings\", \"a\"");
+  EXPECT_EQ(suggestion("x", {}), "there are none");
+}
+
+}  // namespace
+}  // namespace irsig

@@ -1,0 +1,50 @@
+#include "view/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace irsig {
+namespace {
+
+absl::Status failed(const std::string& path, int error) {
+  const std::string text = fmt::format("cannot write {}: {}", path, std::strerror(error));
+  // A folder that is not there or is not ours is the user's to mend; a full disk is not.
+  if (error == ENOENT || error == EACCES || error == ENOTDIR || error == EISDIR || error == EROFS) {
+    return absl::InvalidArgumentError(text);
+  }
+  return absl::UnavailableError(text);
+}
+
+}  // namespace
+
+absl::Status replace_file(const std::string& path,
+                          const std::function<absl::Status(const std::string&)>& write) {
+  if (std::filesystem::is_directory(path)) return failed(path, EISDIR);
+  const std::string beside = fmt::format("{}.{}.partial", path, ::getpid());
+  const int fd = ::open(beside.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
+  if (fd < 0) return failed(path, errno);
+  ::close(fd);
+  absl::Status status = write(beside);
+  if (status.ok() && std::rename(beside.c_str(), path.c_str()) != 0) status = failed(path, errno);
+  if (!status.ok()) std::remove(beside.c_str());
+  return status;
+}
+
+absl::Status replace_file(const std::string& path, std::string_view bytes) {
+  return replace_file(path, [&](const std::string& beside) -> absl::Status {
+    std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file) return failed(path, errno ? errno : EIO);
+    return absl::OkStatus();
+  });
+}
+
+}  // namespace irsig

@@ -1,0 +1,43 @@
+#include "view/export.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <set>
+
+#include "view/atomic_file.h"
+#include "view/query_table.h"
+
+namespace irsig {
+
+absl::Status export_file(StoreReader& reader, const Query& query, std::string_view format,
+                         const std::string& path) {
+  if (format != "csv" && format != "netcdf") {
+    return absl::InvalidArgumentError(
+        fmt::format("unknown format \"{}\": expected csv or netcdf", format));
+  }
+  auto rows = run_query(reader, query);
+  if (!rows.ok()) return rows.status();
+  if (rows->empty()) {
+    return absl::NotFoundError("nothing to export: no signature matches the filters");
+  }
+  if (format == "netcdf") {
+    if (query.interpolate) {
+      return absl::InvalidArgumentError(
+          "netcdf holds computed signatures only: export interpolated ones as csv");
+    }
+    std::set<std::string> sweeps;
+    for (const QueryRow& r : *rows) sweeps.insert(r.signature.sweep);
+    if (sweeps.size() > 1) {
+      return absl::InvalidArgumentError(fmt::format(
+          "a netcdf file holds one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
+    }
+  }
+  return replace_file(path, [&](const std::string& beside) -> absl::Status {
+    if (format == "netcdf") return write_netcdf(reader, *rows, beside);
+    std::ofstream file(beside, std::ios::trunc);
+    return write_rows(reader, *rows, {.causes = true}, "csv", file);
+  });
+}
+
+}  // namespace irsig

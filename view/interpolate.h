@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+// A scalar known at scattered directions on the sphere (all at the same range).
+struct SphereSamples {
+  std::vector<Vec<Body>> direction;  // unit vectors target -> sensor, no two alike
+  std::vector<double> value;
+  std::vector<double> value_stderr;  // one sigma, same unit as value
+};
+
+// Covariance of the field as a function of the chord between two directions: Matern with smoothness
+// 3/2 or 5/2.
+struct SphereKernel {
+  bool twice_differentiable;
+  double length;  // chord on the unit sphere
+};
+
+struct SphereEstimate {
+  double value;
+  double value_stderr;         // of the samples, propagated through the weights
+  double interpolation_error;  // one sigma; 0 at a sample
+};
+
+// Interpolation at one direction, by ordinary kriging on the nearest samples: the weights depend on
+// directions, standard errors and kernel only, so that they can be applied to any quantity known at
+// the same directions (spectra, parts).
+//
+//   value = m + k' C^-1 (v - m 1)                                 [rasmussen2006, eq. 2.25, 2.42]
+//   error = s sqrt(1 - k' C^-1 k + (1 - 1' C^-1 k)^2 / 1' C^-1 1 - w' diag(stderr^2) w / s^2)
+//
+// with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter; the error is multiplied by
+// the rms of the standardized leave-one-out residuals of the nearest samples where that exceeds 1.
+//
+// Accuracy (tests/unit/interpolate_test.cpp: 400 directions, 8 fields with 24 to 800 viewpoints on
+// a hemisphere): the error covers the true difference in 75-100 % of the directions at one sigma,
+// in 96-100 % at two; held-out viewpoints of a box-like ship: 94 % at two. Its intensity at 191
+// viewpoints: 0.5 % rms. Limits: features narrower than the spacing (glints) are seen neither by
+// the value nor by its error.
+class SphereFit {
+ public:
+  // The kernel of greatest restricted likelihood (of at most 150 samples, taken evenly). At least 6
+  // samples.
+  static absl::StatusOr<SphereKernel> choose_kernel(const SphereSamples& samples);
+
+  // Without a kernel: the best one for the samples around `where`. OUT_OF_RANGE, with the reason,
+  // if `where` lies outside what the samples cover: see `uncovered`.
+  static absl::StatusOr<SphereFit> at(const SphereSamples& samples, Vec<Body> where,
+                                      std::optional<SphereKernel> kernel = std::nullopt);
+
+  // The samples that take part, as indices into SphereSamples, nearest first, and their weights
+  // (their sum is 1).
+  [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
+  [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
+
+  // Value and error of a quantity; both vectors are in the order of used().
+  [[nodiscard]] SphereEstimate estimate(const std::vector<double>& value,
+                                        const std::vector<double>& value_stderr) const;
+
+ private:
+  std::vector<std::size_t> used_;
+  std::vector<double> weight_;
+  std::vector<double> projector_;  // Q = C^-1 - C^-1 1 1' C^-1 / (1' C^-1 1), row-major
+  double variance_factor_ = 0;     // interpolation_error^2 = s^2 x this
+};
+
+// The value alone, at many directions of one set of samples: one solve for all of them (pictures).
+class SphereSurface {
+ public:
+  static absl::StatusOr<SphereSurface> create(SphereSamples samples);
+  [[nodiscard]] double value(Vec<Body> where) const;
+
+ private:
+  SphereSamples samples_;
+  SphereKernel kernel_{};
+  double trend_ = 0;
+  std::vector<double> coefficient_;
+};
+
+// Why `where` cannot be interpolated from the samples, or an empty string. It can if samples
+// surround it, or if it lies at the edge: within 1.25 spacings of a sample and inside the
+// elevations that are covered (give or take a tenth of the spacing); and never further than 30 deg
+// from the nearest sample.
+[[nodiscard]] std::string uncovered(const SphereSamples& samples, Vec<Body> where);
+
+}  // namespace irsig

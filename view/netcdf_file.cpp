@@ -1,0 +1,98 @@
+#include "view/netcdf_file.h"
+
+#include <fmt/format.h>
+#include <netcdf.h>
+
+#include <limits>
+
+#include "view/quantity.h"
+
+namespace irsig {
+
+NetcdfFile::NetcdfFile(const std::string& path) {
+  check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &file_), "create");
+}
+
+NetcdfFile::~NetcdfFile() {
+  if (file_ >= 0) nc_close(file_);
+}
+
+void NetcdfFile::check(int code, std::string_view doing) {
+  if (code != NC_NOERR && status_.ok()) {
+    status_ = absl::UnavailableError(fmt::format("netCDF: {}: {}", doing, nc_strerror(code)));
+  }
+}
+
+NetcdfFile::Dimension NetcdfFile::dimension(const std::string& name, std::size_t length) {
+  int id = -1;
+  if (status_.ok()) check(nc_def_dim(file_, name.c_str(), length, &id), name);
+  return id;
+}
+
+void NetcdfFile::attribute(std::string_view name, const std::string& value) {
+  if (!status_.ok()) return;
+  check(nc_put_att_text(file_, NC_GLOBAL, std::string(name).c_str(), value.size(), value.data()),
+        name);
+}
+
+int NetcdfFile::define(const Quantity& what, int type, const std::vector<Dimension>& dimensions) {
+  int id = -1;
+  if (!status_.ok()) return id;
+  check(nc_def_var(file_, what.name.c_str(), type, static_cast<int>(dimensions.size()),
+                   dimensions.data(), &id),
+        what.name);
+  const auto text = [&](const char* name, const std::string& value) {
+    if (!value.empty() && status_.ok()) {
+      check(nc_put_att_text(file_, id, name, value.size(), value.data()), what.name);
+    }
+  };
+  const irsig::Quantity quantity = quantity_of(what.of.empty() ? what.name : what.of);
+  text("long_name", what.long_name.empty() ? quantity.noun : what.long_name);
+  if (type != NC_STRING) text("units", quantity.cf_unit);
+  text("coordinates", what.coordinates);
+  if (status_.ok() && type == NC_DOUBLE) {
+    const double fill = std::numeric_limits<double>::quiet_NaN();
+    check(nc_def_var_fill(file_, id, NC_FILL, &fill), what.name);
+  } else if (status_.ok() && type == NC_FLOAT) {
+    const float fill = std::numeric_limits<float>::quiet_NaN();
+    check(nc_def_var_fill(file_, id, NC_FILL, &fill), what.name);
+    // Spectra are smooth: level 4 with shuffling halves them; higher levels gain < 2 %.
+    if (!dimensions.empty()) check(nc_def_var_deflate(file_, id, 1, 1, 4), what.name);
+  }
+  return id;
+}
+
+void NetcdfFile::doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
+                         const std::vector<double>& values) {
+  const int id = define(what, NC_DOUBLE, dimensions);
+  if (status_.ok()) check(nc_put_var_double(file_, id, values.data()), what.name);
+}
+
+void NetcdfFile::floats(const Quantity& what, const std::vector<Dimension>& dimensions,
+                        const std::vector<float>& values) {
+  const int id = define(what, NC_FLOAT, dimensions);
+  if (status_.ok()) check(nc_put_var_float(file_, id, values.data()), what.name);
+}
+
+void NetcdfFile::counts(const Quantity& what, const std::vector<Dimension>& dimensions,
+                        const std::vector<long long>& values) {
+  const int id = define(what, NC_INT64, dimensions);
+  if (status_.ok()) check(nc_put_var_longlong(file_, id, values.data()), what.name);
+}
+
+void NetcdfFile::strings(const Quantity& what, const std::vector<Dimension>& dimensions,
+                         const std::vector<std::string>& values) {
+  const int id = define(what, NC_STRING, dimensions);
+  if (!status_.ok()) return;
+  std::vector<const char*> text;
+  for (const auto& v : values) text.push_back(v.c_str());
+  check(nc_put_var_string(file_, id, text.data()), what.name);
+}
+
+absl::Status NetcdfFile::close() {
+  if (file_ >= 0) check(nc_close(file_), "close");
+  file_ = -1;
+  return status_;
+}
+
+}  // namespace irsig

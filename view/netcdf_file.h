@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace irsig {
+
+// A netCDF-4 file being written. The first error sticks: later calls do nothing, close() reports
+// it. The only user of the netCDF library. Names of quantities are those of the glossary: units and
+// long_name are made from them.
+class NetcdfFile {
+ public:
+  explicit NetcdfFile(const std::string& path);
+  ~NetcdfFile();
+  NetcdfFile(const NetcdfFile&) = delete;
+  NetcdfFile& operator=(const NetcdfFile&) = delete;
+
+  using Dimension = int;
+  Dimension dimension(const std::string& name, std::size_t length);
+  void attribute(std::string_view name, const std::string& value);
+
+  struct Quantity {
+    std::string name;              // of the variable
+    std::string long_name;         // empty: made from the name
+    std::string of;                // the identifier whose unit it has; empty: its name
+    std::string coordinates = "";  // CF attribute, empty: none
+  };
+  // The values in row-major order, as many as the dimensions' product. NaN is the fill value of
+  // doubles and floats.
+  void doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
+               const std::vector<double>& values);
+  void floats(const Quantity& what, const std::vector<Dimension>& dimensions,
+              const std::vector<float>& values);
+  void counts(const Quantity& what, const std::vector<Dimension>& dimensions,
+              const std::vector<long long>& values);
+  void strings(const Quantity& what, const std::vector<Dimension>& dimensions,
+               const std::vector<std::string>& values);
+
+  [[nodiscard]] absl::Status close();
+
+ private:
+  void check(int code, std::string_view doing);
+  int define(const Quantity& what, int type, const std::vector<Dimension>& dimensions);
+
+  int file_ = -1;
+  absl::Status status_;
+};
+
+}  // namespace irsig

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "view/interpolate_rows.h"
+#include "view/svg.h"
+
+namespace irsig {
+
+// What the plots share: which curves there are and how they are named.
+
+// "winter", or "winter 01:30Z" if a season has more than one time, or with the sweep's name in
+// front if there are several.
+struct CurveNames {
+  explicit CurveNames(const std::vector<StoredSignature>& signatures);
+  [[nodiscard]] std::string name(const StoredSignature& s) const;
+  // The place of a signature's curve among all, in order of appearance.
+  [[nodiscard]] std::size_t index(const StoredSignature& s) const;
+  [[nodiscard]] std::size_t size() const { return key_.size(); }
+
+ private:
+  std::vector<std::string> key_;
+  bool several_sweeps_ = false, several_times_ = false;
+};
+
+// "3-5 (3 to 5 um)"
+[[nodiscard]] std::string band_title(const StoredSignature& s);
+[[nodiscard]] std::string range_title(double range_m);
+
+// The signatures of a plot. Errors: NOT_FOUND if nothing matches, INVALID_ARGUMENT if they are of
+// several sweeps or ranges, since one picture shows one.
+[[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& reader,
+                                                                              const Query& query);
+
+struct LegendEntry {
+  std::string name;
+  Stroke stroke;
+};
+// Side by side, centred at x; returns nothing: entries take one line of 20 px each `per_line`
+// entries.
+void draw_legend(Svg& svg, Point top_center, const std::vector<LegendEntry>& entries, int per_line);
+
+}  // namespace irsig

@@ -1,0 +1,272 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "view/axis.h"
+#include "view/plot.h"
+#include "view/plot_frame.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::size_t kFewestOnRing = 8;
+constexpr double kOnRingDeg = 0.01;
+constexpr double kNearRingDeg = 2.5;
+constexpr int kAzimuthStepDeg = 2;
+
+double rad(double deg) { return deg * std::numbers::pi / 180; }
+
+struct CurvePoint {
+  double azimuth_deg, value, error;
+};
+
+struct Curve {
+  std::size_t place;              // among all curves of the plot
+  std::vector<CurvePoint> point;  // increasing azimuth
+  bool interpolated;
+  std::vector<CurvePoint> mark;  // stored viewpoints on or near the ring
+};
+
+bool on_ring(const StoredSignature& s, double elevation_deg, double tolerance_deg) {
+  return std::abs(s.aspect_elevation_deg - elevation_deg) <= tolerance_deg;
+}
+
+std::size_t count_on_ring(const SignatureField& field, double elevation_deg) {
+  return static_cast<std::size_t>(
+      std::count_if(field.signature.begin(), field.signature.end(),
+                    [&](const auto& s) { return on_ring(s, elevation_deg, kOnRingDeg); }));
+}
+
+bool covered_all_around(const SphereSamples& samples, double elevation_deg) {
+  for (int azimuth = 0; azimuth < 360; azimuth += 10) {
+    if (!uncovered(samples, body_from_aspect(azimuth, elevation_deg)).empty()) return false;
+  }
+  return true;
+}
+
+absl::StatusOr<double> lowest_elevation_deg(const SignatureField& field) {
+  double low = 90;
+  for (const auto& s : field.signature) low = std::min(low, s.aspect_elevation_deg);
+  if (count_on_ring(field, low) >= kFewestOnRing) return low;
+  for (double at = std::ceil(low); at <= 60; ++at) {
+    if (covered_all_around(field.intensity, at)) return at;
+  }
+  return absl::OutOfRangeError(
+      "no elevation is covered by viewpoints all around the target: name one with --elevation");
+}
+
+absl::StatusOr<Curve> curve_of(const SignatureField& field, double elevation_deg) {
+  Curve out{0, {}, count_on_ring(field, elevation_deg) < kFewestOnRing, {}};
+  const double tolerance_deg = out.interpolated ? kNearRingDeg : kOnRingDeg;
+  for (const auto& s : field.signature) {
+    if (on_ring(s, elevation_deg, tolerance_deg)) {
+      out.mark.push_back({s.aspect_azimuth_deg, s.intensity_w_sr, s.numerical_error_w_sr});
+    }
+  }
+  std::sort(out.mark.begin(), out.mark.end(),
+            [](const auto& a, const auto& b) { return a.azimuth_deg < b.azimuth_deg; });
+  if (!out.interpolated) {
+    out.point = out.mark;
+    return out;
+  }
+  auto kernel = SphereFit::choose_kernel(field.intensity);
+  if (!kernel.ok()) return kernel.status();
+  for (int azimuth = 0; azimuth < 360; azimuth += kAzimuthStepDeg) {
+    auto fit = SphereFit::at(field.intensity, body_from_aspect(azimuth, elevation_deg), *kernel);
+    if (!fit.ok()) {
+      return absl::Status(fit.status().code(),
+                          fmt::format("cannot draw elevation {:g} deg at azimuth {} deg: {}",
+                                      elevation_deg, azimuth, std::string(fit.status().message())));
+    }
+    std::vector<double> value, value_stderr;
+    for (std::size_t i : fit->used()) {
+      value.push_back(field.intensity.value[i]);
+      value_stderr.push_back(field.intensity.value_stderr[i]);
+    }
+    const SphereEstimate e = nonnegative_estimate(*fit, value, value_stderr);
+    out.point.push_back(
+        {static_cast<double>(azimuth), e.value, std::hypot(e.value_stderr, e.interpolation_error)});
+  }
+  return out;
+}
+
+class PolarPanel {
+ public:
+  PolarPanel(Svg& svg, Point center, double radius, const Axis& axis)
+      : svg_(svg), center_(center), radius_(radius), axis_(axis) {}
+
+  // Bow up, starboard to the right, as on a chart with the target heading north.
+  [[nodiscard]] Point at(double azimuth_deg, double value) const {
+    const double r = radius_ * std::clamp(axis_.fraction(value), 0.0, 1.0);
+    return {center_.x + r * std::sin(rad(azimuth_deg)), center_.y - r * std::cos(rad(azimuth_deg))};
+  }
+
+  void grid() {
+    for (double tick : axis_.tick) {
+      if (tick <= axis_.low) continue;
+      const bool rim = tick >= axis_.high * (1 - 1e-9);
+      svg_.circle(center_, radius_ * axis_.fraction(tick), "none",
+                  {rim ? "#555555" : "#d4d4d4", rim ? 1.2 : 0.8, ""});
+    }
+    for (int azimuth = 0; azimuth < 360; azimuth += 30) {
+      svg_.line(center_, at(azimuth, axis_.high), {"#d4d4d4", 0.8, ""});
+      const Point p{center_.x + (radius_ + 20) * std::sin(rad(azimuth)),
+                    center_.y - (radius_ + 20) * std::cos(rad(azimuth)) + 5};
+      const char* side = azimuth == 0 ? " bow" : azimuth == 180 ? " stern" : "";
+      svg_.text(p, fmt::format("{}\u00b0{}", azimuth, side),
+                {.size = 13, .anchor = Anchor::kMiddle});
+    }
+  }
+
+  // On top of the curves, along the azimuth where they are shortest and no azimuth is labelled.
+  void radial_labels(const std::vector<Curve>& curves) {
+    double along_deg = 15, shortest = 2;
+    for (double candidate : {15.0, 75.0, 345.0, 285.0, 165.0, 195.0, 105.0, 255.0}) {
+      double reach = 0;
+      for (const Curve& c : curves) {
+        for (const auto& p : c.point) {
+          const double apart = std::abs(std::remainder(p.azimuth_deg - candidate, 360));
+          if (apart < 12) reach = std::max(reach, axis_.fraction(p.value));
+        }
+      }
+      if (reach < shortest) {
+        shortest = reach;
+        along_deg = candidate;
+      }
+    }
+    for (std::size_t i = 0; i < axis_.tick.size(); ++i) {
+      if (axis_.tick[i] <= axis_.low) continue;
+      const Point p = at(along_deg, axis_.tick[i]);
+      const double half = 4.2 * static_cast<double>(axis_.label[i].size());
+      svg_.rect({p.x - half, p.y - 8}, 2 * half, 15, "#ffffff", {"", 0, ""});
+      svg_.text({p.x, p.y + 4}, axis_.label[i],
+                {.size = 12, .anchor = Anchor::kMiddle, .color = "#444444"});
+    }
+  }
+
+  void band_of(const Curve& curve, const Stroke& stroke) {
+    std::vector<Point> edge;
+    for (const auto& p : curve.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.error));
+    edge.push_back(edge.front());
+    for (std::size_t i = curve.point.size() + 1; i-- > 0;) {
+      const auto& p = curve.point[i % curve.point.size()];
+      edge.push_back(at(p.azimuth_deg, std::max(0.0, p.value - 2 * p.error)));
+    }
+    svg_.polygon(edge, stroke.color, 0.16);
+  }
+
+  void line_of(const Curve& curve, const Stroke& stroke) {
+    std::vector<Point> line;
+    for (const auto& p : curve.point) line.push_back(at(p.azimuth_deg, p.value));
+    line.push_back(line.front());
+    svg_.polyline(line, stroke);
+    const double r = curve.mark.size() > 90 ? 2 : 3.2;
+    for (const auto& m : curve.mark) {
+      svg_.line(at(m.azimuth_deg, std::max(0.0, m.value - 2 * m.error)),
+                at(m.azimuth_deg, m.value + 2 * m.error), {stroke.color, 1.2, ""});
+      svg_.circle(at(m.azimuth_deg, m.value), r, "#ffffff", {stroke.color, 1.4, ""});
+    }
+  }
+
+ private:
+  Svg& svg_;
+  Point center_;
+  double radius_;
+  const Axis& axis_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
+                                       std::optional<double> elevation_deg) {
+  if (query.aspect || query.row) {
+    return absl::InvalidArgumentError(
+        "a polar plot shows all azimuths of one elevation: choose it with --elevation, not with "
+        "an aspect or a row");
+  }
+  if (elevation_deg && !(std::abs(*elevation_deg) < 90)) {
+    return absl::InvalidArgumentError(
+        fmt::format("elevation {:g} deg: expected between -90 and 90", *elevation_deg));
+  }
+  auto signatures = signatures_to_plot(reader, query);
+  if (!signatures.ok()) return signatures.status();
+  const CurveNames names(*signatures);
+  const std::vector<SignatureField> fields = fields_of(*signatures);
+  if (!elevation_deg) {
+    auto lowest = lowest_elevation_deg(fields.front());
+    if (!lowest.ok()) return lowest.status();
+    elevation_deg = *lowest;
+  }
+  struct Panel {
+    const StoredSignature* first;
+    std::vector<Curve> curve;
+  };
+  std::vector<Panel> panels;
+  bool interpolated = false;
+  for (const SignatureField& field : fields) {
+    auto curve = curve_of(field, *elevation_deg);
+    if (!curve.ok()) return curve.status();
+    const StoredSignature& s = field.signature.front();
+    curve->place = names.index(s);
+    interpolated |= curve->interpolated;
+    auto panel = std::find_if(panels.begin(), panels.end(),
+                              [&](const Panel& p) { return p.first->band == s.band; });
+    if (panel == panels.end()) panel = panels.insert(panels.end(), {&s, {}});
+    panel->curve.push_back(std::move(*curve));
+  }
+
+  const std::size_t columns = panels.size() == 1 ? 1 : 2;
+  const double panel_width = 900.0 / static_cast<double>(columns);
+  const double radius = columns == 1 ? 300 : 165;
+  const double panel_height = 2 * radius + 100;
+  const auto legend_lines = static_cast<double>((names.size() + 4) / 5);
+  const double top = 74 + 22 * legend_lines;
+  const std::size_t lines = (panels.size() + columns - 1) / columns;
+  const StoredSignature& any = signatures->front();
+  const std::string title = fmt::format("{}, elevation {:g}\u00b0, {}", any.sweep, *elevation_deg,
+                                        range_title(any.range_m));
+  Svg svg(900, top + panel_height * static_cast<double>(lines) + 34, title);
+  svg.text({450, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
+
+  std::vector<LegendEntry> legend(names.size());
+  for (const auto& s : *signatures)
+    legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
+  draw_legend(svg, {450, 62}, legend, 5);
+
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const double left = panel_width * static_cast<double>(i % columns);
+    const double y = top + panel_height * static_cast<double>(i / columns);
+    double most = 0;
+    for (const Curve& c : panels[i].curve) {
+      for (const auto& p : c.point) most = std::max(most, p.value + 2 * p.error);
+      for (const auto& p : c.mark) most = std::max(most, p.value + 2 * p.error);
+    }
+    const DisplayUnit unit = display_unit(most > 0 ? most : 1, "W/sr");
+    const Axis axis = round_axis(0, most > 0 ? most : 1, 5, unit.factor);
+    PolarPanel panel(svg, {left + panel_width / 2, y + radius + 62}, radius, axis);
+    svg.text({left + panel_width / 2, y + 8},
+             fmt::format("In-band intensity, {}, in {}", band_title(*panels[i].first), unit.name),
+             {.size = 15, .anchor = Anchor::kMiddle});
+    panel.grid();
+    for (const Curve& c : panels[i].curve) {
+      if (c.interpolated) panel.band_of(c, curve_stroke(c.place));
+    }
+    for (const Curve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
+    panel.radial_labels(panels[i].curve);
+  }
+  svg.text(
+      {450, svg.height_px() - 16},
+      interpolated
+          ? fmt::format("Aspect azimuth clockwise from the bow. Curves: interpolated between "
+                        "viewpoints, band \u00b12\u03c3. Circles: viewpoints within {:g}\u00b0 "
+                        "of the elevation, \u00b12\u03c3.",
+                        kNearRingDeg)
+          : "Aspect azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.",
+      {.size = 12, .anchor = Anchor::kMiddle, .color = "#555555"});
+  return svg.finish();
+}
+
+}  // namespace irsig

@@ -1,0 +1,123 @@
+#include "view/query.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "absl/strings/str_join.h"
+#include "core/geo/sun.h"
+#include "view/interpolate_rows.h"
+
+namespace irsig {
+namespace {
+
+absl::Status check(const Query& query) {
+  const int ways = (query.nearest > 0) + query.within_deg.has_value() + query.interpolate;
+  if (query.aspect && ways != 1) {
+    return absl::InvalidArgumentError(
+        "an aspect needs exactly one of nearest N, within DEG and interpolate");
+  }
+  if (!query.aspect && ways > 0) {
+    return absl::InvalidArgumentError("nearest, within and interpolate need an aspect AZ,EL");
+  }
+  if (query.aspect) {
+    const auto [azimuth, elevation] = *query.aspect;
+    if (!(std::abs(azimuth) <= 360) || !(std::abs(elevation) <= 90)) {
+      return absl::InvalidArgumentError(
+          fmt::format("aspect {},{}: expected azimuth in [-360, 360] and elevation in [-90, 90] "
+                      "deg",
+                      azimuth, elevation));
+    }
+  }
+  if (query.within_deg && !(*query.within_deg > 0 && *query.within_deg <= 180)) {
+    return absl::InvalidArgumentError(
+        fmt::format("within {} deg: expected more than 0, at most 180", *query.within_deg));
+  }
+  if (query.max_relative_error && !(*query.max_relative_error > 0)) {
+    return absl::InvalidArgumentError(
+        fmt::format("max relative error {}: expected more than 0", *query.max_relative_error));
+  }
+  if (query.row && query.interpolate) {
+    return absl::InvalidArgumentError("a row cannot be interpolated: give the row or an aspect");
+  }
+  return absl::OkStatus();
+}
+
+std::string listed(const std::set<std::string>& names) { return absl::StrJoin(names, ", "); }
+
+// Nothing matched: is it because a name is unknown? Each name is looked for among the signatures
+// that match what stands left of it in sweep > season > time > band.
+absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) {
+  auto all = reader.find({});
+  if (!all.ok()) return all.status();
+  if (all->empty()) return absl::OkStatus();
+  const auto unknown = [&](std::string_view what, const std::string& name,
+                           std::string StoredSignature::*field) -> absl::Status {
+    std::set<std::string> known;
+    for (const auto& s : *all) known.insert(s.*field);
+    if (name.empty() || known.contains(name)) return absl::OkStatus();
+    return absl::NotFoundError(
+        fmt::format("no {} \"{}\" in this database; there is: {}", what, name, listed(known)));
+  };
+  for (const absl::Status& status : {unknown("sweep", asked.sweep, &StoredSignature::sweep),
+                                     unknown("season", asked.season, &StoredSignature::season),
+                                     unknown("time", asked.time_utc, &StoredSignature::time_utc),
+                                     unknown("band", asked.band, &StoredSignature::band)}) {
+    if (!status.ok()) return status;
+  }
+  if (asked.row) {
+    const auto has = [&](const StoredSignature& s) { return s.row == *asked.row; };
+    if (std::none_of(all->begin(), all->end(), has)) {
+      std::uint64_t last = 0;
+      for (const auto& s : *all) last = std::max(last, s.row);
+      return absl::NotFoundError(
+          fmt::format("no row {} in this database; the last one is {}", *asked.row, last));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query) {
+  if (absl::Status status = check(query); !status.ok()) return status;
+  SignatureFilter filter;
+  filter.sweep = query.sweep;
+  filter.season = query.season;
+  filter.band = query.band;
+  filter.row = query.row;
+  if (!query.time.empty()) {
+    auto time = parse_rfc3339(query.time);
+    if (!time.ok()) return time.status();
+    filter.time_utc = format_rfc3339_utc(*time);
+  }
+  if (!query.interpolate) {
+    filter.direction = query.aspect;
+    filter.nearest = query.nearest;
+    filter.within_deg = query.within_deg;
+    filter.max_relative_error = query.max_relative_error;
+  }
+  auto found = reader.find(filter);
+  if (!found.ok()) return found.status();
+  if (found->empty()) {
+    if (absl::Status status = explain_nothing(reader, filter); !status.ok()) return status;
+    return std::vector<QueryRow>();
+  }
+  if (query.interpolate) {
+    auto rows = interpolate_rows(*found, *query.aspect);
+    if (rows.ok() && query.max_relative_error) {
+      std::erase_if(*rows, [&](const QueryRow& r) {
+        return r.signature.numerical_error_w_sr >
+               *query.max_relative_error * std::abs(r.signature.intensity_w_sr);
+      });
+    }
+    return rows;
+  }
+  std::vector<QueryRow> rows;
+  for (auto& s : *found) rows.push_back({std::move(s), std::nullopt});
+  return rows;
+}
+
+}  // namespace irsig

@@ -1,0 +1,250 @@
+#include "view/query_table.h"
+
+#include <functional>
+
+namespace irsig {
+namespace {
+
+struct RowColumn {
+  Column column;
+  std::function<Cell(const QueryRow&)> cell;
+};
+
+template <typename T>
+RowColumn stored(const char* name, T StoredSignature::*field, bool brief) {
+  return {{name, brief}, [field](const QueryRow& row) -> Cell {
+            if constexpr (std::is_same_v<T, std::uint32_t>) {
+              return static_cast<std::uint64_t>(row.signature.*field);
+            } else {
+              return row.signature.*field;
+            }
+          }};
+}
+
+// What an interpolated row does not have: it was not computed.
+template <typename T>
+RowColumn computed(const char* name, T StoredSignature::*field, bool brief) {
+  RowColumn out = stored(name, field, brief);
+  out.cell = [inner = std::move(out.cell)](const QueryRow& row) -> Cell {
+    return row.interpolation ? Cell() : inner(row);
+  };
+  return out;
+}
+
+using S = StoredSignature;
+
+// The columns that scripts rely on, in their fixed order.
+std::vector<RowColumn> fixed_columns(bool with_totals) {
+  std::vector<RowColumn> out{
+      computed("row", &S::row, true),
+      stored("sweep", &S::sweep, false),
+      stored("season", &S::season, true),
+      stored("time_utc", &S::time_utc, true),
+      stored("band", &S::band, true),
+      stored("aspect_azimuth_deg", &S::aspect_azimuth_deg, true),
+      stored("aspect_elevation_deg", &S::aspect_elevation_deg, true),
+      stored("range_m", &S::range_m, true),
+      stored("intensity_w_sr", &S::intensity_w_sr, with_totals),
+      stored("intensity_stderr_w_sr", &S::intensity_stderr_w_sr, with_totals),
+      stored("numerical_error_w_sr", &S::numerical_error_w_sr, with_totals),
+      stored("projected_area_m2", &S::projected_area_m2, with_totals),
+      stored("projected_area_stderr_m2", &S::projected_area_stderr_m2, false),
+      stored("apparent_temperature_k", &S::apparent_temperature_k, with_totals),
+  };
+  // 0 K stands for "no projected area": there is no such temperature.
+  out.back().cell = [](const QueryRow& row) -> Cell {
+    if (row.signature.apparent_temperature_k == 0) return Cell();
+    return row.signature.apparent_temperature_k;
+  };
+  return out;
+}
+
+std::vector<RowColumn> interpolation_columns() {
+  return {{{"interpolation_error_w_sr", true},
+           [](const QueryRow& row) -> Cell {
+             return row.interpolation ? Cell(row.interpolation->interpolation_error_w_sr) : Cell();
+           }},
+          {{"viewpoints_used", false}, [](const QueryRow& row) -> Cell {
+             return row.interpolation
+                        ? Cell(static_cast<std::uint64_t>(row.interpolation->from.size()))
+                        : Cell();
+           }}};
+}
+
+std::vector<RowColumn> cause_columns() {
+  return {
+      stored("emitted_w_sr", &S::emitted_w_sr, true),
+      stored("emitted_stderr_w_sr", &S::emitted_stderr_w_sr, false),
+      stored("sun_reflected_w_sr", &S::sun_reflected_w_sr, true),
+      stored("sun_reflected_stderr_w_sr", &S::sun_reflected_stderr_w_sr, false),
+      stored("sky_reflected_w_sr", &S::sky_reflected_w_sr, true),
+      stored("sky_reflected_stderr_w_sr", &S::sky_reflected_stderr_w_sr, false),
+      stored("sea_reflected_w_sr", &S::sea_reflected_w_sr, true),
+      stored("sea_reflected_stderr_w_sr", &S::sea_reflected_stderr_w_sr, false),
+      stored("parts_reflected_w_sr", &S::parts_reflected_w_sr, true),
+      stored("parts_reflected_stderr_w_sr", &S::parts_reflected_stderr_w_sr, false),
+  };
+}
+
+std::vector<RowColumn> further_columns() {
+  return {
+      stored("apparent_intensity_w_sr", &S::apparent_intensity_w_sr, false),
+      stored("apparent_intensity_stderr_w_sr", &S::apparent_intensity_stderr_w_sr, false),
+      stored("apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr, false),
+      stored("lambda_min_um", &S::lambda_min_um, false),
+      stored("lambda_max_um", &S::lambda_max_um, false),
+      stored("sun_azimuth_deg", &S::sun_azimuth_deg, false),
+      stored("sun_zenith_deg", &S::sun_zenith_deg, false),
+      computed("truncation_bound_w_sr", &S::truncation_bound_w_sr, false),
+      computed("quadrature_bound_w_sr", &S::quadrature_bound_w_sr, false),
+      computed("stop_reason", &S::stop_reason, false),
+      stored("energy_gain", &S::energy_gain, false),
+      computed("samples", &S::samples, false),
+      computed("replicates", &S::replicates, false),
+      computed("target_paths", &S::target_paths, false),
+      computed("rays", &S::rays, false),
+      computed("seconds", &S::seconds, false),
+      computed("guarded_backface_hits", &S::guarded_backface_hits, false),
+      computed("guarded_nonfinite", &S::guarded_nonfinite, false),
+      computed("guarded_path_limit", &S::guarded_path_limit, false),
+      computed("job_key", &S::job_key, false),
+      computed("seed_hex", &S::seed_hex, false),
+      stored("physics_version", &S::physics_version, false),
+      stored("determinism_class", &S::determinism_class, false),
+      stored("build_id", &S::build_id, false),
+  };
+}
+
+std::vector<Cell> cells_of(const std::vector<RowColumn>& columns, const QueryRow& row) {
+  std::vector<Cell> out;
+  for (const RowColumn& c : columns) out.push_back(c.cell(row));
+  return out;
+}
+
+struct SpectralColumn {
+  const char* name;
+  const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
+};
+
+using Sp = schema::Spectrum;
+constexpr SpectralColumn kSpectral[] = {
+    {"spectral_intensity_w_sr_um", &Sp::spectral_intensity_w_sr_um},
+    {"spectral_intensity_stderr_w_sr_um", &Sp::spectral_intensity_stderr_w_sr_um},
+    {"apparent_spectral_intensity_w_sr_um", &Sp::apparent_spectral_intensity_w_sr_um},
+    {"apparent_spectral_intensity_stderr_w_sr_um", &Sp::apparent_spectral_intensity_stderr_w_sr_um},
+};
+constexpr SpectralColumn kSpectralCauses[] = {
+    {"spectral_emitted_w_sr_um", &Sp::emitted_w_sr_um},
+    {"spectral_emitted_stderr_w_sr_um", &Sp::emitted_stderr_w_sr_um},
+    {"spectral_sun_reflected_w_sr_um", &Sp::sun_reflected_w_sr_um},
+    {"spectral_sun_reflected_stderr_w_sr_um", &Sp::sun_reflected_stderr_w_sr_um},
+    {"spectral_sky_reflected_w_sr_um", &Sp::sky_reflected_w_sr_um},
+    {"spectral_sky_reflected_stderr_w_sr_um", &Sp::sky_reflected_stderr_w_sr_um},
+    {"spectral_sea_reflected_w_sr_um", &Sp::sea_reflected_w_sr_um},
+    {"spectral_sea_reflected_stderr_w_sr_um", &Sp::sea_reflected_stderr_w_sr_um},
+    {"spectral_parts_reflected_w_sr_um", &Sp::parts_reflected_w_sr_um},
+    {"spectral_parts_reflected_stderr_w_sr_um", &Sp::parts_reflected_stderr_w_sr_um},
+};
+
+Cell value_at(const google::protobuf::RepeatedField<float>& values, int k) {
+  return k < values.size() ? Cell(static_cast<double>(values.Get(k))) : Cell();
+}
+
+absl::Status write_spectra(StoreReader& reader, const std::vector<QueryRow>& rows,
+                           std::vector<RowColumn> base, bool causes, std::string_view format,
+                           std::ostream& out) {
+  std::vector<Column> columns;
+  for (const RowColumn& c : base) columns.push_back(c.column);
+  columns.push_back({"lambda_um"});
+  for (const auto& c : kSpectral) {
+    columns.push_back({c.name, !std::string_view(c.name).starts_with("apparent")});
+  }
+  if (causes) {
+    for (const auto& c : kSpectralCauses) {
+      columns.push_back(
+          {c.name, std::string_view(c.name).find("stderr") == std::string_view::npos});
+    }
+  }
+  const bool interpolated = !rows.empty() && rows.front().interpolation.has_value();
+  if (interpolated) columns.push_back({"spectral_interpolation_error_w_sr_um"});
+  auto writer = make_table_writer(format, columns, out);
+  if (!writer.ok()) return writer.status();
+  for (const QueryRow& row : rows) {
+    auto got = spectrum_of(reader, row);
+    if (!got.ok()) return got.status();
+    const schema::Spectrum& spectrum = got->spectrum;
+    const std::vector<Cell> cells = cells_of(base, row);
+    for (int k = 0; k < spectrum.lambda_um_size(); ++k) {
+      std::vector<Cell> line = cells;
+      line.emplace_back(spectrum.lambda_um(k));
+      for (const auto& c : kSpectral) line.push_back(value_at((spectrum.*c.values)(), k));
+      if (causes) {
+        for (const auto& c : kSpectralCauses) line.push_back(value_at((spectrum.*c.values)(), k));
+      }
+      if (interpolated) {
+        line.emplace_back(got->spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)]);
+      }
+      (*writer)->row(line);
+    }
+  }
+  return (*writer)->finish();
+}
+
+absl::Status write_parts(StoreReader& reader, const std::vector<QueryRow>& rows,
+                         std::vector<RowColumn> base, std::string_view format, std::ostream& out) {
+  std::vector<Column> columns;
+  for (const RowColumn& c : base) columns.push_back(c.column);
+  for (const char* name : {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}) {
+    columns.push_back({name});
+  }
+  const bool interpolated = !rows.empty() && rows.front().interpolation.has_value();
+  if (interpolated) columns.push_back({"part_interpolation_error_w_sr"});
+  auto writer = make_table_writer(format, columns, out);
+  if (!writer.ok()) return writer.status();
+  for (const QueryRow& row : rows) {
+    auto parts = parts_of(reader, row);
+    if (!parts.ok()) return parts.status();
+    const std::vector<Cell> cells = cells_of(base, row);
+    for (const RowPart& p : *parts) {
+      std::vector<Cell> line = cells;
+      line.emplace_back(p.part.part);
+      line.emplace_back(p.part.intensity_w_sr);
+      line.emplace_back(p.part.intensity_stderr_w_sr);
+      if (interpolated) line.emplace_back(p.interpolation_error_w_sr);
+      (*writer)->row(line);
+    }
+  }
+  return (*writer)->finish();
+}
+
+}  // namespace
+
+absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
+                        const QueryContent& content, std::string_view format, std::ostream& out) {
+  if (content.spectrum && content.parts) {
+    return absl::InvalidArgumentError("spectrum and parts cannot be written into one table");
+  }
+  const bool by_line = content.spectrum || content.parts;
+  std::vector<RowColumn> columns = fixed_columns(!by_line);
+  const auto append = [&](std::vector<RowColumn> more) {
+    columns.insert(columns.end(), std::make_move_iterator(more.begin()),
+                   std::make_move_iterator(more.end()));
+  };
+  if (content.spectrum) {
+    return write_spectra(reader, rows, std::move(columns), content.causes, format, out);
+  }
+  if (!content.parts && !rows.empty() && rows.front().interpolation)
+    append(interpolation_columns());
+  if (content.causes) append(cause_columns());
+  if (content.parts) return write_parts(reader, rows, std::move(columns), format, out);
+  append(further_columns());
+
+  std::vector<Column> heads;
+  for (const RowColumn& c : columns) heads.push_back(c.column);
+  auto writer = make_table_writer(format, heads, out);
+  if (!writer.ok()) return writer.status();
+  for (const QueryRow& row : rows) (*writer)->row(cells_of(columns, row));
+  return (*writer)->finish();
+}
+
+}  // namespace irsig

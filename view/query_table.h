@@ -1,0 +1,25 @@
+#pragma once
+
+#include <ostream>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "view/query.h"
+#include "view/table.h"
+
+namespace irsig {
+
+struct QueryContent {
+  bool spectrum = false;  // one line per wavelength
+  bool parts = false;     // one line per part; not together with spectrum
+  bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
+};
+
+// Writes rows in a format of table.h. The columns start with those that scripts rely on (docs:
+// `irsig query --help`).
+[[nodiscard]] absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
+                                      const QueryContent& content, std::string_view format,
+                                      std::ostream& out);
+
+}  // namespace irsig

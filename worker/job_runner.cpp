@@ -1,0 +1,78 @@
+#include "worker/job_runner.h"
+
+#include <gnu/libc-version.h>
+
+#include <ctime>
+
+#include "absl/strings/str_cat.h"
+#include "core/signature/signature.h"
+#include "worker/result_to_proto.h"
+#include "worker/spec_to_request.h"
+
+namespace irsig {
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+class CoreJobRunner final : public JobRunner {
+ public:
+  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator)
+      : sweep_(std::move(sweep)), simulator_(std::move(simulator)) {}
+
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
+    const double start_s = cpu_seconds();
+    const auto request = request_from_job(sweep_, job);
+    if (!request.ok()) return request.status();
+    const auto view = simulator_->simulate(*request);
+    if (!view.ok()) return view.status();
+    auto result = result_to_proto(*view, *simulator_, sweep_);
+    if (!result.ok()) return result.status();
+    result->set_job_key(job.job_key());
+    result->set_seconds(cpu_seconds() - start_s);
+    result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
+    result->set_determinism_class(determinism_class());
+    result->set_build_id(build_id());
+    return result;
+  }
+
+ private:
+  schema::ResolvedSweep sweep_;
+  std::unique_ptr<Simulator> simulator_;
+};
+
+std::string cpu_vendor() {
+  if (__builtin_cpu_is("amd")) return "amd";
+  if (__builtin_cpu_is("intel")) return "intel";
+  return "other";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+  auto scene = scene_from_sweep(sweep, model_bytes);
+  if (!scene.ok()) return scene.status();
+  auto simulator = Simulator::create(*scene);
+  if (!simulator.ok()) return simulator.status();
+  const Target& target = (*simulator)->target();
+  const double reach = length(target.centre) + target.radius_m;
+  for (const schema::Viewpoint& v : sweep.viewpoint())
+    if (!(v.range_m() > reach))
+      return absl::InvalidArgumentError(absl::StrCat("viewpoints.range_m: a sensor at ", v.range_m(),
+                                                     " m is inside the target, which reaches ", reach,
+                                                     " m from its reference point"));
+  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator));
+}
+
+std::string build_id() { return IRSIG_BUILD_ID; }
+
+std::string determinism_class() {
+  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-", gnu_get_libc_version());
+}
+
+int physics_version() { return kPhysicsVersion; }
+
+}  // namespace irsig

@@ -1,0 +1,305 @@
+#include "worker/lease_loop.h"
+
+#include <grpcpp/client_context.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "coordinator/client/channel.h"
+#include "coordinator/client/farm_client.h"
+#include "spdlog/spdlog.h"
+
+namespace irsig {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+// An answer comes after a commit: much later than this, the coordinator hangs.
+constexpr double kAnswer_s = 30;
+// Results and assets may be large and the disk slow.
+constexpr double kStream_s = 300;
+constexpr double kFirstRetry_s = 0.1, kLastRetry_s = 2;
+
+void set_deadline(grpc::ClientContext& context, double seconds) {
+  context.set_deadline(
+      std::chrono::system_clock::now() +
+      std::chrono::duration_cast<std::chrono::system_clock::duration>(Seconds(seconds)));
+}
+
+// Thread-safe: tells the coordinator at regular intervals that this worker lives.
+class Heart {
+ public:
+  explicit Heart(schema::Farm::Stub& farm) : farm_(farm), thread_([this] { beat(); }) {}
+  ~Heart() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+  }
+
+  void registered(const schema::RegisterReply& reply) {
+    const std::lock_guard lock(mutex_);
+    worker_id_ = reply.worker_id();
+    every_ = Seconds(reply.heartbeat_s());
+    token_ = 0;
+    changed_.notify_one();
+  }
+  void computing(std::uint64_t token) {
+    const std::lock_guard lock(mutex_);
+    token_ = token;
+  }
+
+ private:
+  void beat() {
+    std::unique_lock lock(mutex_);
+    while (!ending_) {
+      changed_.wait_for(lock, every_);
+      if (ending_) return;
+      if (worker_id_.empty()) continue;
+      schema::HeartbeatRequest request;
+      request.set_worker_id(worker_id_);
+      request.set_fencing_token(token_);
+      const double patience_s = std::max(1.0, every_.count());
+      lock.unlock();
+      grpc::ClientContext context;
+      set_deadline(context, patience_s);
+      schema::HeartbeatReply reply;
+      // What a failed heartbeat means is learned by the next call of the main loop.
+      (void)farm_.Heartbeat(&context, request, &reply);
+      lock.lock();
+    }
+  }
+
+  schema::Farm::Stub& farm_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string worker_id_;
+  std::uint64_t token_ = 0;
+  Seconds every_{1};
+  bool ending_ = false;
+  std::thread thread_;
+};
+
+class LeaseLoop {
+ public:
+  LeaseLoop(const WorkerPlan& plan, const RunnerFactory& make_runner, const std::atomic<bool>& stop)
+      : plan_(plan),
+        make_runner_(make_runner),
+        stop_(stop),
+        farm_(schema::Farm::NewStub(connect(plan.coordinator))),
+        heart_(*farm_) {}
+
+  absl::Status run() {
+    while (!stop_) {
+      if (worker_id_.empty()) {
+        const auto status = register_here();
+        if (!status.ok()) return stopped_or(status);
+      }
+      const auto lease = ask_for_job();
+      if (absl::IsNotFound(lease.status())) {  // the coordinator has restarted, or took us for lost
+        worker_id_.clear();
+        continue;
+      }
+      if (!lease.ok()) return stopped_or(lease.status());
+      if (lease->state() == schema::LeaseReply::STATE_LEASED) {
+        heart_.computing(lease->fencing_token());
+        const auto status = compute(*lease);
+        heart_.computing(0);
+        if (absl::IsNotFound(status)) worker_id_.clear();
+        if (is_unreachable(status)) return stopped_or(status);
+      } else if (lease->state() == schema::LeaseReply::STATE_FINISHED && plan_.exit_when_finished) {
+        return absl::OkStatus();
+      } else {
+        rest(lease->wait_s());
+      }
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  absl::Status stopped_or(const absl::Status& status) const {
+    return stop_ ? absl::OkStatus() : status;
+  }
+
+  void rest(double seconds) const {
+    const auto until = Steady::now() + Seconds(seconds);
+    while (!stop_ && Steady::now() < until) {
+      std::this_thread::sleep_for(std::min(Seconds(until - Steady::now()), Seconds(0.05)));
+    }
+  }
+
+  // Makes the call again while the coordinator is not there, until it has been away too long. When
+  // we are to stop, a finished result is still worth one wait of a few seconds.
+  template <class Call>
+  absl::Status persist(Call call) {
+    const auto since = Steady::now();
+    double pause_s = kFirstRetry_s;
+    bool said = false;
+    while (true) {
+      const absl::Status status = call();
+      if (!is_unreachable(status)) return status;
+      const double away_s = Seconds(Steady::now() - since).count();
+      if (away_s > (stop_ ? std::min(5.0, plan_.give_up_after_s) : plan_.give_up_after_s)) {
+        return absl::UnavailableError(absl::StrCat(
+            "no coordinator answers at ", plan_.coordinator.text, " (", status.message(), ")"));
+      }
+      if (!said) {
+        spdlog::warn("no coordinator answers at {}: trying again", plan_.coordinator.text);
+        said = true;
+      }
+      std::this_thread::sleep_for(Seconds(pause_s));
+      pause_s = std::min(kLastRetry_s, 2 * pause_s);
+    }
+  }
+
+  absl::Status register_here() {
+    schema::RegisterRequest request;
+    request.set_worker_name(plan_.worker_name);
+    request.set_determinism_class(plan_.determinism_class);
+    request.set_build_id(plan_.build_id);
+    request.set_physics_version(plan_.physics_version);
+    schema::RegisterReply reply;
+    const auto status = persist([&] {
+      if (stop_) return absl::FailedPreconditionError("stopped");
+      grpc::ClientContext context;
+      set_deadline(context, kAnswer_s);
+      return to_absl(farm_->Register(&context, request, &reply));
+    });
+    if (!status.ok()) return status;
+    worker_id_ = reply.worker_id();
+    heart_.registered(reply);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<schema::LeaseReply> ask_for_job() {
+    schema::LeaseRequest request;
+    request.set_worker_id(worker_id_);
+    schema::LeaseReply reply;
+    const auto status = persist([&] {
+      if (stop_) return absl::FailedPreconditionError("stopped");
+      grpc::ClientContext context;
+      set_deadline(context, kAnswer_s);
+      return to_absl(farm_->Lease(&context, request, &reply));
+    });
+    if (!status.ok()) return status;
+    return reply;
+  }
+
+  // Computes and returns one job. UNAVAILABLE: the coordinator is gone. Everything else that goes
+  // wrong with the job itself is reported to the coordinator.
+  absl::Status compute(const schema::LeaseReply& lease) {
+    auto result = attempt(lease.job());
+    if (result.ok()) {
+      const auto status = send(lease.fencing_token(), *result);
+      if (!status.ok() && !is_unreachable(status)) {
+        spdlog::warn("result of job {} not taken: {}", lease.job().job_key(), status.ToString());
+      }
+      return status;
+    }
+    if (is_unreachable(result.status()) || absl::IsNotFound(result.status())) {
+      return result.status();
+    }
+    spdlog::warn("job {} failed: {}", lease.job().job_key(), result.status().ToString());
+    runner_.reset();  // the next attempt starts from nothing
+    runner_sweep_.clear();
+    schema::FailRequest request;
+    request.set_worker_id(worker_id_);
+    request.set_fencing_token(lease.fencing_token());
+    request.set_message(std::string(result.status().message()));
+    return persist([&] {
+      grpc::ClientContext context;
+      set_deadline(context, kAnswer_s);
+      schema::FailReply reply;
+      return to_absl(farm_->Fail(&context, request, &reply));
+    });
+  }
+
+  absl::StatusOr<schema::JobResult> attempt(const schema::JobSpec& job) {
+    try {
+      if (auto status = have_runner(job.sweep_sha256()); !status.ok()) return status;
+      auto result = runner_->run(job);
+      // What the computation calls unavailable or not found is no matter of the connection.
+      if (!result.ok()) return absl::InternalError(result.status().message());
+      return result;
+    } catch (const std::exception& error) {
+      return absl::InternalError(absl::StrCat("exception: ", error.what()));
+    }
+  }
+
+  // The scene stays from job to job; a worker computes one sweep at a time.
+  absl::Status have_runner(const std::string& sweep_sha256) {
+    if (runner_ && runner_sweep_ == sweep_sha256) return absl::OkStatus();
+    runner_.reset();
+    runner_sweep_.clear();
+    absl::StatusOr<schema::ResolvedSweep> sweep;
+    auto status = persist([&] {
+      sweep = fetch_sweep(*farm_, sweep_sha256, kStream_s);
+      return sweep.status();
+    });
+    if (!status.ok()) return status;
+    if (!sweep->model_sha256().empty() && sweep->model_sha256() != model_sha256_) {
+      absl::StatusOr<std::string> model;
+      status = persist([&] {
+        model = fetch_model(*farm_, sweep->model_sha256(), kStream_s);
+        return model.status();
+      });
+      if (!status.ok()) return status;
+      model_ = *std::move(model);
+      model_sha256_ = sweep->model_sha256();
+    }
+    auto runner = make_runner_(*sweep, sweep->model_sha256().empty() ? std::string_view() : model_);
+    if (!runner.ok()) return absl::InternalError(runner.status().message());
+    runner_ = *std::move(runner);
+    runner_sweep_ = sweep_sha256;
+    return absl::OkStatus();
+  }
+
+  absl::Status send(std::uint64_t token, const schema::JobResult& result) {
+    const std::string bytes = result.SerializeAsString();
+    return persist([&] {
+      grpc::ClientContext context;
+      set_deadline(context, kStream_s);
+      schema::CompleteReply reply;
+      const auto stream = farm_->Complete(&context, &reply);
+      bool open = true;
+      for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
+        schema::CompleteChunk chunk;
+        chunk.set_worker_id(worker_id_);
+        chunk.set_fencing_token(token);
+        chunk.set_result_bytes(bytes.size());
+        chunk.set_piece(bytes.substr(at, kPieceBytes));
+        open = stream->Write(chunk);
+      }
+      stream->WritesDone();
+      return to_absl(stream->Finish());
+    });
+  }
+
+  const WorkerPlan& plan_;
+  const RunnerFactory& make_runner_;
+  const std::atomic<bool>& stop_;
+  std::unique_ptr<schema::Farm::Stub> farm_;
+  std::string worker_id_;
+  std::unique_ptr<JobRunner> runner_;
+  std::string runner_sweep_, model_, model_sha256_;
+  Heart heart_;
+};
+
+}  // namespace
+
+absl::Status run_lease_loop(const WorkerPlan& plan, const RunnerFactory& make_runner,
+                            const std::atomic<bool>& stop) {
+  return LeaseLoop(plan, make_runner, stop).run();
+}
+
+}  // namespace irsig

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/address.h"
+#include "worker/job_runner.h"
+
+namespace irsig {
+
+// Makes the thing that computes: JobRunner::create, or a test's own.
+using RunnerFactory = std::function<absl::StatusOr<std::unique_ptr<JobRunner>>(
+    const schema::ResolvedSweep& sweep, std::string_view model_bytes)>;
+
+struct WorkerPlan {
+  Address coordinator;
+  std::string
+      worker_name;  // a worker that registers under a name takes the place of an earlier one
+  std::string determinism_class;
+  std::string build_id;
+  std::uint32_t physics_version = 0;
+  bool exit_when_finished = false;
+  double give_up_after_s = 600;  // without any answer of the coordinator
+};
+
+// Leases jobs, computes them with runners from `make_runner`, returns the results; meanwhile a
+// second thread sends heartbeats. A coordinator that restarts is waited for. A result that is
+// refused (its lease has gone to another worker) is dropped, and the next job is leased.
+//
+// Returns OK when `stop` becomes true (the current job is finished and returned first) or, if so
+// asked, when every job is settled; FAILED_PRECONDITION when the coordinator refuses this worker
+// for good; UNAVAILABLE when the coordinator has not answered for give_up_after_s.
+[[nodiscard]] absl::Status run_lease_loop(const WorkerPlan& plan, const RunnerFactory& make_runner,
+                                          const std::atomic<bool>& stop);
+
+}  // namespace irsig

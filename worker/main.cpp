@@ -1,0 +1,74 @@
+// irsig-worker: computes jobs that a coordinator hands out.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <random>
+
+#include "absl/strings/str_cat.h"
+#include "coordinator/client/address.h"
+#include "spdlog/sinks/stdout_sinks.h"
+#include "spdlog/spdlog.h"
+#include "worker/job_runner.h"
+#include "worker/lease_loop.h"
+
+namespace {
+
+std::atomic<bool> stop_asked = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+// The first signal lets the current job finish, the second one does not.
+void ask_to_stop(int) {
+  if (stop_asked.exchange(true)) _exit(1);
+}
+
+// Two containers may share host name and process number.
+std::string default_name() {
+  char host[256] = "localhost";
+  gethostname(host, sizeof(host) - 1);
+  return absl::StrCat(host, "-", getpid(), "-", absl::Hex(std::random_device()() & 0xffff));
+}
+
+// 2: what was given is wrong, or the coordinator refuses this worker for good; 1: anything else.
+int report(const absl::Status& status) {
+  std::fprintf(stderr, "irsig-worker: %s\n", std::string(status.message()).c_str());
+  return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ? 2 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"computes the jobs that a coordinator hands out"};
+  std::string coordinator;
+  irsig::WorkerPlan plan;
+  plan.worker_name = default_name();
+  app.add_option("--coordinator", coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
+  app.add_option("--name", plan.worker_name, "a name that no other worker has")
+      ->capture_default_str();
+  app.add_flag("--exit-when-finished", plan.exit_when_finished,
+               "end when every job of every sweep is settled");
+  app.add_option("--give-up-after-s", plan.give_up_after_s,
+                 "end when the coordinator has not answered for so long")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e9));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  auto address = irsig::parse_address(coordinator);
+  if (!address.ok()) return report(address.status());
+  plan.coordinator = *std::move(address);
+  plan.determinism_class = irsig::determinism_class();
+  plan.build_id = irsig::build_id();
+  plan.physics_version = static_cast<std::uint32_t>(irsig::physics_version());
+
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
+  std::signal(SIGTERM, ask_to_stop);
+  std::signal(SIGINT, ask_to_stop);
+  std::signal(SIGPIPE, SIG_IGN);
+  const auto status = irsig::run_lease_loop(plan, irsig::JobRunner::create, stop_asked);
+  return status.ok() ? 0 : report(status);
+}

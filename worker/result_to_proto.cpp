@@ -1,0 +1,114 @@
+#include "worker/result_to_proto.h"
+
+#include "absl/strings/str_format.h"
+#include "core/image/image.h"
+#include "worker/spec_to_request.h"
+
+namespace irsig {
+namespace {
+
+void set(schema::Estimate* out, const Estimate& e) {
+  out->set_value(e.value);
+  out->set_stderr(e.stderr_);
+}
+
+void copy(const std::vector<double>& values, google::protobuf::RepeatedField<float>* out) {
+  out->Reserve(static_cast<int>(values.size()));
+  for (const double v : values) out->AddAlreadyReserved(static_cast<float>(v));
+}
+
+schema::StopReason reason(StopReason r) {
+  switch (r) {
+    case StopReason::kTargetReached: return schema::STOP_REASON_TARGET_REACHED;
+    case StopReason::kTargetMissed: return schema::STOP_REASON_TARGET_MISSED;
+    case StopReason::kSampleLimit: return schema::STOP_REASON_SAMPLE_LIMIT;
+    case StopReason::kFixedSamples: return schema::STOP_REASON_FIXED_SAMPLES;
+  }
+  return schema::STOP_REASON_UNSPECIFIED;
+}
+
+void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGrid& grid) {
+  for (const double lambda : grid.lambda_um) out->add_lambda_um(lambda);
+  copy(r.spectral.value, out->mutable_spectral_intensity_w_sr_um());
+  copy(r.spectral.stderr_, out->mutable_spectral_intensity_stderr_w_sr_um());
+  const auto cause = [&](Cause c) -> const SpectralEstimate& { return r.spectral_cause[static_cast<std::size_t>(c)]; };
+  copy(cause(Cause::kEmitted).value, out->mutable_emitted_w_sr_um());
+  copy(cause(Cause::kEmitted).stderr_, out->mutable_emitted_stderr_w_sr_um());
+  copy(cause(Cause::kSunReflected).value, out->mutable_sun_reflected_w_sr_um());
+  copy(cause(Cause::kSunReflected).stderr_, out->mutable_sun_reflected_stderr_w_sr_um());
+  copy(cause(Cause::kSkyReflected).value, out->mutable_sky_reflected_w_sr_um());
+  copy(cause(Cause::kSkyReflected).stderr_, out->mutable_sky_reflected_stderr_w_sr_um());
+  copy(cause(Cause::kSeaReflected).value, out->mutable_sea_reflected_w_sr_um());
+  copy(cause(Cause::kSeaReflected).stderr_, out->mutable_sea_reflected_stderr_w_sr_um());
+  copy(cause(Cause::kPartsReflected).value, out->mutable_parts_reflected_w_sr_um());
+  copy(cause(Cause::kPartsReflected).stderr_, out->mutable_parts_reflected_stderr_w_sr_um());
+  copy(r.apparent_spectral.value, out->mutable_apparent_spectral_intensity_w_sr_um());
+  copy(r.apparent_spectral.stderr_, out->mutable_apparent_spectral_intensity_stderr_w_sr_um());
+}
+
+absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, const ViewResult& view) {
+  const RadianceImage image{view.image_width_px, view.image_height_px, r.image_w_m2_sr};
+  auto png = encode_png(image);
+  if (!png.ok()) return png.status();
+  auto exr = encode_exr(image);
+  if (!exr.ok()) return exr.status();
+  out->set_width_px(view.image_width_px);
+  out->set_height_px(view.image_height_px);
+  out->set_pixel_rad(view.pixel_rad);
+  out->set_png(*std::move(png));
+  out->set_exr(*std::move(exr));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view, const Simulator& simulator,
+                                                  const schema::ResolvedSweep& sweep) {
+  schema::JobResult result;
+  for (const SignatureResult& r : view.row) {
+    schema::SignatureRow* row = result.add_row();
+    row->set_condition_index(r.condition);
+    row->set_band_index(r.band);
+    set(row->mutable_intensity_w_sr(), r.intensity_w_sr);
+    row->set_numerical_error_w_sr(r.numerical_error_w_sr);
+    row->set_truncation_bound_w_sr(r.truncation_bound_w_sr);
+    row->set_quadrature_bound_w_sr(r.quadrature_bound_w_sr);
+    set(row->mutable_apparent_intensity_w_sr(), r.apparent_intensity_w_sr);
+    row->set_apparent_numerical_error_w_sr(r.apparent_numerical_error_w_sr);
+    set(row->mutable_projected_area_m2(), r.projected_area_m2);
+    row->set_apparent_temperature_k(r.apparent_temperature_k);
+    const auto cause = [&](Cause c) { return r.cause_w_sr[static_cast<std::size_t>(c)]; };
+    set(row->mutable_emitted_w_sr(), cause(Cause::kEmitted));
+    set(row->mutable_sun_reflected_w_sr(), cause(Cause::kSunReflected));
+    set(row->mutable_sky_reflected_w_sr(), cause(Cause::kSkyReflected));
+    set(row->mutable_sea_reflected_w_sr(), cause(Cause::kSeaReflected));
+    set(row->mutable_parts_reflected_w_sr(), cause(Cause::kPartsReflected));
+    for (std::uint32_t p = 0; p < r.part_w_sr.size(); ++p) {
+      schema::PartIntensity* part = row->add_part();
+      part->set_part_index(p);
+      set(part->mutable_intensity_w_sr(), r.part_w_sr[p]);
+    }
+    set_spectrum(row->mutable_spectrum(), r, simulator.band_grids()[r.band]);
+    if (!r.image_w_m2_sr.empty())
+      if (auto status = set_thumbnail(row->mutable_thumbnail(), r, view); !status.ok()) return status;
+    row->set_stop_reason(reason(r.stop_reason));
+    row->set_energy_gain(simulator.energy_gain());
+    if (sweep.sweep().has_place()) {
+      const auto sun = sun_angles(sweep, sweep.condition(static_cast<int>(r.condition)));
+      if (!sun.ok()) return sun.status();
+      row->set_sun_azimuth_deg(sun->azimuth_deg);
+      row->set_sun_zenith_deg(sun->zenith_deg);
+    }
+  }
+  result.set_samples(view.samples);
+  result.set_replicates(view.replicates);
+  result.set_target_paths(view.target_paths);
+  result.set_rays(view.rays);
+  result.set_guarded_backface_hits(view.guarded_backface_hits);
+  result.set_guarded_nonfinite(view.guarded_nonfinite);
+  result.set_guarded_path_limit(view.guarded_path_limit);
+  result.set_seed_hex(absl::StrFormat("%016x", view.seed));
+  return result;
+}
+
+}  // namespace irsig

@@ -1,0 +1,175 @@
+#include "worker/spec_to_request.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+absl::Status at(const std::string& path, const absl::Status& status) {
+  return {status.code(), absl::StrCat(path, ": ", status.message())};
+}
+
+absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+  const schema::Model& model = sweep.sweep().model();
+  if (model.has_generate()) {
+    MeshGenerator generator;
+    generator.kind = model.generate();
+    generator.triangles = model.triangles();
+    generator.radius_m = model.radius_m();
+    generator.length_m = model.length_m();
+    generator.width_m = model.width_m();
+    generator.height_m = model.height_m();
+    auto mesh = generate_mesh(generator);
+    return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.generate", mesh.status()));
+  }
+  MeshImport how;
+  how.file_name = sweep.model_file_name();
+  how.unit_m = model.unit_m();
+  how.forward_axis = model.forward_axis();
+  how.up_axis = model.up_axis();
+  how.reference = model.reference();
+  auto mesh = import_mesh(model_bytes, how);
+  return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
+}
+
+absl::StatusOr<MaterialSpec> material_of(const schema::Material& m) {
+  if (m.kind() == "lambert") {
+    Lambert lambert;
+    if (m.emissivity_table_size() > 0)
+      for (const schema::SpectralPoint& p : m.emissivity_table()) lambert.emissivity.push_back({p.lambda_um(), p.value()});
+    else
+      lambert.emissivity.push_back({0, m.emissivity()});
+    return MaterialSpec{m.name(), lambert};
+  }
+  if (m.kind() == "cook_torrance") {
+    CookTorrance lobe;
+    if (m.optical_constants_size() > 0)
+      for (const schema::OpticalConstant& c : m.optical_constants()) lobe.constants.push_back({c.lambda_um(), c.n(), c.k()});
+    else
+      lobe.constants.push_back({0, m.n(), m.k()});
+    lobe.roughness = m.roughness();
+    lobe.fresnel = m.fresnel() == "schlick" ? Fresnel::kSchlick : Fresnel::kExact;
+    lobe.masking = m.masking() == "smith" ? Masking::kSmith : Masking::kVGroove;
+    if (m.has_normal_emissivity()) lobe.normal_emissivity = m.normal_emissivity();
+    return MaterialSpec{m.name(), lobe};
+  }
+  auto spec = builtin_material(m.kind());
+  if (spec.ok()) spec->name = m.name();
+  return spec;
+}
+
+absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep, const schema::Condition& condition) {
+  const auto time = parse_rfc3339(condition.time_utc());
+  if (!time.ok()) return time.status();
+  const schema::Place& place = sweep.sweep().place();
+  return sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+}
+
+Surroundings surroundings_of(const schema::Surroundings& s) {
+  Surroundings out;
+  out.kind = s.kind() == "sea" ? SurroundingsKind::kSea : SurroundingsKind::kNone;
+  out.sky_temperature_k = s.has_sky_temperature_k() ? s.sky_temperature_k() : -1;
+  out.sky_radiance_w_m2_sr_um = s.sky_radiance_w_m2_sr_um();
+  out.sea_temperature_k = s.sea_temperature_k();
+  out.sea_emissivity = s.sea_emissivity();
+  out.lower_radiance_w_m2_sr_um = s.lower_radiance_w_m2_sr_um();
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved, std::string_view model_bytes) {
+  const schema::Sweep& sweep = resolved.sweep();
+  SceneSpec scene;
+  auto mesh = mesh_of(resolved, model_bytes);
+  if (!mesh.ok()) return mesh.status();
+  scene.mesh = *std::move(mesh);
+  for (int i = 0; i < sweep.material_size(); ++i) {
+    auto material = material_of(sweep.material(i));
+    if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
+    scene.material.push_back(*std::move(material));
+  }
+  for (int i = 0; i < sweep.part_size(); ++i) {
+    const schema::Part& p = sweep.part(i);
+    PartSpec part;
+    part.name = p.name();
+    part.match.assign(p.match().begin(), p.match().end());
+    part.two_sided = p.two_sided();
+    part.hot = p.hot();
+    bool found = false;
+    for (int m = 0; m < sweep.material_size(); ++m)
+      if (sweep.material(m).name() == p.material()) {
+        part.material = static_cast<std::uint32_t>(m);
+        found = true;
+      }
+    if (!found)
+      return absl::InvalidArgumentError(absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
+    scene.part.push_back(std::move(part));
+  }
+  for (const schema::Band& b : sweep.band()) {
+    Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
+    for (const schema::SpectralPoint& p : b.response()) band.response.push_back({p.lambda_um(), p.value()});
+    scene.band.push_back(std::move(band));
+  }
+  return scene;
+}
+
+absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved, const schema::JobSpec& job) {
+  const schema::Sweep& sweep = resolved.sweep();
+  if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
+    return absl::InvalidArgumentError(absl::StrCat("a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));
+  ViewRequest request;
+  const schema::Viewpoint& v = resolved.viewpoint(static_cast<int>(job.viewpoint_index()));
+  request.viewpoint = {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()};
+  for (const schema::Condition& c : resolved.condition()) {
+    ConditionSpec condition;
+    condition.part_temperature_k.assign(c.part_temperature_k().begin(), c.part_temperature_k().end());
+    condition.surroundings = surroundings_of(c.surroundings());
+    condition.air_temperature_k = c.air_temperature_k();
+    if (sweep.transport().sun()) {
+      const auto sun = sun_of(resolved, c);
+      if (!sun.ok()) return sun.status();
+      condition.sun = true;
+      condition.sun_direction = body_from_enu(sun->direction, sweep.place().heading_deg());
+      condition.sun_cos_zenith = std::cos(sun->zenith_deg * std::numbers::pi / 180);
+      condition.sun_angular_radius_deg = sun->angular_radius_deg;
+      condition.sun_scale = c.sun_irradiance_from_distance() ? 1 / (sun->distance_au * sun->distance_au)
+                                                             : c.sun_irradiance_w_m2() / kSolarConstantWM2;
+    }
+    request.condition.push_back(std::move(condition));
+  }
+  const schema::Air& air = sweep.air();
+  request.air.model = air.model() == "homogeneous" ? AirModel::kHomogeneous : AirModel::kVacuum;
+  request.air.absorption_m2_kg = air.absorption_m2_kg();
+  request.air.pressure_pa = air.pressure_pa();
+  request.air.gas_constant_j_kg_k = air.gas_constant_j_kg_k();
+  request.air.path_emission = air.path_emission();
+  request.selected_condition.assign(job.condition_index().begin(), job.condition_index().end());
+  request.selected_band.assign(job.band_index().begin(), job.band_index().end());
+  const schema::Accuracy& accuracy = sweep.accuracy();
+  if (accuracy.has_relative_error()) request.accuracy.relative_error = accuracy.relative_error();
+  if (accuracy.has_target_paths()) request.accuracy.target_paths = accuracy.target_paths();
+  if (accuracy.has_samples_per_replicate()) request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
+  if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 && request.accuracy.samples_per_replicate == 0)
+    return absl::InvalidArgumentError("accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
+  request.accuracy.replicates = accuracy.replicates();
+  request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
+  request.max_reflections = sweep.transport().max_reflections();
+  request.seed = sweep.seed();
+  request.thumbnail_px = sweep.output().thumbnail_px();
+  return request;
+}
+
+absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep, const schema::Condition& condition) {
+  const auto sun = sun_of(sweep, condition);
+  if (!sun.ok()) return sun.status();
+  return SunAngles{sun->azimuth_deg, sun->zenith_deg};
+}
+
+}  // namespace irsig
