@@ -6,8 +6,9 @@
 
 namespace irsig {
 
-// Each subcommand of `irsig` lives in the file of its name and adds itself here; its callback leaves the exit code in
-// `exit_code`: 0, 2 = the user's input is wrong, 1 = anything else that failed.
+// Each subcommand of `irsig` lives in the file of its name and adds itself here; its callback
+// leaves the exit code in `exit_code`: 0, 2 = the user's input is wrong, 1 = anything else that
+// failed.
 void add_show(CLI::App& app, int& exit_code);
 void add_model(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
@@ -19,8 +20,9 @@ void add_query(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 
-// Prints "irsig: <message>" to standard error and returns the exit code that the status stands for: 0 for OK, 2 for
-// INVALID_ARGUMENT, NOT_FOUND and OUT_OF_RANGE (what the user gave is wrong), 1 otherwise.
+// Prints "irsig: <message>" to standard error and returns the exit code that the status stands for:
+// 0 for OK, 2 for INVALID_ARGUMENT, NOT_FOUND and OUT_OF_RANGE (what the user gave is wrong), 1
+// otherwise.
 [[nodiscard]] int report(const absl::Status& status);
 
 }  // namespace irsig

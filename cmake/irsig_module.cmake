@@ -1,4 +1,6 @@
-# irsig_module(<name> SOURCES ... HEADERS ... DEPENDS <irsig modules> [EXTERNAL <third-party targets>])
+# irsig_module(<name> SOURCES ... HEADERS ... DEPENDS <irsig modules> [EXTERNAL <third-party targets>]
+#              [PRECOMPILE <headers>])
+# irsig_program(<name> ...), the same for an executable.
 #
 # One folder = one static library = one line of permissions. DEPENDS is the only place where a
 # dependency is declared: CMake links from it (and refuses cycles), and the test architecture.layers
@@ -6,22 +8,63 @@
 set_property(GLOBAL PROPERTY GLOBAL_DEPENDS_NO_CYCLES ON)
 file(WRITE ${PROJECT_BINARY_DIR}/layers.txt "")
 
+# target_precompile_headers without its false alarms: GCC 12 takes copies within std::string for wrong
+# (its bug 105651), and no longer knows that they stand in a system header when that is precompiled.
+function(irsig_precompile target)
+  target_precompile_headers(${target} ${ARGN})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow
+                                             -Wno-stringop-overread)
+  endif()
+endfunction()
+
 function(irsig_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS;EXTERNAL")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS;EXTERNAL;PRECOMPILE")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "irsig_module(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
   target_sources(${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS} ${arg_EXTERNAL} PRIVATE irsig_warnings)
-  irsig_declare_layer(${name} "${arg_DEPENDS}")
+  if(arg_PRECOMPILE)
+    irsig_precompile(${name} PRIVATE ${arg_PRECOMPILE})
+  endif()
+  irsig_declare_layer(${name} "${arg_DEPENDS}" "${arg_SOURCES};${arg_HEADERS}")
 endfunction()
 
-# Executables, tests and generated-code libraries declare their place in the layers with this alone.
-function(irsig_declare_layer name depends)
-  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+# A library that no code of a program reaches is not loaded when the program starts (--as-needed).
+function(irsig_program name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS;EXTERNAL;PRECOMPILE")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "irsig_program(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  add_executable(${name} ${arg_SOURCES} ${arg_HEADERS})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} ${arg_EXTERNAL} irsig_warnings)
+  target_link_options(${name} PRIVATE -Wl,--as-needed)
+  if(arg_PRECOMPILE)
+    irsig_precompile(${name} PRIVATE ${arg_PRECOMPILE})
+  endif()
+  irsig_declare_layer(${name} "${arg_DEPENDS}" "${arg_SOURCES};${arg_HEADERS}")
+endfunction()
+
+# Libraries of generated code declare their place in the layers, and their generated headers, with
+# this alone. One line of layers.txt: name | modules it may include | its files.
+function(irsig_declare_layer name depends files)
+  list(REMOVE_ITEM files "")
+  set(owned)
+  foreach(file IN LISTS files)
+    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
+    cmake_path(IS_PREFIX PROJECT_BINARY_DIR ${file} NORMALIZE generated)
+    if(generated)
+      cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_BINARY_DIR})
+    else()
+      cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    endif()
+    list(APPEND owned ${file})
+  endforeach()
   string(REPLACE ";" " " allowed "${depends}")
-  file(APPEND ${PROJECT_BINARY_DIR}/layers.txt "${name} ${folder} : ${allowed}\n")
+  string(REPLACE ";" " " owned "${owned}")
+  file(APPEND ${PROJECT_BINARY_DIR}/layers.txt "${name} | ${allowed} | ${owned}\n")
 endfunction()
 
 # irsig_test(<name> SOURCES ... DEPENDS <libraries> [LABELS ...]): one GoogleTest executable; each
@@ -32,6 +75,7 @@ function(irsig_test name)
   set(target ${folder}_${name})
   add_executable(${target} ${arg_SOURCES})
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} GTest::gmock_main irsig_warnings)
+  irsig_precompile(${target} REUSE_FROM irsig_test_headers)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   gtest_discover_tests(${target} TEST_PREFIX ${folder}.${name}. DISCOVERY_MODE PRE_TEST
                        PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT 600)

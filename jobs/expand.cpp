@@ -102,7 +102,7 @@ std::vector<Piece> cut_along(const schema::ResolvedSweep& sweep, const Piece& wh
 std::vector<Piece> cut_job(const schema::ResolvedSweep& sweep) {
   const schema::Sweep& asked = sweep.sweep();
   const double tracing =
-      estimated_paths(asked.accuracy()) * (1.0 + asked.transport().max_reflections());
+      estimated_paths(asked.accuracy()) * (1.0 + std::min(3u, asked.transport().max_reflections()));
   const double most = std::max(1.0, asked.transport().job_size_vertices() / tracing - 1.0);
   std::vector<Piece> pieces = {{.times = {0, static_cast<std::uint32_t>(asked.time_size())},
                                 .seasons = {0, static_cast<std::uint32_t>(asked.season_size())},

@@ -30,12 +30,13 @@ namespace irsig {
 // where its estimated cost exceeds transport.job_size_vertices. Cutting is a pure function of the
 // sweep.
 //
-// Cost in path vertices: tracing = paths x (max_reflections + 1); each condition adds 0.01 tracing
-// for every 122 stored wavelengths, and 0.25 tracing if it has a sun. Paths are target_paths, or
-// replicates x samples_per_replicate, or for a relative error e (for a time budget that no pilot
-// has turned into samples yet, e = 0.01) 2200 (0.01 / e)^(1 / 0.77), at most replicates x
-// max_samples_per_replicate. Every piece traces again, so a piece may always carry as much shading
-// as its tracing costs.
+// Cost in path vertices: tracing = paths x (1 + the smaller of 3 and max_reflections),
+// since roulette ends nearly every path before its third reflection; each condition adds 0.01
+// tracing for every 122 stored wavelengths, and 0.25 tracing if it has a sun. Paths are
+// target_paths, or replicates x samples_per_replicate, or for a relative error e (for a time budget
+// that no pilot has turned into samples yet, e = 0.01) 2200 (0.01 / e)^(1 / 0.77), at most
+// replicates x max_samples_per_replicate. Every piece traces again, so a piece may always carry as
+// much shading as its tracing costs.
 //
 // job_key = SHA-256 of what determines the job's result: physics_version, the canonical encoding of
 // the sweep without what does not (names, viewpoints other than the job's, how conditions were

@@ -86,7 +86,7 @@ void check_bands(const schema::Sweep& sweep, Findings& findings) {
 void check_transport(const schema::Sweep& sweep, Findings& findings) {
   const SectionCheck check(sweep.transport(), "transport", findings);
   check.require({"sun"}, "expected true or false: whether the sun shines on the target");
-  check.within("max_reflections", 0, 64);
+  check.within("max_reflections", 0, 1000);
   check.above("job_size_vertices", 0);
 }
 
@@ -97,10 +97,10 @@ void check_accuracy(const schema::Sweep& sweep, Findings& findings) {
       {"relative_error", "target_paths", "samples_per_replicate", "time_budget_s"});
   check.within("relative_error", 1e-6, 1);
   check.within("target_paths", 1, 1e15);
-  check.within("samples_per_replicate", 1, 1e12);
+  check.within("samples_per_replicate", 1, 8388608);
   check.above("time_budget_s", 0);
   check.within("replicates", 32, 4096);
-  check.within("max_samples_per_replicate", 1, 1e12);
+  check.within("max_samples_per_replicate", 1, 8388608);
   if (accuracy.has_samples_per_replicate() && accuracy.has_max_samples_per_replicate() &&
       accuracy.samples_per_replicate() > accuracy.max_samples_per_replicate()) {
     check.error("samples_per_replicate",

@@ -98,6 +98,17 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
     }
   }
 
+  // Paths are traced once for all seasons, and whether there is a sea decides where they end.
+  for (std::size_t i = 1; i < complete.size(); ++i) {
+    if (!complete[i].has_kind() || !complete[0].has_kind() ||
+        complete[i].kind() == complete[0].kind())
+      continue;
+    findings.add(absl::StrCat("season[", i, "].surroundings.kind"),
+                 absl::StrCat("season[", i, "].surroundings.kind = \"", complete[i].kind(),
+                              "\" but season[0] has \"", complete[0].kind(),
+                              "\", expected one kind in all seasons of a sweep"));
+  }
+
   // What no season has is missing from the sweep's own table: said once.
   Surroundings any = base;
   for (const Surroundings& s : complete) any.MergeFrom(s);

@@ -20,16 +20,20 @@ double cpu_seconds() {
 
 class CoreJobRunner final : public JobRunner {
  public:
-  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator)
-      : sweep_(std::move(sweep)), simulator_(std::move(simulator)) {}
+  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
+                std::optional<ThumbnailEncoder> encoder)
+      : sweep_(std::move(sweep)), simulator_(std::move(simulator)), encoder_(std::move(encoder)) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     const double start_s = cpu_seconds();
     const auto request = request_from_job(sweep_, job);
     if (!request.ok()) return request.status();
+    if (request->thumbnail_px > 0 && !encoder_)
+      return absl::FailedPreconditionError(
+          "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
     const auto view = simulator_->simulate(*request);
     if (!view.ok()) return view.status();
-    auto result = result_to_proto(*view, *simulator_, sweep_);
+    auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
     if (!result.ok()) return result.status();
     result->set_job_key(job.job_key());
     result->set_seconds(cpu_seconds() - start_s);
@@ -42,6 +46,7 @@ class CoreJobRunner final : public JobRunner {
  private:
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;
+  std::optional<ThumbnailEncoder> encoder_;
 };
 
 std::string cpu_vendor() {
@@ -52,7 +57,9 @@ std::string cpu_vendor() {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
+    const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    std::optional<ThumbnailEncoder> encoder) {
   auto scene = scene_from_sweep(sweep, model_bytes);
   if (!scene.ok()) return scene.status();
   auto simulator = Simulator::create(*scene);
@@ -61,16 +68,17 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(const schema::Resol
   const double reach = length(target.centre) + target.radius_m;
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (!(v.range_m() > reach))
-      return absl::InvalidArgumentError(absl::StrCat("viewpoints.range_m: a sensor at ", v.range_m(),
-                                                     " m is inside the target, which reaches ", reach,
-                                                     " m from its reference point"));
-  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "viewpoints.range_m: a sensor at ", v.range_m(),
+          " m is inside the target, which reaches ", reach, " m from its reference point"));
+  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), std::move(encoder));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }
 
 std::string determinism_class() {
-  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-", gnu_get_libc_version());
+  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-",
+                      gnu_get_libc_version());
 }
 
 int physics_version() { return kPhysicsVersion; }

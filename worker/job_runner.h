@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -8,22 +9,28 @@
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
+#include "worker/thumbnail_encoder.h"
 
 namespace irsig {
 
-// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. One object belongs to one thread.
+// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. One object belongs
+// to one thread.
 class JobRunner {
  public:
-  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT and names the key's path
-  // in the sweep ("part[2].name: no group of the model matches \"funel\"").
-  static absl::StatusOr<std::unique_ptr<JobRunner>> create(const schema::ResolvedSweep& sweep,
-                                                           std::string_view model_bytes);
+  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT and
+  // names the key's path in the sweep ("part[2].name: no group of the model matches \"funel\"").
+  // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
+  // run() refuses the others with FAILED_PRECONDITION.
+  static absl::StatusOr<std::unique_ptr<JobRunner>> create(
+      const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+      std::optional<ThumbnailEncoder> encoder = {});
   virtual ~JobRunner() = default;
 
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
 };
 
-// build id, CPU vendor, the ray tracer's instruction set, libc: results are bit-equal within one class.
+// build id, CPU vendor, the ray tracer's instruction set, libc: results are bit-equal within one
+// class.
 [[nodiscard]] std::string determinism_class();
 [[nodiscard]] std::string build_id();
 [[nodiscard]] int physics_version();

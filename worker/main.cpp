@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/address.h"
+#include "core/image/image.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 #include "worker/job_runner.h"
@@ -35,6 +36,18 @@ std::string default_name() {
 int report(const absl::Status& status) {
   std::fprintf(stderr, "irsig-worker: %s\n", std::string(status.message()).c_str());
   return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ? 2 : 1;
+}
+
+absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
+    const irsig::schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+  const irsig::ThumbnailEncoder encoder{
+      [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
+        return irsig::encode_png({width_px, height_px, pixels});
+      },
+      [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
+        return irsig::encode_exr({width_px, height_px, pixels});
+      }};
+  return irsig::JobRunner::create(sweep, model_bytes, encoder);
 }
 
 }  // namespace
@@ -69,6 +82,6 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);
-  const auto status = irsig::run_lease_loop(plan, irsig::JobRunner::create, stop_asked);
+  const auto status = irsig::run_lease_loop(plan, make_runner, stop_asked);
   return status.ok() ? 0 : report(status);
 }

@@ -1,7 +1,6 @@
 #include "worker/result_to_proto.h"
 
 #include "absl/strings/str_format.h"
-#include "core/image/image.h"
 #include "worker/spec_to_request.h"
 
 namespace irsig {
@@ -19,10 +18,14 @@ void copy(const std::vector<double>& values, google::protobuf::RepeatedField<flo
 
 schema::StopReason reason(StopReason r) {
   switch (r) {
-    case StopReason::kTargetReached: return schema::STOP_REASON_TARGET_REACHED;
-    case StopReason::kTargetMissed: return schema::STOP_REASON_TARGET_MISSED;
-    case StopReason::kSampleLimit: return schema::STOP_REASON_SAMPLE_LIMIT;
-    case StopReason::kFixedSamples: return schema::STOP_REASON_FIXED_SAMPLES;
+    case StopReason::kTargetReached:
+      return schema::STOP_REASON_TARGET_REACHED;
+    case StopReason::kTargetMissed:
+      return schema::STOP_REASON_TARGET_MISSED;
+    case StopReason::kSampleLimit:
+      return schema::STOP_REASON_SAMPLE_LIMIT;
+    case StopReason::kFixedSamples:
+      return schema::STOP_REASON_FIXED_SAMPLES;
   }
   return schema::STOP_REASON_UNSPECIFIED;
 }
@@ -31,7 +34,9 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   for (const double lambda : grid.lambda_um) out->add_lambda_um(lambda);
   copy(r.spectral.value, out->mutable_spectral_intensity_w_sr_um());
   copy(r.spectral.stderr_, out->mutable_spectral_intensity_stderr_w_sr_um());
-  const auto cause = [&](Cause c) -> const SpectralEstimate& { return r.spectral_cause[static_cast<std::size_t>(c)]; };
+  const auto cause = [&](Cause c) -> const SpectralEstimate& {
+    return r.spectral_cause[static_cast<std::size_t>(c)];
+  };
   copy(cause(Cause::kEmitted).value, out->mutable_emitted_w_sr_um());
   copy(cause(Cause::kEmitted).stderr_, out->mutable_emitted_stderr_w_sr_um());
   copy(cause(Cause::kSunReflected).value, out->mutable_sun_reflected_w_sr_um());
@@ -46,11 +51,14 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   copy(r.apparent_spectral.stderr_, out->mutable_apparent_spectral_intensity_stderr_w_sr_um());
 }
 
-absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, const ViewResult& view) {
-  const RadianceImage image{view.image_width_px, view.image_height_px, r.image_w_m2_sr};
-  auto png = encode_png(image);
+absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, const ViewResult& view,
+                           const ThumbnailEncoder* encoder) {
+  if (encoder == nullptr)
+    return absl::FailedPreconditionError(
+        "the job has thumbnails, and there is no encoder for them");
+  auto png = encoder->png(view.image_width_px, view.image_height_px, r.image_w_m2_sr);
   if (!png.ok()) return png.status();
-  auto exr = encode_exr(image);
+  auto exr = encoder->exr(view.image_width_px, view.image_height_px, r.image_w_m2_sr);
   if (!exr.ok()) return exr.status();
   out->set_width_px(view.image_width_px);
   out->set_height_px(view.image_height_px);
@@ -62,8 +70,10 @@ absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, con
 
 }  // namespace
 
-absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view, const Simulator& simulator,
-                                                  const schema::ResolvedSweep& sweep) {
+absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
+                                                  const Simulator& simulator,
+                                                  const schema::ResolvedSweep& sweep,
+                                                  const ThumbnailEncoder* encoder) {
   schema::JobResult result;
   for (const SignatureResult& r : view.row) {
     schema::SignatureRow* row = result.add_row();
@@ -90,7 +100,8 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view, const 
     }
     set_spectrum(row->mutable_spectrum(), r, simulator.band_grids()[r.band]);
     if (!r.image_w_m2_sr.empty())
-      if (auto status = set_thumbnail(row->mutable_thumbnail(), r, view); !status.ok()) return status;
+      if (auto status = set_thumbnail(row->mutable_thumbnail(), r, view, encoder); !status.ok())
+        return status;
     row->set_stop_reason(reason(r.stop_reason));
     row->set_energy_gain(simulator.energy_gain());
     if (sweep.sweep().has_place()) {

@@ -42,7 +42,8 @@ absl::StatusOr<MaterialSpec> material_of(const schema::Material& m) {
   if (m.kind() == "lambert") {
     Lambert lambert;
     if (m.emissivity_table_size() > 0)
-      for (const schema::SpectralPoint& p : m.emissivity_table()) lambert.emissivity.push_back({p.lambda_um(), p.value()});
+      for (const schema::SpectralPoint& p : m.emissivity_table())
+        lambert.emissivity.push_back({p.lambda_um(), p.value()});
     else
       lambert.emissivity.push_back({0, m.emissivity()});
     return MaterialSpec{m.name(), lambert};
@@ -50,7 +51,8 @@ absl::StatusOr<MaterialSpec> material_of(const schema::Material& m) {
   if (m.kind() == "cook_torrance") {
     CookTorrance lobe;
     if (m.optical_constants_size() > 0)
-      for (const schema::OpticalConstant& c : m.optical_constants()) lobe.constants.push_back({c.lambda_um(), c.n(), c.k()});
+      for (const schema::OpticalConstant& c : m.optical_constants())
+        lobe.constants.push_back({c.lambda_um(), c.n(), c.k()});
     else
       lobe.constants.push_back({0, m.n(), m.k()});
     lobe.roughness = m.roughness();
@@ -64,7 +66,8 @@ absl::StatusOr<MaterialSpec> material_of(const schema::Material& m) {
   return spec;
 }
 
-absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep, const schema::Condition& condition) {
+absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
+                                   const schema::Condition& condition) {
   const auto time = parse_rfc3339(condition.time_utc());
   if (!time.ok()) return time.status();
   const schema::Place& place = sweep.sweep().place();
@@ -84,7 +87,8 @@ Surroundings surroundings_of(const schema::Surroundings& s) {
 
 }  // namespace
 
-absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved, std::string_view model_bytes) {
+absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved,
+                                           std::string_view model_bytes) {
   const schema::Sweep& sweep = resolved.sweep();
   SceneSpec scene;
   auto mesh = mesh_of(resolved, model_bytes);
@@ -109,27 +113,32 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
         found = true;
       }
     if (!found)
-      return absl::InvalidArgumentError(absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
+      return absl::InvalidArgumentError(
+          absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
     scene.part.push_back(std::move(part));
   }
   for (const schema::Band& b : sweep.band()) {
     Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
-    for (const schema::SpectralPoint& p : b.response()) band.response.push_back({p.lambda_um(), p.value()});
+    for (const schema::SpectralPoint& p : b.response())
+      band.response.push_back({p.lambda_um(), p.value()});
     scene.band.push_back(std::move(band));
   }
   return scene;
 }
 
-absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved, const schema::JobSpec& job) {
+absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
+                                             const schema::JobSpec& job) {
   const schema::Sweep& sweep = resolved.sweep();
   if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
-    return absl::InvalidArgumentError(absl::StrCat("a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));
   ViewRequest request;
   const schema::Viewpoint& v = resolved.viewpoint(static_cast<int>(job.viewpoint_index()));
   request.viewpoint = {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()};
   for (const schema::Condition& c : resolved.condition()) {
     ConditionSpec condition;
-    condition.part_temperature_k.assign(c.part_temperature_k().begin(), c.part_temperature_k().end());
+    condition.part_temperature_k.assign(c.part_temperature_k().begin(),
+                                        c.part_temperature_k().end());
     condition.surroundings = surroundings_of(c.surroundings());
     condition.air_temperature_k = c.air_temperature_k();
     if (sweep.transport().sun()) {
@@ -139,8 +148,9 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
       condition.sun_direction = body_from_enu(sun->direction, sweep.place().heading_deg());
       condition.sun_cos_zenith = std::cos(sun->zenith_deg * std::numbers::pi / 180);
       condition.sun_angular_radius_deg = sun->angular_radius_deg;
-      condition.sun_scale = c.sun_irradiance_from_distance() ? 1 / (sun->distance_au * sun->distance_au)
-                                                             : c.sun_irradiance_w_m2() / kSolarConstantWM2;
+      condition.sun_scale = c.sun_irradiance_from_distance()
+                                ? 1 / (sun->distance_au * sun->distance_au)
+                                : c.sun_irradiance_w_m2() / kSolarConstantWM2;
     }
     request.condition.push_back(std::move(condition));
   }
@@ -155,9 +165,12 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   const schema::Accuracy& accuracy = sweep.accuracy();
   if (accuracy.has_relative_error()) request.accuracy.relative_error = accuracy.relative_error();
   if (accuracy.has_target_paths()) request.accuracy.target_paths = accuracy.target_paths();
-  if (accuracy.has_samples_per_replicate()) request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
-  if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 && request.accuracy.samples_per_replicate == 0)
-    return absl::InvalidArgumentError("accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
+  if (accuracy.has_samples_per_replicate())
+    request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
+  if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 &&
+      request.accuracy.samples_per_replicate == 0)
+    return absl::InvalidArgumentError(
+        "accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
   request.accuracy.replicates = accuracy.replicates();
   request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
   request.max_reflections = sweep.transport().max_reflections();
@@ -166,7 +179,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   return request;
 }
 
-absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep, const schema::Condition& condition) {
+absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep,
+                                     const schema::Condition& condition) {
   const auto sun = sun_of(sweep, condition);
   if (!sun.ok()) return sun.status();
   return SunAngles{sun->azimuth_deg, sun->zenith_deg};

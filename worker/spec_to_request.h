@@ -8,18 +8,23 @@
 
 namespace irsig {
 
-// Messages -> core: with result_to_proto the only bridge between the two. Errors name the key's path in the sweep.
+// Messages -> core: with result_to_proto the only bridge between the two. Errors name the key's
+// path in the sweep.
 
-// Geometry, parts, materials and bands. model_bytes: the model file's content; ignored for a generated model.
-[[nodiscard]] absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& sweep, std::string_view model_bytes);
+// Geometry, parts, materials and bands. model_bytes: the model file's content; ignored for a
+// generated model.
+[[nodiscard]] absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& sweep,
+                                                         std::string_view model_bytes);
 
 // Everything of one job but the scene: the sun's position is computed here.
-[[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& sweep, const schema::JobSpec& job);
+[[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& sweep,
+                                                           const schema::JobSpec& job);
 
 // Where the sun stands in one condition.
 struct SunAngles {
   double azimuth_deg, zenith_deg;
 };
-[[nodiscard]] absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep, const schema::Condition& condition);
+[[nodiscard]] absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep,
+                                                   const schema::Condition& condition);
 
 }  // namespace irsig

@@ -25,26 +25,32 @@ double numerical_error(double stderr_of_mean, double sum_of_bias_bounds) {
   return std::sqrt(stderr_of_mean * stderr_of_mean + sum_of_bias_bounds * sum_of_bias_bounds / 3);
 }
 
-std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2, double target,
-                             std::uint64_t n_max) {
+std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
+                             double target, std::uint64_t n_max) {
   const double aim = 0.8 * target;
   if (e2 <= aim) return std::min(n2, n_max);
-  const double slope =
-      e1 > 0 ? std::clamp(std::log(e1 / e2) / std::log(static_cast<double>(n2) / static_cast<double>(n1)), 0.5, 0.7) : 0.5;
+  const double slope = e1 > 0 ? std::clamp(std::log(e1 / e2) / std::log(static_cast<double>(n2) /
+                                                                        static_cast<double>(n1)),
+                                           0.5, 0.7)
+                              : 0.5;
   const double n = static_cast<double>(n2) * std::pow(e2 / aim, 1 / slope);
-  std::uint64_t power = n2;
-  while (static_cast<double>(power) < n && power < n_max) power *= 2;
-  return std::min(power, n_max);
+  // m 2^j with m in 8 .. 15: a few whole nets of the sequence, at most an eighth more than needed.
+  std::uint64_t unit = 1;
+  while (static_cast<double>(16 * unit) < n && unit < (std::uint64_t{1} << 58)) unit *= 2;
+  const auto multiples = static_cast<std::uint64_t>(std::ceil(n / static_cast<double>(unit)));
+  return std::min(multiples * unit, n_max);
 }
 
 namespace {
 
-// Regularised incomplete beta function by its continued fraction (modified Lentz).     [dlmf, 8.17.22]
+// Regularised incomplete beta function by its continued fraction (modified Lentz). [dlmf, 8.17.22]
 double incomplete_beta(double a, double b, double x) {
   if (x <= 0) return 0;
   if (x >= 1) return 1;
   if (x > (a + 1) / (a + b + 2)) return 1 - incomplete_beta(b, a, 1 - x);
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) / a;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+                                a * std::log(x) + b * std::log1p(-x)) /
+                       a;
   double f = 1, c = 1, d = 0;
   for (int i = 0; i <= 400; ++i) {
     const int m = i / 2;
@@ -61,7 +67,9 @@ double incomplete_beta(double a, double b, double x) {
 }
 
 // P(|t| > x)
-double two_sided_tail(double x, double degrees) { return incomplete_beta(degrees / 2, 0.5, degrees / (degrees + x * x)); }
+double two_sided_tail(double x, double degrees) {
+  return incomplete_beta(degrees / 2, 0.5, degrees / (degrees + x * x));
+}
 
 }  // namespace
 

@@ -11,10 +11,12 @@ struct Estimate {
   double stderr_ = 0;  // one sigma of the mean over replicates
 };
 
-// Mean and standard error of many quantities over independent replicates, added in a fixed order.  [welford1962]
+// Mean and standard error of many quantities over independent replicates, added in a fixed order.
+// [welford1962]
 class ReplicateStatistics {
  public:
-  explicit ReplicateStatistics(std::size_t quantities = 0) : mean_(quantities, 0.0), m2_(quantities, 0.0) {}
+  explicit ReplicateStatistics(std::size_t quantities = 0)
+      : mean_(quantities, 0.0), m2_(quantities, 0.0) {}
   // One replicate's values of all quantities.
   void add(std::span<const double> values);
   [[nodiscard]] Estimate estimate(std::size_t quantity) const;
@@ -25,18 +27,20 @@ class ReplicateStatistics {
   std::uint32_t count_ = 0;
 };
 
-// Numerical error of a value: sqrt(stderr^2 + (sum of |bias bounds|)^2 / 3) - a bias known only to lie in
+// Numerical error of a value: sqrt(stderr^2 + (sum of |bias bounds|)^2 / 3) - a bias known only to
+// lie in
 // +-bound counts as uniformly distributed there.
 [[nodiscard]] double numerical_error(double stderr_of_mean, double sum_of_bias_bounds);
 
-// How many samples a replicate needs for a standard error of `target`, from a pilot's standard errors e1, e2 at n1 < n2 samples: the
-// error falls as n^-s with s from the pilot, held in [0.5, 0.7] (plain Monte Carlo .. Owen-scrambled Sobol on silhouettes). The
-// pilot's own scatter (32 replicates: 13 %) is met by aiming at 0.8 of the target. A power of two in [n2, n_max].
-[[nodiscard]] std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2, double target,
-                                           std::uint64_t n_max);
+// How many samples a replicate needs for a standard error of `target`, from a pilot's standard
+// errors e1, e2 at n1 < n2 samples: the error falls as n^-s with s from the pilot, held in [0.5,
+// 0.7] (plain Monte Carlo .. Owen-scrambled Sobol on silhouettes). The pilot's own scatter (32
+// replicates: 13 %) is met by aiming at 0.8 of the target. At least n2, at most n_max.
+[[nodiscard]] std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
+                                           double target, std::uint64_t n_max);
 
-// Two-sided bound on |t| (replicates - 1 degrees of freedom) that all of `rows` independent correct rows keep with
-// probability about 0.999: |t| < t(1 - 0.0005 / rows).
+// Two-sided bound on |t| (replicates - 1 degrees of freedom) that all of `rows` independent correct
+// rows keep with probability about 0.999: |t| < t(1 - 0.0005 / rows).
 [[nodiscard]] double student_t_bound(std::uint32_t degrees_of_freedom, std::uint64_t rows);
 
 }  // namespace irsig

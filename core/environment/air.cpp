@@ -11,7 +11,8 @@ double extinction_per_m(const Air& air, double air_temperature_k) {
   return air.absorption_m2_kg * air.pressure_pa / (air.gas_constant_j_kg_k * air_temperature_k);
 }
 
-AirPath air_path(const Air& air, double air_temperature_k, double range_m, const std::vector<double>& lambda_um) {
+AirPath air_path(const Air& air, double air_temperature_k, double range_m,
+                 const std::vector<double>& lambda_um) {
   const double optical_depth = extinction_per_m(air, air_temperature_k) * range_m;
   AirPath out{std::vector<double>(lambda_um.size(), std::exp(-optical_depth)),
               std::vector<double>(lambda_um.size(), 0.0)};

@@ -6,7 +6,8 @@ namespace irsig {
 
 enum class AirModel { kVacuum, kHomogeneous };
 
-// The air between target and sensor. Later models take the place of the homogeneous one behind air_path().
+// The air between target and sensor. Later models take the place of the homogeneous one behind
+// air_path().
 struct Air {
   AirModel model = AirModel::kVacuum;
   double absorption_m2_kg = 0;

@@ -9,8 +9,8 @@ enum class SurroundingsKind { kSea, kNone };
 //   kNone: two stated radiances; no sea surface and no Earth.
 struct Surroundings {
   SurroundingsKind kind = SurroundingsKind::kNone;
-  double sky_temperature_k = -1;  // >= 0: a blackbody sky
-  double sky_radiance_w_m2_sr_um = 0;  // used if sky_temperature_k < 0
+  double sky_temperature_k = -1;                     // >= 0: a blackbody sky
+  double sky_radiance_w_m2_sr_um = 0;                // used if sky_temperature_k < 0
   double sea_temperature_k = 0, sea_emissivity = 1;  // kSea
   double lower_radiance_w_m2_sr_um = 0;              // kNone
 };
@@ -22,6 +22,7 @@ struct Surroundings {
 //   sea: eps B(T_sea) + (1 - eps) (L_sky + E_sun cos(sun zenith) / pi)
 //   sun_irradiance_w_m2_um: normal to the beam; 0 when the sun is below the horizon.
 [[nodiscard]] double lower_radiance_w_m2_sr_um(const Surroundings& s, double lambda_um,
-                                               double sun_irradiance_w_m2_um, double cos_sun_zenith);
+                                               double sun_irradiance_w_m2_um,
+                                               double cos_sun_zenith);
 
 }  // namespace irsig

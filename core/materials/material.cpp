@@ -16,8 +16,9 @@ constexpr int kSpectralDhrCells = Material::kDhrCells;
 
 double interpolate(const std::vector<SpectralPoint>& table, double lambda_um) {
   if (table.size() == 1) return table.front().value;
-  const auto after = std::upper_bound(table.begin(), table.end(), lambda_um,
-                                      [](double x, const SpectralPoint& p) { return x < p.lambda_um; });
+  const auto after =
+      std::upper_bound(table.begin(), table.end(), lambda_um,
+                       [](double x, const SpectralPoint& p) { return x < p.lambda_um; });
   const auto b = after == table.end() ? table.end() - 1 : after;
   const auto a = b - 1;
   const double t = (lambda_um - a->lambda_um) / (b->lambda_um - a->lambda_um);
@@ -26,8 +27,9 @@ double interpolate(const std::vector<SpectralPoint>& table, double lambda_um) {
 
 OpticalConstant interpolate(const std::vector<OpticalConstant>& table, double lambda_um) {
   if (table.size() == 1) return table.front();
-  const auto after = std::upper_bound(table.begin(), table.end(), lambda_um,
-                                      [](double x, const OpticalConstant& p) { return x < p.lambda_um; });
+  const auto after =
+      std::upper_bound(table.begin(), table.end(), lambda_um,
+                       [](double x, const OpticalConstant& p) { return x < p.lambda_um; });
   const auto b = after == table.end() ? table.end() - 1 : after;
   const auto a = b - 1;
   const double t = (lambda_um - a->lambda_um) / (b->lambda_um - a->lambda_um);
@@ -35,14 +37,15 @@ OpticalConstant interpolate(const std::vector<OpticalConstant>& table, double la
 }
 
 template <typename Point>
-absl::Status check_covers(const std::string& name, const std::vector<Point>& table, const char* what,
-                          double lambda_min_um, double lambda_max_um) {
-  if (table.empty()) return absl::InvalidArgumentError(absl::StrCat("material ", name, ": no ", what));
+absl::Status check_covers(const std::vector<Point>& table, const char* what, double lambda_min_um,
+                          double lambda_max_um) {
+  if (table.empty()) return absl::InvalidArgumentError(absl::StrCat("no ", what));
   if (table.size() == 1) return absl::OkStatus();
   if (table.front().lambda_um > lambda_min_um || table.back().lambda_um < lambda_max_um)
-    return absl::InvalidArgumentError(absl::StrCat(
-        "material ", name, ": its ", what, " covers ", table.front().lambda_um, " to ", table.back().lambda_um,
-        " um, but the bands need ", lambda_min_um, " to ", lambda_max_um, " um"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("its ", what, " covers ", table.front().lambda_um, " to ",
+                     table.back().lambda_um, " um, but the bands need ", lambda_min_um, " to ",
+                     lambda_max_um, " um (half a step beyond each band)"));
   return absl::OkStatus();
 }
 
@@ -50,21 +53,18 @@ double masking_v_groove(double cos_i, double cos_o, double cos_h, double cos_d) 
   return std::min(1.0, 2.0 * cos_h * std::min(cos_i, cos_o) / cos_d);
 }
 
-// Height-correlated Smith masking of Beckmann slopes.                     [heitz2014, eqs. 66, 99]
 double smith_lambda(double cos_theta, double m) {
   if (cos_theta >= 1.0) return 0.0;
   const double a = cos_theta / (m * std::sqrt(1.0 - cos_theta * cos_theta));
   return 0.5 * (std::erf(a) - 1.0) + std::exp(-a * a) / (2.0 * a * std::sqrt(kPi));
-}
-double masking_smith(double cos_i, double cos_o, double m) {
-  return 1.0 / (1.0 + smith_lambda(cos_i, m) + smith_lambda(cos_o, m));
 }
 
 struct GaussLegendre {
   std::vector<double> x, w;  // on [0, 1]
 };
 GaussLegendre gauss_legendre(int n) {
-  GaussLegendre rule{std::vector<double>(static_cast<std::size_t>(n)), std::vector<double>(static_cast<std::size_t>(n))};
+  GaussLegendre rule{std::vector<double>(static_cast<std::size_t>(n)),
+                     std::vector<double>(static_cast<std::size_t>(n))};
   for (int i = 0; i < n; ++i) {
     double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), derivative = 1;
     for (int iteration = 0; iteration < 100; ++iteration) {
@@ -85,14 +85,15 @@ GaussLegendre gauss_legendre(int n) {
   return rule;
 }
 
-// The distribution of cos_d in the lobe's hemispherical integral at one cos_o: DHR(lambda) = sum over cells of
-// weight[cell] F(lambda, cos_d of the cell), linear between cells.
+// The distribution of cos_d in the lobe's hemispherical integral at one cos_o: DHR(lambda) = sum
+// over cells of weight[cell] F(lambda, cos_d of the cell), linear between cells.
 //
-// Over half vectors h with density D cos_h: DHR = E[ F 4 (w_o h) cos_i shape / (D cos_h) ] = E[ F G (w_o h)/(cos_o cos_h) ].
-// tan(theta_h) = m s, density 2 s exp(-s^2), s in [0, 6.5] (exp(-6.5^2) = 4e-19). In azimuth the integrand has kinks where V-groove
-// masking changes its form and an end where w_i sinks below the surface, all at known cos_d: each piece gets its own Gauss
-// points. 256 x (up to 5 x 8) points and the table leave 2e-5 against tests/physics/values/cook_torrance_dhr.csv; midpoints regardless of the
-// kinks left 4e-4.
+// Over half vectors h with density D cos_h: DHR = E[ F 4 (w_o h) cos_i shape / (D cos_h) ] = E[ F G
+// (w_o h)/(cos_o cos_h) ]. tan(theta_h) = m s, density 2 s exp(-s^2), s in [0, 6.5] (exp(-6.5^2) =
+// 4e-19). In azimuth the integrand has kinks where V-groove masking changes its form and an end
+// where w_i sinks below the surface, all at known cos_d: each piece gets its own Gauss points. 256
+// x (up to 5 x 8) points and the table leave 2e-5 against
+// tests/physics/values/cook_torrance_dhr.csv; midpoints regardless of the kinks left 4e-4.
 std::vector<double> lobe_moments(double cos_o, double m, Masking masking, int cells) {
   static const GaussLegendre slopes = gauss_legendre(256), azimuths = gauss_legendre(8);
   constexpr double kLast = 6.5;
@@ -105,10 +106,12 @@ std::vector<double> lobe_moments(double cos_o, double m, Masking masking, int ce
     const double tan_h = m * s;
     const double cos_h = 1 / std::sqrt(1 + tan_h * tan_h);
     const double sin_h = tan_h * cos_h;
-    // cos_d = sin_o sin_h cos(phi) + cos_o cos_h, falling from phi = 0 to pi. w_i is above the surface while cos_d > cos_o / (2 cos_h);
-    // G = min(1, 2 cos_h cos_i / cos_d, 2 cos_h cos_o / cos_d) changes at the other three.
+    // cos_d = sin_o sin_h cos(phi) + cos_o cos_h, falling from phi = 0 to pi. w_i is above the
+    // surface while cos_d > cos_o / (2 cos_h); G = min(1, 2 cos_h cos_i / cos_d, 2 cos_h cos_o /
+    // cos_d) changes at the other three.
     const double middle = cos_o * cos_h, amplitude = sin_o * sin_h;
-    const double kinks[] = {cos_o / (2 * cos_h), cos_o / cos_h, 2 * cos_o * cos_h, 2 * cos_o / (4 * cos_h - 1 / cos_h)};
+    const double kinks[] = {cos_o / (2 * cos_h), cos_o / cos_h, 2 * cos_o * cos_h,
+                            2 * cos_o / (4 * cos_h - 1 / cos_h)};
     edge.assign({0, kPi});
     for (const double k : kinks)
       if (std::abs(k - middle) < amplitude) edge.push_back(std::acos((k - middle) / amplitude));
@@ -120,10 +123,11 @@ std::vector<double> lobe_moments(double cos_o, double m, Masking masking, int ce
         const double cos_i = 2 * cos_d * cos_h - cos_o;
         if (cos_d <= 0 || cos_i <= 0) continue;
         const double g = masking == Masking::kVGroove ? masking_v_groove(cos_i, cos_o, cos_h, cos_d)
-                                                      : masking_smith(cos_i, cos_o, m);
+                                                      : smith_masking(cos_i, cos_o, m);
         const double weight = density * azimuths.w[j] * width / kPi * g * cos_d / (cos_o * cos_h);
         const double position = std::min(cos_d, 1.0) * cells;
-        const auto cell = std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(cells) - 1);
+        const auto cell =
+            std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(cells) - 1);
         const double t = position - static_cast<double>(cell);
         moments[cell] += weight * (1 - t);
         moments[cell + 1] += weight * t;
@@ -157,6 +161,10 @@ double dhr_cos(int entry, int cells) {
 
 }  // namespace
 
+double smith_masking(double cos_i, double cos_o, double m) {
+  return 1.0 / (1.0 + smith_lambda(cos_i, m) + smith_lambda(cos_o, m));
+}
+
 absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind) {
   CookTorrance lobe;
   lobe.constants = {{0, 1.2, 5.0}};
@@ -170,19 +178,22 @@ absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind) {
   return MaterialSpec{kind, lobe};
 }
 
-absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec, const std::vector<double>& node_um,
-                                           double lambda_min_um, double lambda_max_um) {
+absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec,
+                                           const std::vector<double>& node_um, double lambda_min_um,
+                                           double lambda_max_um) {
   Material out;
   out.nodes_ = node_um.size();
   const auto columns = static_cast<std::size_t>(kDhrCells) + 1;
   out.emissivity_dhr_.resize(2 * columns);
 
   if (const auto* lambert = std::get_if<Lambert>(&spec.model)) {
-    if (auto status = check_covers(spec.name, lambert->emissivity, "emissivity", lambda_min_um, lambda_max_um); !status.ok()) return status;
+    if (auto status = check_covers(lambert->emissivity, "emissivity", lambda_min_um, lambda_max_um);
+        !status.ok())
+      return status;
     for (const SpectralPoint& p : lambert->emissivity)
       if (!(p.value >= 0 && p.value <= 1))
         return absl::InvalidArgumentError(
-            absl::StrCat("material ", spec.name, ": emissivity ", p.value, " is not between 0 and 1"));
+            absl::StrCat("emissivity ", p.value, " is not between 0 and 1"));
     out.roughness_ = 0;
     out.grey_ = lambert->emissivity.size() == 1;
     double dhr_largest = 0;
@@ -197,19 +208,24 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec, const std::
       out.emissivity_dhr_[2 * i + 1] = static_cast<float>(dhr_largest);
     }
     out.reflectance_.assign(kFresnelCells + 1, 1.0f - emissivity[0]);
-    // One row of each spectral table is enough: nothing depends on angle; two rows keep the lookup uniform.
+    // One row of each spectral table is enough: nothing depends on angle; two rows keep the lookup
+    // uniform.
     for (int row = 0; row <= kSpectralFresnelCells; ++row)
       for (const float e : emissivity) out.spectral_reflectance_.push_back(1.0f - e);
     for (int row = 0; row <= kSpectralDhrCells; ++row)
-      out.spectral_emissivity_.insert(out.spectral_emissivity_.end(), emissivity.begin(), emissivity.end());
+      out.spectral_emissivity_.insert(out.spectral_emissivity_.end(), emissivity.begin(),
+                                      emissivity.end());
     return out;
   }
 
   const auto& lobe = std::get<CookTorrance>(spec.model);
-  if (auto status = check_covers(spec.name, lobe.constants, "table of optical constants", lambda_min_um, lambda_max_um); !status.ok()) return status;
+  if (auto status =
+          check_covers(lobe.constants, "table of optical constants", lambda_min_um, lambda_max_um);
+      !status.ok())
+    return status;
   if (!(lobe.roughness >= 0.03 && lobe.roughness <= 1))
-    return absl::InvalidArgumentError(absl::StrCat("material ", spec.name, ": roughness ", lobe.roughness,
-                                                   " is not between 0.03 and 1"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("roughness ", lobe.roughness, " is not between 0.03 and 1"));
   out.roughness_ = static_cast<float>(lobe.roughness);
   out.masking_ = lobe.masking;
   out.grey_ = lobe.constants.size() == 1;
@@ -217,11 +233,13 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec, const std::
   const std::size_t spectra = out.grey_ ? 1 : node_um.size();
   std::vector<std::vector<double>> fresnel(spectra);
   for (std::size_t i = 0; i < spectra; ++i)
-    fresnel[i] = fresnel_table(lobe, interpolate(lobe.constants, node_um[i]), kSpectralFresnelCells);
+    fresnel[i] =
+        fresnel_table(lobe, interpolate(lobe.constants, node_um[i]), kSpectralFresnelCells);
   std::vector<double> scale(spectra, 1.0);
   if (lobe.normal_emissivity >= 0) {
     const auto moments = lobe_moments(1.0, lobe.roughness, lobe.masking, kSpectralFresnelCells);
-    for (std::size_t i = 0; i < spectra; ++i) scale[i] = (1 - lobe.normal_emissivity) / dhr(moments, fresnel[i]);
+    for (std::size_t i = 0; i < spectra; ++i)
+      scale[i] = (1 - lobe.normal_emissivity) / dhr(moments, fresnel[i]);
   }
 
   std::vector<float> row_emissivity(spectra);
@@ -231,7 +249,8 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec, const std::
     double largest = 0;
     for (std::size_t i = 0; i < spectra; ++i) {
       const double reflected = scale[i] * dhr(moments, fresnel[i]);
-      const double e = lobe.forced_emissivity >= 0 ? lobe.forced_emissivity : std::max(0.0, 1 - reflected);
+      const double e =
+          lobe.forced_emissivity >= 0 ? lobe.forced_emissivity : std::max(0.0, 1 - reflected);
       if (e + reflected > 1 + 1e-4) out.creates_energy_ = true;
       row_emissivity[i] = static_cast<float>(e);
       largest = std::max(largest, reflected);
@@ -255,52 +274,12 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec, const std::
   return out;
 }
 
-float Material::shape_per_sr(float cos_i, float cos_o, float cos_h, float cos_d) const {
-  if (roughness_ == 0) return static_cast<float>(1.0 / kPi);
-  const float cos2 = cos_h * cos_h;
-  const float m2 = roughness_ * roughness_;
-  const float tan2 = (1.0f - cos2) / cos2;
-  const float d = std::exp(-tan2 / m2) / (static_cast<float>(kPi) * m2 * cos2 * cos2);
-  if (masking_ == Masking::kVGroove) {
-    // G / (cos_i cos_o) without cancellation at grazing
-    const float smaller = std::min(cos_i, cos_o);
-    const float larger = std::max(cos_i, cos_o);
-    const float groove = 2.0f * cos_h / (cos_d * larger);
-    return 0.25f * d * std::min(groove, 1.0f / (smaller * larger));
-  }
-  const auto g = static_cast<float>(masking_smith(cos_i, cos_o, roughness_));
-  return 0.25f * d * g / (cos_i * cos_o);
-}
-
-Material::Sampled Material::sample(float cos_o, float u1, float u2) const {
-  const float phi = static_cast<float>(2 * kPi) * u2;
-  const float cos_phi = std::cos(phi), sin_phi = std::sin(phi);
-  if (roughness_ == 0) {  // cosine-weighted: weight = shape cos / (cos / pi) = 1
-    const float r = std::sqrt(u1);
-    return {r * cos_phi, r * sin_phi, std::sqrt(std::max(0.0f, 1.0f - u1)), 1.0f, 1.0f};
-  }
-  // Half vector with density D cos_h; direction density D cos_h / (4 cos_d).
-  const float tan2 = -roughness_ * roughness_ * std::log(1.0f - u1);
-  const float cos_h = 1.0f / std::sqrt(1.0f + tan2);
-  const float sin_h = std::sqrt(tan2) * cos_h;
-  const float sin_o = std::sqrt(std::max(0.0f, 1.0f - cos_o * cos_o));
-  const float hx = sin_h * cos_phi, hy = sin_h * sin_phi;
-  const float cos_d = sin_o * hx + cos_o * cos_h;
-  Sampled out{2 * cos_d * hx - sin_o, 2 * cos_d * hy, 2 * cos_d * cos_h - cos_o, cos_d, 0.0f};
-  if (cos_d <= 0 || out.z <= 0) return out;
-  out.cos_d = std::min(cos_d, 1.0f);
-  if (masking_ == Masking::kVGroove)
-    out.weight = std::min(cos_d / (cos_o * cos_h), 2.0f * std::min(out.z, cos_o) / cos_o);
-  else
-    out.weight = static_cast<float>(masking_smith(out.z, cos_o, roughness_)) * cos_d / (cos_o * cos_h);
-  return out;
-}
-
 float Material::emissivity(float cos_o) const { return emissivity_and_dhr(cos_o).emissivity; }
 float Material::dhr_max(float cos_o) const { return emissivity_and_dhr(cos_o).dhr_max; }
 
 namespace {
-void blend_rows(const std::vector<float>& table, std::size_t columns, int cells, float x, float* out) {
+void blend_rows(const std::vector<float>& table, std::size_t columns, int cells, float x,
+                float* out) {
   const float position = x * static_cast<float>(cells);
   const int cell = std::clamp(static_cast<int>(position), 0, cells - 1);
   const float t = position - static_cast<float>(cell);

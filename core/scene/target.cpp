@@ -12,7 +12,8 @@ namespace irsig {
 namespace {
 
 // Which part each mesh group belongs to.
-absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh, const std::vector<PartSpec>& parts) {
+absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
+                                                         const std::vector<PartSpec>& parts) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> part_of_group(mesh.group.size(), kNone);
   std::vector<std::string> errors;
@@ -25,21 +26,24 @@ absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh, const
         if (!group_matches(mesh.group[g], patterns[k])) continue;
         matched = true;
         if (part_of_group[g] != kNone && part_of_group[g] != i)
-          errors.push_back(absl::StrCat("part[", i, "]: group \"", mesh.group[g], "\" of the model already belongs to part \"",
+          errors.push_back(absl::StrCat("part[", i, "]: group \"", mesh.group[g],
+                                        "\" of the model already belongs to part \"",
                                         parts[part_of_group[g]].name, "\""));
         else
           part_of_group[g] = i;
       }
       if (!matched)
-        errors.push_back(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match", ": no group of the model matches \"",
-                                      patterns[k], "\" (its groups: ", absl::StrJoin(mesh.group, ", "), ")"));
+        errors.push_back(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match",
+                                      ": no group of the model matches \"", patterns[k],
+                                      "\" (its groups: ", absl::StrJoin(mesh.group, ", "), ")"));
     }
   }
   std::vector<bool> used(mesh.group.size(), false);
   for (const std::uint32_t g : mesh.triangle_group) used[g] = true;
   for (std::size_t g = 0; g < mesh.group.size(); ++g)
     if (used[g] && part_of_group[g] == kNone)
-      errors.push_back(absl::StrCat("part: no part matches group \"", mesh.group[g], "\" of the model, so it has neither material nor temperature"));
+      errors.push_back(absl::StrCat("part: no part matches group \"", mesh.group[g],
+                                    "\" of the model, so it has neither material nor temperature"));
   if (!errors.empty()) return absl::InvalidArgumentError(absl::StrJoin(errors, "\n"));
   return part_of_group;
 }
@@ -77,7 +81,8 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
     const double norm = length(twice);
     const std::uint32_t part = (*part_of_group)[mesh.triangle_group[i]];
     const double inverse = norm > 0 ? 1 / norm : 0;
-    target.facet.push_back({static_cast<float>(inverse * twice.x), static_cast<float>(inverse * twice.y),
+    target.facet.push_back({static_cast<float>(inverse * twice.x),
+                            static_cast<float>(inverse * twice.y),
                             static_cast<float>(inverse * twice.z), part});
     target.part_area_m2[part] += 0.5 * norm;
     target.triangle.insert(target.triangle.end(), corner.begin(), corner.end());

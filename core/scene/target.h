@@ -18,11 +18,11 @@ struct PartSpec {
   std::vector<std::string> match;  // patterns of group_matches(); empty: the part's own name
   std::uint32_t material = 0;      // index into the scene's materials
   bool two_sided = false;
-  bool hot = false;                // its primary rays form a stratum of their own
+  bool hot = false;  // its primary rays form a stratum of their own
 };
 
-// The target, ready to be traced: float coordinates relative to the centre of its bounding sphere, so that neither the
-// mesh's own offset nor the sensor's distance costs precision.
+// The target, ready to be traced: float coordinates relative to the centre of its bounding sphere,
+// so that neither the mesh's own offset nor the sensor's distance costs precision.
 struct Target {
   struct Facet {
     float nx, ny, nz;  // unit outward normal; zero for a degenerate triangle
@@ -33,14 +33,18 @@ struct Target {
   std::vector<float> vertex;            // x y z relative to centre [m]
   std::vector<std::uint32_t> triangle;  // three indices each
   std::vector<double> part_area_m2;
-  Vec<Body> centre;                     // in the body frame
-  double radius_m = 0;                  // of the bounding sphere about centre
-  std::array<double, 2> z_extent_m{};   // smallest and largest body z (down)
+  Vec<Body> centre;                    // in the body frame
+  double radius_m = 0;                 // of the bounding sphere about centre
+  std::array<double, 2> z_extent_m{};  // smallest and largest body z (down)
+  // Secondary rays start this far off a facet: about 8 units in the last place of a coordinate at
+  // the rim.     [m]
+  [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }
   std::shared_ptr<const Tracer> tracer;
 };
 
-// Errors (INVALID_ARGUMENT) name the part ("part[2].match: ..."): a part that matches no group, a group that no part or
-// more than one part matches.
-[[nodiscard]] absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa);
+// Errors (INVALID_ARGUMENT) name the part ("part[2].match: ..."): a part that matches no group, a
+// group that no part or more than one part matches.
+[[nodiscard]] absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts,
+                                                 TracerIsa isa);
 
 }  // namespace irsig

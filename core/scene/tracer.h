@@ -9,7 +9,8 @@
 
 namespace irsig {
 
-// Sixteen rays and what they met, in the ray tracer's own layout. A ray is inactive when its tfar < tnear.
+// Sixteen rays and what they met, in the ray tracer's own layout. A ray is inactive when its tfar <
+// tnear.
 struct alignas(64) RayPacket {
   static constexpr int kSize = 16;
   static constexpr std::uint32_t kMiss = 0xffffffffu;
@@ -22,13 +23,15 @@ struct alignas(64) RayPacket {
   std::uint32_t triangle[16], geometry[16], instance[16];
 };
 
-// The instruction sets that the ray tracer may be pinned to; results can differ in the last bit between them.
+// The instruction sets that the ray tracer may be pinned to; results can differ in the last bit
+// between them.
 enum class TracerIsa { kAvx512, kAvx2, kSse42 };
 [[nodiscard]] TracerIsa widest_isa();
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
-// Ray-triangle intersection by Embree 3 (this class is its only user): float32 coordinates, which the caller keeps near the
-// origin; ROBUST traversal (edge-watertight). Immutable after construction: any number of threads may trace.
+// Ray-triangle intersection by Embree 3 (this class is its only user): float32 coordinates, which
+// the caller keeps near the origin; ROBUST traversal (edge-watertight). Immutable after
+// construction: any number of threads may trace.
 class Tracer {
  public:
   // vertex: x y z, triangle: three indices.
@@ -37,7 +40,8 @@ class Tracer {
                                                        TracerIsa isa);
   virtual ~Tracer() = default;
 
-  // Nearest hit of the first `count` rays of a packet. `coherent` rays start and go close to each other.
+  // Nearest hit of the first `count` rays of a packet. `coherent` rays start and go close to each
+  // other.
   virtual void intersect(RayPacket& packet, int count, bool coherent) const = 0;
   // Whether anything lies between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count, bool coherent) const = 0;

@@ -11,7 +11,8 @@ namespace irsig {
 namespace {
 double in_band(const std::vector<double>& radiance, const BandGrid& grid, std::size_t node_offset) {
   double sum = 0;
-  for (std::size_t i = 0; i < grid.node_um.size(); ++i) sum += grid.band_weight[i] * radiance[node_offset + i];
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i)
+    sum += grid.band_weight[i] * radiance[node_offset + i];
   return sum;
 }
 }  // namespace
@@ -20,25 +21,32 @@ std::size_t quantities(std::size_t parts, const BandGrid& grid) {
   return 1 + kCauses + 2 + parts + (2 + kCauses) * grid.lambda_um.size();
 }
 
-ConditionShading::ConditionShading(const ConditionSpec& condition, const Air& air, double range_m, const SourceClasses& classes,
-                                   int sun_index, const std::vector<double>& node_um)
-    : classes_(classes), sun_index_(sun_index), nodes_(node_um.size()), none_(node_um.size(), 0.0),
+ConditionShading::ConditionShading(const ConditionSpec& condition, const Air& air, double range_m,
+                                   const SourceClasses& classes, int sun_index,
+                                   const std::vector<double>& node_um)
+    : classes_(classes),
+      sun_index_(sun_index),
+      nodes_(node_um.size()),
+      none_(node_um.size(), 0.0),
       air_(air_path(air, condition.air_temperature_k, range_m, node_um)) {
   for (const double t : condition.part_temperature_k) {
     std::vector<double>& radiance = part_.emplace_back(nodes_);
-    for (std::size_t i = 0; i < nodes_; ++i) radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], t);
+    for (std::size_t i = 0; i < nodes_; ++i)
+      radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], t);
   }
   sun_.emplace_back(nodes_, 0.0);
   sky_.resize(nodes_);
   lower_.resize(nodes_);
   for (std::size_t i = 0; i < nodes_; ++i) {
-    if (condition.sun && condition.sun_cos_zenith > 0) sun_[0][i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
+    if (sun_index >= 0) sun_[0][i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
     sky_[i] = sky_radiance_w_m2_sr_um(condition.surroundings, node_um[i]);
-    lower_[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], sun_[0][i], condition.sun_cos_zenith);
+    lower_[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], sun_[0][i],
+                                          condition.sun_cos_zenith);
   }
 }
 
-const std::vector<double>& ConditionShading::source(std::uint32_t first, std::uint32_t source_class) const {
+const std::vector<double>& ConditionShading::source(std::uint32_t first,
+                                                    std::uint32_t source_class) const {
   if (source_class == classes_.own()) return part_[first];
   if (source_class < classes_.sky()) return part_[source_class - classes_.part(0)];
   if (source_class == classes_.sky()) return sky_;
@@ -106,7 +114,8 @@ void ConditionShading::evaluate(const PathWeights& weights, bool spectral, const
       out[1 + c] += grid.band_weight[i] * value;
       spectra[(1 + c) * bins + i / 4] += grid.bin_weight[i] * value;
     }
-    const double apparent = total * air_.transmittance[node_offset + i] + area * air_.path_radiance_w_m2_sr_um[node_offset + i];
+    const double apparent = total * air_.transmittance[node_offset + i] +
+                            area * air_.path_radiance_w_m2_sr_um[node_offset + i];
     out[0] += grid.band_weight[i] * total;
     out[1 + kCauses] += grid.band_weight[i] * apparent;
     spectra[i / 4] += grid.bin_weight[i] * total;

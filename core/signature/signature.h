@@ -16,7 +16,8 @@
 
 namespace irsig {
 
-// Version of the numbers that the core makes: raised whenever a result changes in any bit for the same request.
+// Version of the numbers that the core makes: raised whenever a result changes in any bit for the
+// same request.
 inline constexpr int kPhysicsVersion = 1;
 
 // What does not change during a sweep.
@@ -32,25 +33,26 @@ struct SceneSpec {
 struct ConditionSpec {
   std::vector<double> part_temperature_k;  // in the order of SceneSpec::part
   Surroundings surroundings;
-  bool sun = false;                // whether direct sun is part of this condition
-  Vec<Body> sun_direction;         // unit vector towards the sun
+  bool sun = false;         // whether direct sun is part of this condition
+  Vec<Body> sun_direction;  // unit vector towards the sun
   double sun_cos_zenith = 0;
   double sun_angular_radius_deg = 0;
-  double sun_scale = 0;            // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
+  double sun_scale = 0;  // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
   double air_temperature_k = 0;
 };
 
 struct AccuracySpec {
   // Exactly one is positive.
-  double relative_error = 0;                 // of the in-band intensity of every row of the sweep
-  double target_paths = 0;                   // primary rays that meet the target, all replicates
+  double relative_error = 0;  // of the in-band intensity of every row of the sweep
+  double target_paths = 0;    // primary rays that meet the target, all replicates
   std::uint64_t samples_per_replicate = 0;
   std::uint32_t replicates = 32;
   std::uint64_t max_samples_per_replicate = 1u << 22;
 };
 
-// One viewpoint. All conditions and bands of the sweep are stated, because the pilot that fixes the number of samples looks at
-// all of them; only the selected rows are computed, and their bits do not depend on the selection.
+// One viewpoint. All conditions and bands of the sweep are stated, because the pilot that fixes the
+// number of samples looks at all of them; only the selected rows are computed, and their bits do
+// not depend on the selection.
 struct ViewRequest {
   Viewpoint viewpoint;
   std::vector<ConditionSpec> condition;
@@ -95,7 +97,8 @@ struct ViewResult {
   std::uint32_t replicates = 0;
   std::uint64_t samples_per_replicate = 0;
   std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
-  std::uint64_t seed = 0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed
+  std::uint64_t seed =
+      0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed
 };
 
 // A scene ready for any number of viewpoints. Immutable: simulate() may run on several threads.
@@ -107,6 +110,7 @@ class Simulator {
 
   [[nodiscard]] const Target& target() const { return target_; }
   [[nodiscard]] const std::vector<Material>& materials() const { return material_; }
+  [[nodiscard]] const std::vector<Band>& bands() const { return band_; }
   [[nodiscard]] const std::vector<BandGrid>& band_grids() const { return grid_; }
   // Some part's material creates energy.
   [[nodiscard]] bool energy_gain() const { return energy_gain_; }
@@ -116,11 +120,11 @@ class Simulator {
   Target target_;
   std::vector<Band> band_;
   std::vector<BandGrid> grid_;
-  std::vector<double> node_um_;            // the nodes of all bands, one after the other
-  std::vector<std::size_t> band_offset_;   // where each band's nodes begin
+  std::vector<double> node_um_;           // the nodes of all bands, one after the other
+  std::vector<std::size_t> band_offset_;  // where each band's nodes begin
   std::vector<Material> material_;
   bool energy_gain_ = false;
-  std::uint64_t scene_hash_ = 0;           // of geometry, materials, strata
+  std::uint64_t scene_hash_ = 0;  // of geometry, materials, strata
 };
 
 }  // namespace irsig

@@ -10,10 +10,11 @@ namespace irsig {
 
 // Which sample of a scrambled Sobol replicate lies in a given small square of the unit square.
 //
-// Of n samples, at most one of each replicate lies in a square of side 2^-m, m = ceil(log4 n). Visiting the squares one after the other,
-// and in each all replicates, gives rays that hit the same few facets - without sorting, since the scrambled sequence can be
-// inverted: the first coordinate's upper m bits are a permutation of the index's lower m bits, the second's a permutation of a linear
-// map of its lower 2m bits (core/base/sobol.h).
+// Of n samples, at most one of each replicate lies in a square of side 2^-m, m = ceil(log4 n).
+// Visiting the squares one after the other, and in each all replicates, gives rays that hit the
+// same few facets - without sorting, since the scrambled sequence can be inverted: the first
+// coordinate's upper m bits are a permutation of the index's lower m bits, the second's a
+// permutation of a linear map of its lower 2m bits (core/base/sobol.h).
 class CellOrder {
  public:
   CellOrder(std::uint64_t samples, std::span<const SeedPair> seed_of_replicate);
@@ -25,7 +26,8 @@ class CellOrder {
   // The index of replicate r's sample in square (x, y), kNone if it is not among the n first.
   [[nodiscard]] std::uint32_t sample(std::uint32_t r, std::uint32_t x, std::uint32_t y) const {
     const std::uint32_t low = inverse_x_[(r << bits_) + x];
-    const std::uint32_t high = high_of_[inverse_y_[(r << bits_) + y] ^ (second_coordinate_reversed(low) & (side() - 1))];
+    const std::uint32_t high =
+        high_of_[inverse_y_[(r << bits_) + y] ^ (second_coordinate_reversed(low) & (side() - 1))];
     const std::uint32_t index = low | (high << bits_);
     return index < samples_ ? index : kNone;
   }
@@ -33,8 +35,10 @@ class CellOrder {
  private:
   std::uint32_t bits_ = 0;
   std::uint32_t samples_ = 0;
-  std::vector<std::uint32_t> inverse_x_, inverse_y_;  // [replicate][cell]: the reversed coordinate before scrambling
-  std::vector<std::uint32_t> high_of_;                // the index's upper m bits behind a value of their linear map
+  std::vector<std::uint32_t> inverse_x_,
+      inverse_y_;  // [replicate][cell]: the reversed coordinate before scrambling
+  std::vector<std::uint32_t>
+      high_of_;  // the index's upper m bits behind a value of their linear map
 };
 
 // Even bits of a Morton code.

@@ -9,9 +9,11 @@
 namespace irsig {
 namespace {
 
-Float3 to_float(Vec<Body> v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+Float3 to_float(Vec<Body> v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
-// An orthonormal pair across a unit vector.                                                    [duff2017]
+// An orthonormal pair across a unit vector. [duff2017]
 void orthonormal_basis(Float3 n, Float3& b1, Float3& b2) {
   const float sign = std::copysign(1.0f, n.z);
   const float a = -1.0f / (sign + n.z);
@@ -20,14 +22,11 @@ void orthonormal_basis(Float3 n, Float3& b1, Float3& b2) {
   b2 = {b, sign + n.y * n.y * a, -n.y};
 }
 
-// A fainter sun contribution than this fraction of a diffuse reflection is played by roulette before a shadow ray is spent on
-// it. On the frigate in the winter sun (Cook-Torrance, m = 0.3), 0.1 saves 60 % of the shadow rays and raises the variance of
-// the in-band intensity by less than 1 %; 1 saves 80 % and raises it by 8 %.
+// A fainter sun contribution than this fraction of a diffuse reflection is played by roulette
+// before a shadow ray is spent on it. On the frigate in the winter sun (Cook-Torrance, m = 0.3),
+// 0.1 saves 60 % of the shadow rays and raises the variance of the in-band intensity by less than 1
+// %; 1 saves 80 % and raises it by 8 %.
 constexpr float kFaintSun = 0.1f;
-
-// Secondary rays start this fraction of the scene's radius off the facet: about 8 units in the last place of a coordinate
-// at the rim (docs/methods.md, numerical traps).
-constexpr double kOffset = 0x1p-19;
 
 struct Sun {
   Float3 direction, tangent1, tangent2;  // tangents scaled by the disk's radius
@@ -41,17 +40,18 @@ struct PathTracer::Work {
   float* image;
   PathCounts* counts;
   std::vector<Sun> sun;
-  std::size_t bins = 0;                    // (f, c, node) of one replicate
-  std::vector<double> weight;              // [replicate][bin], of the current stratum
-  std::vector<double> area, truncated;     // [replicate]
-  float area_per_sample = 0;               // m2 on the image plane: the inverse of the stratum's sample density
-  std::uint32_t pairs = 0;                 // dimension pairs of a path
-  std::vector<SeedPair> seeds;             // [replicate][pair]
+  std::uint32_t capacity = 0;           // primary rays of a batch
+  std::size_t bins = 0;                 // (f, c, node) of one replicate
+  std::vector<double> weight;           // [replicate][bin], of the current stratum
+  std::vector<double> area, truncated;  // [replicate]
+  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
+  std::uint32_t pairs = 0;    // dimension pairs of a path
+  std::vector<SeedPair> seeds;  // [replicate][pair]
   std::uint32_t stratum = 0;
   RayBatch batch, next;
   std::vector<RayBatch> shadow;  // one for each sun
-  std::vector<float> row;     // a spectrum being made
-  SampleList list;            // random numbers being drawn
+  std::vector<float> row;        // a spectrum being made
+  SampleList list;               // random numbers being drawn
   std::vector<std::uint32_t> replicate_of_list;
   std::vector<float> x_m, y_m, ray_weight, inverse_length;
   VertexList vertex;
@@ -59,28 +59,29 @@ struct PathTracer::Work {
   std::vector<std::uint32_t> chosen;
 };
 
-PathTracer::PathTracer(const Target& target, std::span<const Material> materials, const Viewpoint& viewpoint,
-                       std::vector<SunDirection> suns, PathSettings settings)
-    : target_(target), materials_(materials), suns_(std::move(suns)), settings_(settings), range_m_(viewpoint.range_m),
-      frame_(make_view_frame(target, viewpoint)) {
-  classes_ = {static_cast<std::uint32_t>(target.part.size()), static_cast<std::uint32_t>(suns_.size())};
+PathTracer::PathTracer(const Target& target, std::span<const Material> materials,
+                       const AimedView& view, std::vector<SunDirection> suns, PathSettings settings)
+    : target_(target),
+      materials_(materials),
+      suns_(std::move(suns)),
+      settings_(settings),
+      view_(view) {
+  classes_ = {static_cast<std::uint32_t>(target.part.size()),
+              static_cast<std::uint32_t>(suns_.size())};
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
-  std::uint32_t strata = 1;
-  for (const PartSpec& part : target.part) stratum_of_part_.push_back(part.hot ? strata++ : 0);
-  // 128 cells on the long side: at 64 the frigate's rays miss 1.4 times as often, at 256 the mask costs twice as much and
-  // saves 4 % of the rays.
-  for (std::uint32_t s = 0; s < strata; ++s) strata_.emplace_back(target, frame_, stratum_of_part_, s, 128);
 }
 
-std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<float>& image, PathCounts& counts) const {
+std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<float>& image,
+                                           PathCounts& counts) const {
   Work work;
   work.plan = &plan;
   work.image = image.data();
   work.counts = &counts;
   work.bins = static_cast<std::size_t>(classes_.parts) * classes_.count() * nodes_;
   for (const SunDirection& s : suns_) {
-    Sun sun{to_float(s.direction), {}, {}, static_cast<float>(std::sin(s.angular_radius_rad)) + 1e-6f};
+    Sun sun{
+        to_float(s.direction), {}, {}, static_cast<float>(std::sin(s.angular_radius_rad)) + 1e-6f};
     orthonormal_basis(sun.direction, sun.tangent1, sun.tangent2);
     const auto r = static_cast<float>(std::tan(s.angular_radius_rad));
     for (Float3* t : {&sun.tangent1, &sun.tangent2}) *t = {r * t->x, r * t->y, r * t->z};
@@ -89,21 +90,25 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<fl
   // Large enough to fill packets, small enough to stay in the second-level cache.
   const std::uint32_t capacity = spectral_ ? 256 : 1024;
   const std::size_t row = spectral_ ? nodes_ : 0;
-  work.batch.resize(capacity, row);
-  work.next.resize(capacity, row);
+  const std::uint32_t most = capacity * settings_.split;  // after splitting
+  work.capacity = capacity;
+  work.batch.resize(most, row);
+  work.next.resize(most, row);
   work.shadow.resize(suns_.size());
-  for (RayBatch& b : work.shadow) b.resize(capacity, row);
+  for (RayBatch& b : work.shadow) b.resize(most, row);
   work.row.resize(nodes_);
-  work.list.resize(capacity);
+  work.list.resize(most);
   work.replicate_of_list.resize(capacity);
-  for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.inverse_length, &work.roulette_x, &work.roulette_y}) v->resize(capacity);
-  work.vertex.resize(capacity);
-  work.chosen.resize(capacity + 1);
+  for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.inverse_length, &work.roulette_x,
+                  &work.roulette_y})
+    v->resize(most);
+  work.vertex.resize(most);
+  work.chosen.resize(most + 1);
 
   std::vector<PathWeights> out(settings_.replicates);
   for (PathWeights& w : out) w.weight.assign(work.bins, 0.0);
-  for (std::uint32_t s = 0; s < strata_.size(); ++s) {
-    if (strata_[s].empty()) continue;
+  for (std::uint32_t s = 0; s < view_.stratum.size(); ++s) {
+    if (view_.stratum[s].empty()) continue;
     work.stratum = s;
     work.weight.assign(settings_.replicates * work.bins, 0.0);
     work.area.assign(settings_.replicates, 0.0);
@@ -112,9 +117,10 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<fl
       trace_stratum<true>(work, s);
     else
       trace_stratum<false>(work, s);
-    const double normalise = strata_[s].area_m2() / static_cast<double>(stratum_samples(s));
+    const double normalise = view_.stratum[s].area_m2() / static_cast<double>(stratum_samples(s));
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
-      for (std::size_t i = 0; i < work.bins; ++i) out[r].weight[i] += normalise * work.weight[r * work.bins + i];
+      for (std::size_t i = 0; i < work.bins; ++i)
+        out[r].weight[i] += normalise * work.weight[r * work.bins + i];
       out[r].projected_area_m2 += normalise * work.area[r];
       out[r].truncated_m2 += normalise * work.truncated[r];
     }
@@ -123,13 +129,14 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<fl
 }
 
 std::uint64_t PathTracer::stratum_samples(std::uint32_t stratum) const {
-  // A hot part is small and bright: an eighth of the main stratum's samples keeps its share of the error below the rest's.
+  // A hot part is small and bright: an eighth of the main stratum's samples keeps its share of the
+  // error below the rest's.
   return stratum == 0 ? settings_.samples : std::max<std::uint64_t>(64, settings_.samples / 8);
 }
 
 template <bool kSpectral>
 void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
-  const CoverageMask& mask = strata_[stratum];
+  const CoverageMask& mask = view_.stratum[stratum];
   const std::uint64_t samples = stratum_samples(stratum);
   work.area_per_sample = static_cast<float>(mask.area_m2() / static_cast<double>(samples));
   work.pairs = 1 + 3 * (settings_.max_reflections + 1);
@@ -137,12 +144,12 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   std::vector<SeedPair> aim;
   for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
     const std::uint64_t seed = mix64(mix64(settings_.seed ^ mix64(r)) + stratum);
-    for (std::uint32_t pair = 0; pair < work.pairs; ++pair) work.seeds.push_back(seed_pair(seed, pair));
+    for (std::uint32_t pair = 0; pair < work.pairs; ++pair)
+      work.seeds.push_back(seed_pair(seed, pair));
     aim.push_back(seed_pair(seed, 0));
   }
   const CellOrder order(samples, aim);
 
-  const auto capacity = static_cast<std::uint32_t>(work.batch.state.size());
   SampleList& list = work.list;
   list.size = 0;
   const std::uint64_t cells = static_cast<std::uint64_t>(order.side()) * order.side();
@@ -156,7 +163,7 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
       list.seed_x[i] = aim[r].x;
       list.seed_y[i] = aim[r].y;
       work.replicate_of_list[i] = r;
-      if (list.size == capacity) {
+      if (list.size == work.capacity) {
         aim_batch(work, mask);
         trace_batch<kSpectral>(work);
         list.size = 0;
@@ -176,21 +183,33 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
     work.x_m[i] = p.x_m;
     work.y_m[i] = p.y_m;
   }
-  ImagePlane plane{to_float(frame_.sensor + frame_.plane_m * frame_.forward), to_float(frame_.right), to_float(frame_.up), to_float(frame_.forward),
-                   static_cast<float>(1 / frame_.plane_m), static_cast<float>(range_m_ * range_m_ / (frame_.plane_m * frame_.plane_m))};
-  aim(plane, work.x_m.data(), work.y_m.data(), list.size, work.batch.packet.data(), work.ray_weight.data(), work.inverse_length.data());
+  ImagePlane plane{to_float(view_.frame.sensor + view_.frame.plane_m * view_.frame.forward),
+                   to_float(view_.frame.right),
+                   to_float(view_.frame.up),
+                   to_float(view_.frame.forward),
+                   static_cast<float>(1 / view_.frame.plane_m),
+                   static_cast<float>(view_.range_m * view_.range_m /
+                                      (view_.frame.plane_m * view_.frame.plane_m))};
+  aim(plane, work.x_m.data(), work.y_m.data(), list.size, work.batch.packet.data(),
+      work.ray_weight.data(), work.inverse_length.data());
   const ImagePlan& plan = *work.plan;
-  const auto pixels_x = static_cast<float>(plan.width_px / frame_.width_m), pixels_y = static_cast<float>(plan.height_px / frame_.height_m);
-  const auto x0 = static_cast<float>(frame_.x0_m), y0 = static_cast<float>(frame_.y0_m);
+  const auto pixels_x = static_cast<float>(plan.width_px / view_.frame.width_m),
+             pixels_y = static_cast<float>(plan.height_px / view_.frame.height_m);
+  const auto x0 = static_cast<float>(view_.frame.x0_m), y0 = static_cast<float>(view_.frame.y0_m);
   const bool pictures = !plan.empty();
   for (std::uint32_t i = 0; i < list.size; ++i) {
     std::uint32_t pixel = 0;
     if (pictures) {
-      const auto px = std::min(static_cast<std::uint32_t>(std::max((work.x_m[i] - x0) * pixels_x, 0.0f)), plan.width_px - 1);
-      const auto py = std::min(static_cast<std::uint32_t>(std::max((work.y_m[i] - y0) * pixels_y, 0.0f)), plan.height_px - 1);
+      const auto px =
+          std::min(static_cast<std::uint32_t>(std::max((work.x_m[i] - x0) * pixels_x, 0.0f)),
+                   plan.width_px - 1);
+      const auto py =
+          std::min(static_cast<std::uint32_t>(std::max((work.y_m[i] - y0) * pixels_y, 0.0f)),
+                   plan.height_px - 1);
       pixel = (plan.height_px - 1 - py) * plan.width_px + px;
     }
-    work.batch.state[i] = {work.replicate_of_list[i], list.index[i], pixel, 0, work.ray_weight[i], 1.0f, 1.0f, work.inverse_length[i]};
+    work.batch.state[i] = {work.replicate_of_list[i], list.index[i], pixel, 0,
+                           work.ray_weight[i],        1.0f,          1.0f,  work.inverse_length[i]};
   }
   work.batch.size = list.size;
 }
@@ -199,9 +218,12 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
 template <bool kSpectral>
 void PathTracer::trace_batch(Work& work) const {
   work.counts->samples += work.batch.size;
-  for (std::uint32_t order = 0; order <= settings_.max_reflections && work.batch.size > 0; ++order) {
+  for (std::uint32_t order = 0; order <= settings_.max_reflections && work.batch.size > 0;
+       ++order) {
     work.batch.prepare_packets(true);
-    work.batch.for_each_packet([&](RayPacket& packet, int count) { target_.tracer->intersect(packet, count, order == 0); });
+    work.batch.for_each_packet([&](RayPacket& packet, int count) {
+      target_.tracer->intersect(packet, count, order == 0);
+    });
     work.counts->rays += work.batch.size;
     work.next.size = 0;
     arrive<kSpectral>(work, order);
@@ -215,7 +237,8 @@ void PathTracer::trace_batch(Work& work) const {
 }
 
 template <bool kSpectral>
-inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t source_class, float weight, const float* spectrum) const {
+inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t source_class,
+                            float weight, const float* spectrum) const {
   const std::size_t pixel = path.pixel;
   const std::size_t bin = static_cast<std::size_t>(path.first) * classes_.count() + source_class;
   const ImagePlan& plan = *work.plan;
@@ -249,24 +272,29 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
   VertexList& vertex = work.vertex;
   vertex.size = 0;
   const auto sea_z = static_cast<float>(settings_.sea_z_m);
-  const auto offset = static_cast<float>(kOffset * target_.radius_m);
-  const bool behind_horizon = order == 0 && settings_.earth_radius_m > 0 && frame_.sensor.z > settings_.sea_z_m;
+  const auto offset = static_cast<float>(target_.offset_m());
+  const bool behind_horizon =
+      order == 0 && settings_.earth_radius_m > 0 && view_.frame.sensor.z > settings_.sea_z_m;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     const RayPacket& packet = batch.packet_of(i);
     const std::uint32_t lane = RayBatch::lane_of(i);
     PathState& s = batch.state[i];
-    const float* spectrum = batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
+    const float* spectrum =
+        batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
     const std::uint32_t triangle = packet.triangle[lane];
     const Float3 d{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
     if (triangle == RayPacket::kMiss) {
-      if (order > 0) add<kSpectral>(work, s, d.z < 0 ? classes_.sky() : classes_.lower(), s.weight, spectrum);
+      if (order > 0)
+        add<kSpectral>(work, s, d.z < 0 ? classes_.sky() : classes_.lower(), s.weight, spectrum);
       continue;
     }
     const float t = packet.tfar[lane];
-    const Float3 p{packet.org_x[lane] + t * d.x, packet.org_y[lane] + t * d.y, packet.org_z[lane] + t * d.z};
+    const Float3 p{packet.org_x[lane] + t * d.x, packet.org_y[lane] + t * d.y,
+                   packet.org_z[lane] + t * d.z};
     const Target::Facet& facet = target_.facet[triangle];
-    if (order == 0 && stratum_of_part_[facet.part] != work.stratum) continue;
-    if (settings_.lower_is_sea && p.z > sea_z + offset) {  // under water: the path ended on the sea above it
+    if (order == 0 && view_.stratum_of_part[facet.part] != work.stratum) continue;
+    if (settings_.lower_is_sea &&
+        p.z > sea_z + offset) {  // under water: the path ended on the sea above it
       if (order > 0) add<kSpectral>(work, s, classes_.lower(), s.weight, spectrum);
       continue;
     }
@@ -318,22 +346,28 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     vertex.cos_o[v] = cos_o;
     vertex.dhr[v] = e.dhr_max;
     vertex.roughness2[v] = material.roughness() * material.roughness();
-    vertex.survival[v] = std::min(1.0f, s.throughput * s.spectral_max * e.dhr_max);
+    // Reflections cost more rays than primary hits and scatter more: the first vertex may send out
+    // several.
+    vertex.survival[v] = (order == 0 ? static_cast<float>(settings_.split) : 1.0f) *
+                         std::min(1.0f, s.throughput * s.spectral_max * e.dhr_max);
     vertex.path[v] = i;
     vertex.material[v] = part.material;
   }
 }
 
-// The segment to the sensor against the sphere of the Earth, from the point's height above the waterline.
+// The segment to the sensor against the sphere of the Earth, from the point's height above the
+// waterline.
 bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
   const double h = settings_.sea_z_m - static_cast<double>(p.z), radius = settings_.earth_radius_m;
   const double slant = inverse_length, ex = -d.x * slant, ey = -d.y * slant, up = d.z * slant;
   const double b = p.x * ex + p.y * ey + (radius + h) * up;
-  const double c = static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
+  const double c =
+      static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
   return b < 0 && b * b > c;
 }
 
-// From each listed vertex: a shadow ray to each sun that matters there, and the path's next ray if it survives.
+// From each listed vertex: a shadow ray to each sun that matters there, and the path's next ray if
+// it survives.
 template <bool kSpectral>
 void PathTracer::depart(Work& work, std::uint32_t order) const {
   const RayBatch& batch = work.batch;
@@ -348,7 +382,8 @@ void PathTracer::depart(Work& work, std::uint32_t order) const {
     list.seed_shuffle[slot] = seed.shuffle;
   };
   list.size = vertex.size;
-  for (std::uint32_t v = 0; v < vertex.size; ++v) list_pair(v, batch.state[vertex.path[v]], 2 + 3 * order);
+  for (std::uint32_t v = 0; v < vertex.size; ++v)
+    list_pair(v, batch.state[vertex.path[v]], 2 + 3 * order);
   draw_pairs_shuffled(list);
   std::copy_n(list.x.begin(), vertex.size, work.roulette_x.begin());
   std::copy_n(list.y.begin(), vertex.size, work.roulette_y.begin());
@@ -364,17 +399,22 @@ void PathTracer::depart(Work& work, std::uint32_t order) const {
       chosen += work.roulette_y[v] < vertex.keep[v] ? 1 : 0;
     }
     list.size = chosen;
-    for (std::uint32_t k = 0; k < chosen; ++k) list_pair(k, batch.state[vertex.path[work.chosen[k]]], 1 + 3 * order);
+    for (std::uint32_t k = 0; k < chosen; ++k)
+      list_pair(k, batch.state[vertex.path[work.chosen[k]]], 1 + 3 * order);
     draw_pairs_shuffled(list);
+    turn(list);
     for (std::uint32_t k = 0; k < chosen; ++k) {
       const std::uint32_t v = work.chosen[k], i = vertex.path[v];
-      const Float3 n{vertex.nx[v], vertex.ny[v], vertex.nz[v]}, wo{vertex.ox[v], vertex.oy[v], vertex.oz[v]};
-      const float r = std::sqrt(list.x[k]), phi = 2 * std::numbers::pi_v<float> * list.y[k];
-      const float a = r * std::cos(phi), b = r * std::sin(phi);
-      const Float3 wi{sun.direction.x + a * sun.tangent1.x + b * sun.tangent2.x, sun.direction.y + a * sun.tangent1.y + b * sun.tangent2.y,
+      const Float3 n{vertex.nx[v], vertex.ny[v], vertex.nz[v]},
+          wo{vertex.ox[v], vertex.oy[v], vertex.oz[v]};
+      const float r = std::sqrt(list.x[k]);
+      const float a = r * list.cos_y[k], b = r * list.sin_y[k];
+      const Float3 wi{sun.direction.x + a * sun.tangent1.x + b * sun.tangent2.x,
+                      sun.direction.y + a * sun.tangent1.y + b * sun.tangent2.y,
                       sun.direction.z + a * sun.tangent1.z + b * sun.tangent2.z};
       const float cos_i = dot(n, wi);  // |wi| = 1 to 1e-5
-      if (cos_i <= 0) continue;
+      if (cos_i <= 0 || (settings_.lower_is_sea && wi.z > 0))
+        continue;  // that piece of the disk has set
       const Float3 h{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
       const float inverse = 1.0f / std::sqrt(dot(h, h));
       const float cos_h = dot(n, h) * inverse, cos_d = std::min(dot(wo, h) * inverse, 1.0f);
@@ -392,28 +432,39 @@ void PathTracer::depart(Work& work, std::uint32_t order) const {
         float* row = shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_;
         material.spectral_reflectance(cos_d, row);
         if (order > 0)
-          for (std::size_t q = 0; q < nodes_; ++q) row[q] *= batch.spectrum[static_cast<std::size_t>(i) * nodes_ + q];
+          for (std::size_t q = 0; q < nodes_; ++q)
+            row[q] *= batch.spectrum[static_cast<std::size_t>(i) * nodes_ + q];
       }
     }
   }
 
+  // Roulette and splitting in one: floor(survival + u) rays go on, each with weight / survival. The
+  // children's samples are an aligned block of the sampler, so that their directions are stratified
+  // among themselves.
   std::uint32_t alive = 0;
   for (std::uint32_t v = 0; v < vertex.size; ++v) {
-    work.chosen[alive] = v;
-    alive += work.roulette_x[v] < vertex.survival[v] ? 1 : 0;
+    const auto children = static_cast<std::uint32_t>(vertex.survival[v] + work.roulette_x[v]);
+    for (std::uint32_t child = 0; child < children; ++child) {
+      work.chosen[alive] = v;
+      PathState s = batch.state[vertex.path[v]];
+      if (order == 0) s.sample = s.sample * settings_.split + child;
+      list_pair(alive, s, 3 + 3 * order);
+      ++alive;
+    }
   }
   list.size = alive;
-  for (std::uint32_t k = 0; k < alive; ++k) list_pair(k, batch.state[vertex.path[work.chosen[k]]], 3 + 3 * order);
   draw_pairs_shuffled(list);
+  turn(list);
   for (std::uint32_t k = 0; k < alive; ++k) {
     const std::uint32_t v = work.chosen[k], i = vertex.path[v];
     const Material& material = materials_[vertex.material[v]];
     const float cos_o = vertex.cos_o[v];
-    const Material::Sampled local = material.sample(cos_o, list.x[k], list.y[k]);
+    const Material::Sampled local = material.sample(cos_o, list.x[k], list.cos_y[k], list.sin_y[k]);
     if (local.weight <= 0) continue;
     const Float3 n{vertex.nx[v], vertex.ny[v], vertex.nz[v]};
     // The local frame has w_o in its x-z plane.
-    Float3 tx{vertex.ox[v] - cos_o * n.x, vertex.oy[v] - cos_o * n.y, vertex.oz[v] - cos_o * n.z}, ty;
+    Float3 tx{vertex.ox[v] - cos_o * n.x, vertex.oy[v] - cos_o * n.y, vertex.oz[v] - cos_o * n.z},
+        ty;
     const float sin2 = dot(tx, tx);
     if (sin2 > 1e-10f) {
       const float inverse = 1.0f / std::sqrt(sin2);
@@ -422,9 +473,11 @@ void PathTracer::depart(Work& work, std::uint32_t order) const {
     } else {
       orthonormal_basis(n, tx, ty);
     }
-    const Float3 direction{local.x * tx.x + local.y * ty.x + local.z * n.x, local.x * tx.y + local.y * ty.y + local.z * n.y,
+    const Float3 direction{local.x * tx.x + local.y * ty.x + local.z * n.x,
+                           local.x * tx.y + local.y * ty.y + local.z * n.y,
                            local.x * tx.z + local.y * ty.z + local.z * n.z};
     PathState s = batch.state[i];
+    s.sample = list.index[k];
     float factor = local.weight / vertex.survival[v];
     if constexpr (!kSpectral) factor *= material.reflectance(local.cos_d);
     s.weight *= factor;
@@ -434,7 +487,8 @@ void PathTracer::depart(Work& work, std::uint32_t order) const {
       ++work.counts->guarded_nonfinite;
       continue;
     }
-    const std::uint32_t ray = work.next.push({vertex.px[v], vertex.py[v], vertex.pz[v]}, direction, s);
+    const std::uint32_t ray =
+        work.next.push({vertex.px[v], vertex.py[v], vertex.pz[v]}, direction, s);
     if constexpr (kSpectral) {
       float* row = work.next.spectrum.data() + static_cast<std::size_t>(ray) * nodes_;
       material.spectral_reflectance(local.cos_d, row);
@@ -455,13 +509,15 @@ void PathTracer::trace_shadows(Work& work) const {
     RayBatch& batch = work.shadow[j];
     if (batch.size == 0) continue;
     batch.prepare_packets(false);
-    batch.for_each_packet([&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
+    batch.for_each_packet(
+        [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
     work.counts->rays += batch.size;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
       if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
       const PathState& s = batch.state[i];
-      add<kSpectral>(work, s, classes_.sun(j), s.weight,
-                     batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
+      add<kSpectral>(
+          work, s, classes_.sun(j), s.weight,
+          batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
     }
   }
 }

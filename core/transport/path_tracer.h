@@ -28,13 +28,14 @@ struct SourceClasses {
 };
 
 struct SunDirection {
-  Vec<Body> direction;        // unit vector towards the sun's centre
+  Vec<Body> direction;  // unit vector towards the sun's centre
   double angular_radius_rad;
 };
 
-// What the paths are accumulated into pictures with: `images` in-band pictures of width x height pixels over the view's bounding
-// rectangle. source[(f * classes + c) * padded + i] is what a unit weight of class (f, c) adds to picture i: an in-band radiance for grey
-// materials. With spectral materials it has a further index, the node: a weight at each node.
+// What the paths are accumulated into pictures with: `images` in-band pictures of width x height
+// pixels over the view's bounding rectangle. source[(f * classes + c) * padded + i] is what a unit
+// weight of class (f, c) adds to picture i: an in-band radiance for grey materials. With spectral
+// materials it has a further index, the node: a weight at each node.
 struct ImagePlan {
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t images = 0, padded = 0;  // padded: images rounded up to a multiple of 8
@@ -44,20 +45,22 @@ struct ImagePlan {
 
 struct PathSettings {
   std::uint32_t max_reflections = 3;
-  bool lower_is_sea = false;      // a point below z = 0 is under water: what is met there is the sea
-  double sea_z_m = 0;             // the waterline in coordinates relative to the centre (body z, down)
-  double earth_radius_m = 0;      // > 0: the sea's curvature hides what lies behind it (primary rays)
-  std::uint64_t seed = 0;         // of the job; replicates derive theirs from it
-  std::uint64_t samples = 0;      // primary samples of the main stratum, each replicate
+  bool lower_is_sea = false;  // a point below z = 0 is under water: what is met there is the sea
+  double sea_z_m = 0;         // the waterline in coordinates relative to the centre (body z, down)
+  double earth_radius_m = 0;  // > 0: the sea's curvature hides what lies behind it (primary rays)
+  std::uint64_t seed = 0;     // of the job; replicates derive theirs from it
+  std::uint64_t samples = 0;  // primary samples of the main stratum, each replicate
   std::uint32_t replicates = 32;
+  std::uint32_t split = 1;  // rays that go on from a first vertex of DHR 1 (a power of two)
 };
 
-// The weights of one replicate: intensity = sum over (f, c) of weight x source radiance of (f, c).     [m^2]
-// Grey: one number for each (f, c). Spectral: one for each (f, c, node).
+// The weights of one replicate: intensity = sum over (f, c) of weight x source radiance of (f, c).
+// [m^2] Grey: one number for each (f, c). Spectral: one for each (f, c, node).
 struct PathWeights {
   std::vector<double> weight;
   double projected_area_m2 = 0;
-  double truncated_m2 = 0;  // throughput of the paths that were still alive after the last reflection
+  double truncated_m2 =
+      0;  // throughput of the paths that were still alive after the last reflection
 };
 
 struct PathCounts {
@@ -65,33 +68,40 @@ struct PathCounts {
   std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
 };
 
-// Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.  (docs/methods.md)
+// Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.
+// (docs/methods.md)
 //
-//   I = sum over strata of  area / n * sum over rays of  (range / plane)^2 (1 + r^2 / plane^2)^(-3/2) L
+//   I = sum over strata of  area / n * sum over rays of  (range / plane)^2 (1 + r^2 /
+//   plane^2)^(-3/2) L
 //
-// (area: what the stratum's mask covers of the image plane; r: distance of the ray's point on it from the axis.)
+// (area: what the stratum's mask covers of the image plane; r: distance of the ray's point on it
+// from the axis.)
 //
-// A path starts at the sensor, meets the target, and at each reflection goes on in one direction drawn from the material's
-// lobe with probability dhr_max x throughput (Russian roulette, unbiased). At each vertex the sun's disk is sampled
-// (next-event estimation); a faint contribution is itself played by roulette, unbiased, before its shadow ray is traced.
-// After reflection N = max_reflections the surface hit still emits, nothing more.
+// A path starts at the sensor, meets the target, and at each reflection goes on in one direction
+// drawn from the material's lobe with probability dhr_max x throughput (Russian roulette,
+// unbiased); from the first vertex in `split` directions. At each vertex the sun's disk is sampled
+// (next-event estimation); a faint contribution is itself played by roulette, unbiased, before its
+// shadow ray is traced. After reflection N = max_reflections the surface hit still emits, nothing
+// more.
 //
-// Random numbers: pair 0 aims the primary ray; vertex k uses pairs 1+3k (sun's disk), 2+3k (roulettes), 3+3k (direction).
-// They depend on the seed, the replicate, the stratum and the sample alone: conditions, bands and suns share them.
+// Random numbers: pair 0 aims the primary ray; vertex k uses pairs 1+3k (sun's disk), 2+3k
+// (roulettes), 3+3k (direction). They depend on the seed, the replicate, the stratum and the sample
+// alone: conditions, bands and suns share them.
 class PathTracer {
  public:
-  PathTracer(const Target& target, std::span<const Material> materials, const Viewpoint& viewpoint,
+  PathTracer(const Target& target, std::span<const Material> materials, const AimedView& view,
              std::vector<SunDirection> suns, PathSettings settings);
 
   [[nodiscard]] const SourceClasses& classes() const { return classes_; }
   [[nodiscard]] bool spectral() const { return spectral_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  // 1 if grey
-  [[nodiscard]] const ViewFrame& frame() const { return frame_; }
 
-  // Traces all replicates, side by side: rays of different replicates that are aimed at the same small piece of the image
-  // share a packet. image (if the plan is not empty) has width x height x padded floats, to which radiance x solid angle x
-  // range^2 [W/sr], summed over replicates, is added.
-  std::vector<PathWeights> trace(const ImagePlan& plan, std::vector<float>& image, PathCounts& counts) const;
+  // Traces all replicates, side by side: rays of different replicates that are aimed at the same
+  // small piece of the image share a packet. image (if the plan is not empty) has width x height x
+  // padded floats, to which radiance x solid angle x range^2 [W/sr], summed over replicates, is
+  // added.
+  std::vector<PathWeights> trace(const ImagePlan& plan, std::vector<float>& image,
+                                 PathCounts& counts) const;
 
  private:
   struct Work;
@@ -107,7 +117,8 @@ class PathTracer {
   void depart(Work& work, std::uint32_t order) const;
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
   template <bool kSpectral>
-  void add(Work& work, const PathState& path, std::uint32_t source_class, float weight, const float* spectrum) const;
+  void add(Work& work, const PathState& path, std::uint32_t source_class, float weight,
+           const float* spectrum) const;
   template <bool kSpectral>
   void trace_shadows(Work& work) const;
 
@@ -118,10 +129,7 @@ class PathTracer {
   SourceClasses classes_;
   bool spectral_ = false;
   std::size_t nodes_ = 1;
-  double range_m_;
-  ViewFrame frame_;
-  std::vector<CoverageMask> strata_;  // 0: everything that is not hot, then one for each hot part
-  std::vector<std::uint32_t> stratum_of_part_;
+  const AimedView& view_;
 };
 
 }  // namespace irsig

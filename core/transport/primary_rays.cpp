@@ -2,72 +2,47 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace irsig {
 
-ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint) {
-  ViewFrame frame;
-  const Vec<Body> to_sensor = body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
-  frame.forward = -1.0 * to_sensor;
-  // The derivative of the aspect direction with respect to elevation: defined at the zenith too.
-  const double az = viewpoint.aspect_azimuth_deg * std::numbers::pi / 180;
-  const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
-  frame.up = {-std::sin(el) * std::cos(az), -std::sin(el) * std::sin(az), -std::cos(el)};
-  frame.right = cross(frame.forward, frame.up);
-  frame.sensor = viewpoint.range_m * to_sensor - target.centre;
-  // The plane touches the bounding sphere on the sensor's side; rays start there.
-  const double to_centre = -dot(frame.sensor, frame.forward);
-  frame.plane_m = std::max(to_centre - 1.0001 * target.radius_m, 0.01 * to_centre);
-
-  double x_min = std::numeric_limits<double>::max(), x_max = -x_min, y_min = x_min, y_max = -x_min;
-  for (std::size_t i = 0; i < target.vertex.size(); i += 3) {
-    const Vec<Body> q = Vec<Body>{target.vertex[i], target.vertex[i + 1], target.vertex[i + 2]} - frame.sensor;
-    const double scale = frame.plane_m / dot(q, frame.forward);
-    const double x = scale * dot(q, frame.right), y = scale * dot(q, frame.up);
-    x_min = std::min(x_min, x);
-    x_max = std::max(x_max, x);
-    y_min = std::min(y_min, y);
-    y_max = std::max(y_max, y);
-  }
-  // A margin against rounding; a target seen edge-on still gets a rectangle of positive area.
-  const double margin = 1e-5 * std::max(x_max - x_min, y_max - y_min);
-  frame.x0_m = x_min - margin;
-  frame.y0_m = y_min - margin;
-  frame.width_m = x_max - x_min + 2 * margin;
-  frame.height_m = y_max - y_min + 2 * margin;
-  return frame;
-}
-
-CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame, const std::vector<std::uint32_t>& stratum_of_part,
-                           std::uint32_t stratum, std::uint32_t cells_long_side) {
+CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
+                           const std::vector<double>& x_m, const std::vector<double>& y_m,
+                           const std::vector<std::uint32_t>& stratum_of_part, std::uint32_t stratum,
+                           std::uint32_t cells_long_side) {
   const double longest = std::max(frame.width_m, frame.height_m);
   const auto cells = [&](double side) {
-    return std::clamp<int>(static_cast<int>(std::ceil(side / longest * cells_long_side)), 1, static_cast<int>(cells_long_side));
+    return std::clamp<int>(static_cast<int>(std::ceil(side / longest * cells_long_side)), 1,
+                           static_cast<int>(cells_long_side));
   };
   const int columns = cells(frame.width_m), rows = cells(frame.height_m);
   const double cell_x = frame.width_m / columns, cell_y = frame.height_m / rows;
   std::vector<std::uint8_t> hit(static_cast<std::size_t>(columns * rows), 0);
 
-  std::vector<float> px(target.vertex.size() / 3), py(px.size());
-  for (std::size_t i = 0; i < px.size(); ++i) {
-    const Vec<Body> q = Vec<Body>{target.vertex[3 * i], target.vertex[3 * i + 1], target.vertex[3 * i + 2]} - frame.sensor;
-    const double scale = frame.plane_m / dot(q, frame.forward);
-    px[i] = static_cast<float>((scale * dot(q, frame.right) - frame.x0_m) / cell_x);
-    py[i] = static_cast<float>((scale * dot(q, frame.up) - frame.y0_m) / cell_y);
-  }
+  // In cells.
+  const auto place = [&](std::uint32_t v) {
+    return std::pair{static_cast<float>((x_m[v] - frame.x0_m) / cell_x),
+                     static_cast<float>((y_m[v] - frame.y0_m) / cell_y)};
+  };
   constexpr float kMargin = 2e-3f;  // in cells: far above the rounding of the projection
   for (std::size_t t = 0; t < target.facet.size(); ++t) {
     if (stratum_of_part[target.facet[t].part] != stratum) continue;
     const std::uint32_t* corner = target.triangle.data() + 3 * t;
-    const float ax = px[corner[0]], ay = py[corner[0]], bx = px[corner[1]], by = py[corner[1]], cx = px[corner[2]], cy = py[corner[2]];
-    const int first = std::clamp(static_cast<int>(std::floor(std::min({ax, bx, cx}) - kMargin)), 0, columns - 1);
-    const int last = std::clamp(static_cast<int>(std::floor(std::max({ax, bx, cx}) + kMargin)), 0, columns - 1);
-    const int bottom = std::clamp(static_cast<int>(std::floor(std::min({ay, by, cy}) - kMargin)), 0, rows - 1);
-    const int top = std::clamp(static_cast<int>(std::floor(std::max({ay, by, cy}) + kMargin)), 0, rows - 1);
+    const auto [ax, ay] = place(corner[0]);
+    const auto [bx, by] = place(corner[1]);
+    const auto [cx, cy] = place(corner[2]);
+    const int first =
+        std::clamp(static_cast<int>(std::floor(std::min({ax, bx, cx}) - kMargin)), 0, columns - 1);
+    const int last =
+        std::clamp(static_cast<int>(std::floor(std::max({ax, bx, cx}) + kMargin)), 0, columns - 1);
+    const int bottom =
+        std::clamp(static_cast<int>(std::floor(std::min({ay, by, cy}) - kMargin)), 0, rows - 1);
+    const int top =
+        std::clamp(static_cast<int>(std::floor(std::max({ay, by, cy}) + kMargin)), 0, rows - 1);
     const bool small = (last - first + 1) * (top - bottom + 1) <= 4;
-    // Edge functions, oriented so that the triangle's inside is positive; a cell is out if it lies wholly outside one edge.
+    // Edge functions, oriented so that the triangle's inside is positive; a cell is out if it lies
+    // wholly outside one edge.
     const float area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
     const float sign = area < 0 ? -1.0f : 1.0f;
     const float ex[3] = {sign * (ay - by), sign * (by - cy), sign * (cy - ay)};
@@ -110,6 +85,50 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame, const s
     while (position >= column_end_[column]) ++column;
     guide_.push_back(column);
   }
+}
+
+AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
+  AimedView view;
+  view.range_m = viewpoint.range_m;
+  ViewFrame& frame = view.frame;
+  const Vec<Body> to_sensor =
+      body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
+  frame.forward = -1.0 * to_sensor;
+  // The derivative of the aspect direction with respect to elevation: defined at the zenith too.
+  const double az = viewpoint.aspect_azimuth_deg * std::numbers::pi / 180;
+  const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
+  frame.up = {-std::sin(el) * std::cos(az), -std::sin(el) * std::sin(az), -std::cos(el)};
+  frame.right = cross(frame.forward, frame.up);
+  frame.sensor = viewpoint.range_m * to_sensor - target.centre;
+  // The plane touches the bounding sphere on the sensor's side; rays start there.
+  const double to_centre = -dot(frame.sensor, frame.forward);
+  frame.plane_m = std::max(to_centre - 1.0001 * target.radius_m, 0.01 * to_centre);
+
+  const std::size_t vertices = target.vertex.size() / 3;
+  std::vector<double> x_m(vertices), y_m(vertices);
+  for (std::size_t i = 0; i < vertices; ++i) {
+    const Vec<Body> q =
+        Vec<Body>{target.vertex[3 * i], target.vertex[3 * i + 1], target.vertex[3 * i + 2]} -
+        frame.sensor;
+    const double scale = frame.plane_m / dot(q, frame.forward);
+    x_m[i] = scale * dot(q, frame.right);
+    y_m[i] = scale * dot(q, frame.up);
+  }
+  const auto [x_min, x_max] = std::minmax_element(x_m.begin(), x_m.end());
+  const auto [y_min, y_max] = std::minmax_element(y_m.begin(), y_m.end());
+  // A margin against rounding; a target seen edge-on still gets a rectangle of positive area.
+  const double margin = 1e-5 * std::max(*x_max - *x_min, *y_max - *y_min);
+  frame.x0_m = *x_min - margin;
+  frame.y0_m = *y_min - margin;
+  frame.width_m = *x_max - *x_min + 2 * margin;
+  frame.height_m = *y_max - *y_min + 2 * margin;
+
+  std::uint32_t strata = 1;
+  for (const PartSpec& part : target.part) view.stratum_of_part.push_back(part.hot ? strata++ : 0);
+  // 128 cells on the long side: 90 % of the frigate's rays then meet it.
+  for (std::uint32_t s = 0; s < strata; ++s)
+    view.stratum.emplace_back(target, frame, x_m, y_m, view.stratum_of_part, s, 128);
+  return view;
 }
 
 }  // namespace irsig

@@ -10,24 +10,26 @@
 
 namespace irsig {
 
-// The sensor's view of a target: a pinhole at the viewpoint, an image plane through the target's bounding sphere, and where on
-// that plane a stratum of the target can be seen at all.
+// The sensor's view of a target: a pinhole at the viewpoint, an image plane through the target's
+// bounding sphere, and where on that plane a stratum of the target can be seen at all.
 struct ViewFrame {
-  Vec<Body> sensor;               // relative to the target's centre
-  Vec<Body> forward, right, up;   // unit vectors; up is the direction of growing elevation
-  double plane_m = 0;             // distance from the sensor to the image plane
-  double x0_m = 0, y0_m = 0, width_m = 0, height_m = 0;  // the target's bounding rectangle on that plane
+  Vec<Body> sensor;              // relative to the target's centre
+  Vec<Body> forward, right, up;  // unit vectors; up is the direction of growing elevation
+  double plane_m = 0;            // distance from the sensor to the image plane
+  double x0_m = 0, y0_m = 0, width_m = 0,
+         height_m = 0;  // the target's bounding rectangle on that plane
 };
-[[nodiscard]] ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint);
 
-// Where primary rays of one stratum are aimed: uniformly over those cells of the bounding rectangle that its triangles
-// touch (conservatively), so that few rays miss; the density is positive wherever the stratum can be seen, which is all
-// that an unbiased estimate needs. The unit square is mapped to the cells column by column, which keeps the
-// stratification of the sampler.
+// Where primary rays of one stratum are aimed: uniformly over those cells of the bounding rectangle
+// that its triangles touch (conservatively), so that few rays miss; the density is positive
+// wherever the stratum can be seen, which is all that an unbiased estimate needs. The unit square
+// is mapped to the cells column by column, which keeps the stratification of the sampler.
 class CoverageMask {
  public:
-  // stratum_of_part[p] == stratum: the part's triangles count.
-  CoverageMask(const Target& target, const ViewFrame& frame, const std::vector<std::uint32_t>& stratum_of_part,
+  // x, y: the vertices' places on the image plane [m]; stratum_of_part[p] == stratum: the part's
+  // triangles count.
+  CoverageMask(const Target& target, const ViewFrame& frame, const std::vector<double>& x_m,
+               const std::vector<double>& y_m, const std::vector<std::uint32_t>& stratum_of_part,
                std::uint32_t stratum, std::uint32_t cells_long_side);
 
   [[nodiscard]] bool empty() const { return occupied_ == 0; }
@@ -39,7 +41,8 @@ class CoverageMask {
   };
   [[nodiscard]] Point map(SamplePair s) const {
     const float position = std::min(s.x * static_cast<float>(occupied_), largest_position_);
-    std::uint32_t column = guide_[static_cast<std::uint32_t>(s.x * static_cast<float>(guide_.size()))];
+    std::uint32_t column =
+        guide_[static_cast<std::uint32_t>(s.x * static_cast<float>(guide_.size()))];
     while (position >= column_end_[column]) ++column;
     const float begin = column == 0 ? 0.0f : column_end_[column - 1];
     const float count = column_end_[column] - begin;
@@ -48,7 +51,8 @@ class CoverageMask {
     auto k = static_cast<std::uint32_t>(t);
     if (k >= static_cast<std::uint32_t>(count)) k = static_cast<std::uint32_t>(count) - 1;
     const auto row = static_cast<float>(row_[static_cast<std::uint32_t>(begin) + k]);
-    return {x0_ + (static_cast<float>(column) + within) * cell_x_, y0_ + (row + (t - static_cast<float>(k))) * cell_y_};
+    return {x0_ + (static_cast<float>(column) + within) * cell_x_,
+            y0_ + (row + (t - static_cast<float>(k))) * cell_y_};
   }
 
  private:
@@ -60,5 +64,15 @@ class CoverageMask {
   std::vector<std::uint16_t> row_;    // rows of the occupied cells, by column
   std::vector<std::uint16_t> guide_;  // a column at or before the one of s.x
 };
+
+// A view with the masks of its strata: everything that is not hot, then one stratum for each hot
+// part.
+struct AimedView {
+  double range_m = 0;
+  ViewFrame frame;
+  std::vector<std::uint32_t> stratum_of_part;
+  std::vector<CoverageMask> stratum;
+};
+[[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint);
 
 }  // namespace irsig

@@ -19,8 +19,9 @@ struct PathState {
   std::uint32_t replicate;
   std::uint32_t sample;  // index in the sampler
   std::uint32_t pixel;
-  std::uint32_t first;   // the part that was met first
-  float weight;          // Jacobian x throughput / survival probabilities (spectral: without the spectral factor)
+  std::uint32_t first;  // the part that was met first
+  float weight;  // Jacobian x throughput / survival probabilities (spectral: without the spectral
+                 // factor)
   float throughput;      // weight without the Jacobian: what the roulette is played with ...
   float spectral_max;    // ... times the largest of the path's spectral factors
   float inverse_length;  // of the ray's direction
@@ -66,13 +67,15 @@ struct RayBatch {
         p.flags[lane] = 0;
       }
       if (!hits) continue;
-      for (int lane = 0; lane < RayPacket::kSize; ++lane) p.triangle[lane] = p.geometry[lane] = p.instance[lane] = RayPacket::kMiss;
+      for (int lane = 0; lane < RayPacket::kSize; ++lane)
+        p.triangle[lane] = p.geometry[lane] = p.instance[lane] = RayPacket::kMiss;
     }
   }
   template <typename Trace>
   void for_each_packet(Trace&& trace) {
     for (std::uint32_t first = 0; first < size; first += RayPacket::kSize)
-      trace(packet[first / RayPacket::kSize], static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, size - first)));
+      trace(packet[first / RayPacket::kSize],
+            static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, size - first)));
   }
 };
 

@@ -8,48 +8,60 @@
 
 namespace irsig {
 
-// The stages of the path tracer that are the same arithmetic on every ray: plain loops over arrays, compiled for several
-// instruction sets. All operations are exactly rounded and never fused, so that the choice does not change a bit.
+// The stages of the path tracer that are the same arithmetic on every ray: plain loops over arrays,
+// compiled for several instruction sets. All operations are exactly rounded and never fused, so
+// that the choice does not change a bit.
 
 // Sample pairs for a list of paths.
 struct SampleList {
   std::vector<std::uint32_t> index, seed_x, seed_y, seed_shuffle;
   std::vector<float> x, y;
+  std::vector<float> cos_y, sin_y;  // of the angle 2 pi y
   std::uint32_t size = 0;
   void resize(std::uint32_t capacity) {
     for (auto* v : {&index, &seed_x, &seed_y, &seed_shuffle}) v->resize(capacity);
     x.resize(capacity);
     y.resize(capacity);
+    cos_y.resize(capacity);
+    sin_y.resize(capacity);
   }
 };
 void draw_pairs(SampleList& list);           // as sobol_pair
 void draw_pairs_shuffled(SampleList& list);  // as sobol_pair_shuffled
+// Fills cos_y and sin_y; |error| < 3e-7 (tests/physics/sampling_test.cpp).
+void turn(SampleList& list);
 
-// Primary rays through points (x_m, y_m) of the image plane: writes packets, weights (scale (1 + u^2 + v^2)^(-3/2)) and inverse lengths of the
-// directions.
+// Primary rays through points (x_m, y_m) of the image plane: writes packets, weights (scale (1 +
+// u^2 + v^2)^(-3/2)) and inverse lengths of the directions.
 struct ImagePlane {
   Float3 origin, right, up, forward;  // origin: the sensor's foot on the plane
   float inverse_plane_per_m, scale;
 };
-void aim(const ImagePlane& plane, const float* x_m, const float* y_m, std::uint32_t size, RayPacket* packet, float* weight, float* inverse_length);
+void aim(const ImagePlane& plane, const float* x_m, const float* y_m, std::uint32_t size,
+         RayPacket* packet, float* weight, float* inverse_length);
 
-// Vertices at which a path may go on: position (off the surface), normal, direction back to the sensor.
+// Vertices at which a path may go on: position (off the surface), normal, direction back to the
+// sensor.
 struct VertexList {
   std::vector<float> px, py, pz, nx, ny, nz, ox, oy, oz, cos_o, dhr, roughness2, survival;
-  std::vector<float> keep;            // by sun_probability()
-  std::vector<std::uint32_t> path;    // index in the batch
+  std::vector<float> keep;          // by sun_probability()
+  std::vector<std::uint32_t> path;  // index in the batch
   std::vector<std::uint32_t> material;
   std::uint32_t size = 0;
   void resize(std::uint32_t capacity) {
-    for (auto* v : {&px, &py, &pz, &nx, &ny, &nz, &ox, &oy, &oz, &cos_o, &dhr, &roughness2, &survival, &keep}) v->resize(capacity);
+    for (auto* v :
+         {&px, &py, &pz, &nx, &ny, &nz, &ox, &oy, &oz, &cos_o, &dhr, &roughness2, &survival, &keep})
+      v->resize(capacity);
     path.resize(capacity);
     material.resize(capacity);
   }
 };
 
-// The probability with which a sun contribution is followed up: about brdf / (faint x diffuse brdf), at most 1; 0 where the sun's disk is below
-// the facet's plane. Any positive value is unbiased; this one is within 10 % of the lobe's shape at the disk's centre (Schraudolph's exponential).
-//   roughness2: m^2 of a Beckmann lobe, 0: diffuse.                                                      [schraudolph1999]
+// The probability with which a sun contribution is followed up: about brdf / (faint x diffuse
+// brdf), at most 1; 0 where the sun's disk is below the facet's plane. Any positive value is
+// unbiased; this one is within 10 % of the lobe's shape at the disk's centre (Schraudolph's
+// exponential).
+//   roughness2: m^2 of a Beckmann lobe, 0: diffuse. [schraudolph1999]
 void sun_probability(VertexList& vertices, Float3 sun, float sin_radius, float faint);
 
 }  // namespace irsig

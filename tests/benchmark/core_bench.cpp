@@ -1,4 +1,5 @@
-// What the radiometric core costs beside its ray tracer, as ratios of CPU time in one process on the same rays:
+// What the radiometric core costs beside its ray tracer, as ratios of CPU time in one process on
+// the same rays:
 //   core_bench [triangles] [samples]
 // Prints one CSV line a figure; docs/performance.md quotes them.
 #include <embree3/rtcore.h>
@@ -52,8 +53,8 @@ class Recorder final : public Tracer {
   std::shared_ptr<const Tracer> inner_;
 };
 
-// The same rays through Embree alone, by three entry points: the recorded packets of 16; full packets of 16, regardless of
-// what batch a ray came from; the stream interface.
+// The same rays through Embree alone, by three entry points: the recorded packets of 16; full
+// packets of 16, regardless of what batch a ray came from; the stream interface.
 struct Replay {
   RTCDevice device;
   RTCScene scene;
@@ -62,10 +63,12 @@ struct Replay {
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, target.vertex.size() / 3), target.vertex.data(),
-                target.vertex.size() * 4);
-    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, target.triangle.size() / 3), target.triangle.data(),
-                target.triangle.size() * 4);
+    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                        target.vertex.size() / 3),
+                target.vertex.data(), target.vertex.size() * 4);
+    std::memcpy(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                        target.triangle.size() / 3),
+                target.triangle.data(), target.triangle.size() * 4);
     rtcCommitGeometry(g);
     rtcAttachGeometry(scene, g);
     rtcCommitScene(scene);
@@ -73,7 +76,8 @@ struct Replay {
   static RTCIntersectContext context(bool coherent) {
     RTCIntersectContext c;
     rtcInitIntersectContext(&c);
-    c.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    c.flags =
+        coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     return c;
   }
   double packets(std::vector<Recorder::Call> calls) const {  // by value: tracing overwrites
@@ -95,7 +99,8 @@ struct Replay {
       for (int i = 0; i < call.count; ++i) {
         RTCRayHit r{};
         const RayPacket& p = call.packet;
-        r.ray = {p.org_x[i], p.org_y[i], p.org_z[i], p.tnear[i], p.dir_x[i], p.dir_y[i], p.dir_z[i], 0, p.tfar[i], 0xffffffffu, 0, 0};
+        r.ray = {p.org_x[i], p.org_y[i], p.org_z[i], p.tnear[i],  p.dir_x[i], p.dir_y[i],
+                 p.dir_z[i], 0,          p.tfar[i],  0xffffffffu, 0,          0};
         r.hit.geomID = r.hit.primID = RTC_INVALID_GEOMETRY_ID;
         rays[call.shadow ? 2 : call.coherent ? 0 : 1].push_back(r);
       }
@@ -104,7 +109,8 @@ struct Replay {
       auto c = context(kind != 1);
       if (stream) {
         for (std::size_t first = 0; first < rays[kind].size(); first += 1024) {
-          const auto n = static_cast<unsigned>(std::min<std::size_t>(1024, rays[kind].size() - first));
+          const auto n =
+              static_cast<unsigned>(std::min<std::size_t>(1024, rays[kind].size() - first));
           if (kind == 2)
             rtcOccluded1M(scene, &c, &rays[kind][first].ray, n, sizeof(RTCRayHit));
           else
@@ -145,15 +151,18 @@ struct Case {
 void against_replay(const Simulator& simulator, std::uint64_t samples, const Case& what) {
   Target target = simulator.target();
   const auto plain = target.tracer;
-  const std::vector<Viewpoint> views = {{0, 10, 5000}, {90, 5, 5000}, {45, 45, 5000}, {200, 80, 5000}};
+  const std::vector<Viewpoint> views = {
+      {0, 10, 5000}, {90, 5, 5000}, {45, 45, 5000}, {200, 80, 5000}};
   std::vector<double> ratios;
   double rays_per_s = 0;
   const Replay replay(target);
   for (const Viewpoint& view : views) {
-    PathSettings settings{what.reflections, true, -target.centre.z, 6371008.8, 1, samples / 32, 32};
+    PathSettings settings{
+        what.reflections, true, -target.centre.z, 6371008.8, 1, samples / 32, 32, 1};
     std::vector<float> no_image;
+    const AimedView aimed = make_aimed_view(target, view);
     const auto trace = [&](PathCounts& counts) {
-      const PathTracer tracer(target, simulator.materials(), view, what.suns, settings);
+      const PathTracer tracer(target, simulator.materials(), aimed, what.suns, settings);
       const double start = cpu_s();
       tracer.trace({}, no_image, counts);
       return cpu_s() - start;
@@ -166,17 +175,27 @@ void against_replay(const Simulator& simulator, std::uint64_t samples, const Cas
     for (int repeat = 0; repeat < 7; ++repeat) {
       PathCounts again;
       const double ours = trace(again);
-      const double best = std::min({replay.packets(recorder->calls_), replay.single(recorder->calls_, true), replay.single(recorder->calls_, false)});
+      const double best =
+          std::min({replay.packets(recorder->calls_), replay.single(recorder->calls_, true),
+                    replay.single(recorder->calls_, false)});
       ratios.push_back(best / ours);
       if (repeat == 0)
-        std::printf("# %s view %g/%g: %llu samples, %llu target paths, %llu rays; ns/ray: ours %.1f, packets %.1f, stream %.1f, single %.1f\n", what.name,
-                    view.aspect_azimuth_deg, view.aspect_elevation_deg, static_cast<unsigned long long>(again.samples), static_cast<unsigned long long>(again.target_paths),
-                    static_cast<unsigned long long>(again.rays), 1e9 * ours / static_cast<double>(again.rays), 1e9 * replay.packets(recorder->calls_) / static_cast<double>(again.rays),
-                    1e9 * replay.single(recorder->calls_, true) / static_cast<double>(again.rays), 1e9 * replay.single(recorder->calls_, false) / static_cast<double>(again.rays));
+        std::printf(
+            "# %s view %g/%g: %llu samples, %llu target paths, %llu rays; ns/ray: ours %.1f, "
+            "packets %.1f, stream %.1f, single %.1f\n",
+            what.name, view.aspect_azimuth_deg, view.aspect_elevation_deg,
+            static_cast<unsigned long long>(again.samples),
+            static_cast<unsigned long long>(again.target_paths),
+            static_cast<unsigned long long>(again.rays),
+            1e9 * ours / static_cast<double>(again.rays),
+            1e9 * replay.packets(recorder->calls_) / static_cast<double>(again.rays),
+            1e9 * replay.single(recorder->calls_, true) / static_cast<double>(again.rays),
+            1e9 * replay.single(recorder->calls_, false) / static_cast<double>(again.rays));
       rays_per_s = std::max(rays_per_s, static_cast<double>(again.rays) / ours);
     }
   }
-  std::printf("%s,replay_over_ours,%.3f\n%s,rays_per_s,%.3g\n", what.name, median(ratios), what.name, rays_per_s);
+  std::printf("%s,replay_over_ours,%.3f\n%s,rays_per_s,%.3g\n", what.name, median(ratios),
+              what.name, rays_per_s);
 }
 
 double simulate_s(const Simulator& simulator, const ViewRequest& request) {
@@ -218,12 +237,15 @@ void conditions(const Simulator& simulator) {
     std::vector<ConditionSpec> nights, days;
     for (int i = 0; i < 11; ++i) nights.push_back(night(285 + i));
     for (int i = 0; i < 5; ++i) days.push_back(day(285, 20 + 60 * i));
-    const double one_night = simulate_s(simulator, with({night(285)})), more_nights = simulate_s(simulator, with(nights));
-    const double one_day = simulate_s(simulator, with({day(285, 20)})), more_days = simulate_s(simulator, with(days));
+    const double one_night = simulate_s(simulator, with({night(285)})),
+                 more_nights = simulate_s(simulator, with(nights));
+    const double one_day = simulate_s(simulator, with({day(285, 20)})),
+                 more_days = simulate_s(simulator, with(days));
     season.push_back((more_nights - one_night) / 10 / one_night);
     sun.push_back((more_days - one_day) / 4 / one_day);
   }
-  std::printf("one_more_night_season,over_first,%.4f\none_more_sun,over_first,%.3f\n", median(season), median(sun));
+  std::printf("one_more_night_season,over_first,%.4f\none_more_sun,over_first,%.3f\n",
+              median(season), median(sun));
 }
 
 }  // namespace
@@ -237,6 +259,7 @@ int main(int argc, char** argv) {
   std::printf("figure,quantity,value\n");
   std::printf("triangles,count,%zu\n", simulator->target().facet.size());
   against_replay(*simulator, samples, {"primary", 0, {}});
-  against_replay(*simulator, samples, {"three_reflections_and_sun", 3, {{sun_at(60, 40), 0.00465}}});
+  against_replay(*simulator, samples,
+                 {"three_reflections_and_sun", 3, {{sun_at(60, 40), 0.00465}}});
   conditions(*simulator);
 }

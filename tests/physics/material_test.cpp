@@ -1,7 +1,10 @@
-// Rationale: emissivity is 1 - DHR, so an error of the DHR table is an error of every signature; a sampler whose density is
+// Rationale: emissivity is 1 - DHR, so an error of the DHR table is an error of every signature; a
+// sampler whose density is
 //   not the one that it divides by is biased.
-// Expected: DHR tables within 5e-5 of the reference; the mean weight of sampled directions equal to the DHR.
-// Source: tests/physics/values/cook_torrance_dhr.csv (independent quadrature, <= 1e-7).
+// Expected: DHR tables within 5e-5 of the reference; the mean weight of sampled directions equal to
+// the DHR. Source: tests/physics/values/cook_torrance_dhr.csv (independent quadrature, <= 1e-7).
+#include "core/materials/material.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +15,6 @@
 
 #include "core/base/sobol.h"
 #include "core/materials/fresnel.h"
-#include "core/materials/material.h"
 
 namespace irsig {
 namespace {
@@ -45,8 +47,9 @@ TEST(CookTorrance, DhrTableMeetsReference) {
     for (auto& f : field) std::getline(text, f, ',');
     const std::string key = field[0] + field[1] + field[2] + field[3];
     if (!cache.contains(key))
-      cache.emplace(key, prepared(cook_torrance(std::stod(field[0]), std::stod(field[2]), std::stod(field[3]),
-                                                field[1] == "schlick" ? Fresnel::kSchlick : Fresnel::kExact)));
+      cache.emplace(key, prepared(cook_torrance(
+                             std::stod(field[0]), std::stod(field[2]), std::stod(field[3]),
+                             field[1] == "schlick" ? Fresnel::kSchlick : Fresnel::kExact)));
     const double cos_o = std::cos(std::stod(field[4]) * std::numbers::pi / 180);
     const auto [emissivity, dhr] = cache.at(key).emissivity_and_dhr(static_cast<float>(cos_o));
     EXPECT_NEAR(dhr, std::stod(field[5]), 5e-5) << line;
@@ -69,7 +72,7 @@ TEST(CookTorrance, SamplingIntegratesToDhr) {
       double sum = 0;
       for (std::uint32_t i = 0; i < kN; ++i) {
         const SamplePair u = sobol_pair(i, seed_pair(7, 0));
-        const Material::Sampled s = material.sample(cos_o, u.x, u.y);
+        const Material::Sampled s = material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y), std::sin(2 * std::numbers::pi_v<float> * u.y));
         sum += s.weight > 0 ? static_cast<double>(s.weight * material.reflectance(s.cos_d)) : 0.0;
         if (s.weight > 0) {
           EXPECT_NEAR(s.x * s.x + s.y * s.y + s.z * s.z, 1.0f, 1e-5f);
@@ -82,8 +85,8 @@ TEST(CookTorrance, SamplingIntegratesToDhr) {
     }
 }
 
-// The weight of a sampled direction is shape cos_i / density: the density recovered from it integrates to the share of directions above
-// the surface.
+// The weight of a sampled direction is shape cos_i / density: the density recovered from it
+// integrates to the share of directions above the surface.
 TEST(CookTorrance, ShapeAgreesWithSampledWeight) {
   for (const auto masking : {Masking::kVGroove, Masking::kSmith}) {
     MaterialSpec spec = cook_torrance(0.3, 1.2, 5.0);
@@ -91,17 +94,24 @@ TEST(CookTorrance, ShapeAgreesWithSampledWeight) {
     const Material material = prepared(spec);
     for (std::uint32_t i = 0; i < 1000; ++i) {
       const SamplePair u = sobol_pair(i, seed_pair(3, 0));
-      const float cos_o = std::cos(1.4f * sobol_pair(i, seed_pair(3, 1)).x), sin_o = std::sqrt(1 - cos_o * cos_o);
-      const auto s = material.sample(cos_o, u.x, u.y);
+      const float cos_o = std::cos(1.4f * sobol_pair(i, seed_pair(3, 1)).x),
+                  sin_o = std::sqrt(1 - cos_o * cos_o);
+      const auto s = material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y), std::sin(2 * std::numbers::pi_v<float> * u.y));
       if (s.weight <= 0) continue;
-      const double hx = s.x + sin_o, hy = s.y, hz = s.z + cos_o, h = std::sqrt(hx * hx + hy * hy + hz * hz);
+      const double hx = s.x + sin_o, hy = s.y, hz = s.z + cos_o,
+                   h = std::sqrt(hx * hx + hy * hy + hz * hz);
       const double cos_h = hz / h, cos_d = (hx * sin_o + hz * cos_o) / h;
-      const double d = std::exp((1 - 1 / (cos_h * cos_h)) / 0.09) / (std::numbers::pi * 0.09 * std::pow(cos_h, 4));
+      const double d = std::exp((1 - 1 / (cos_h * cos_h)) / 0.09) /
+                       (std::numbers::pi * 0.09 * std::pow(cos_h, 4));
       const double density = d * cos_h / (4 * cos_d);
-      const double shape = material.shape_per_sr(s.z, cos_o, static_cast<float>(cos_h), static_cast<float>(cos_d));
+      const double shape =
+          material.shape_per_sr(s.z, cos_o, static_cast<float>(cos_h), static_cast<float>(cos_d));
       EXPECT_NEAR(shape * s.z / density, s.weight, 2e-4 * (1 + s.weight));
       // Reciprocity.
-      EXPECT_NEAR(shape, material.shape_per_sr(cos_o, s.z, static_cast<float>(cos_h), static_cast<float>(cos_d)), 1e-5 * shape);
+      EXPECT_NEAR(
+          shape,
+          material.shape_per_sr(cos_o, s.z, static_cast<float>(cos_h), static_cast<float>(cos_d)),
+          1e-5 * shape);
     }
   }
 }
@@ -135,7 +145,8 @@ TEST(Lambert, SpectralTableIsInterpolatedAndMustCoverTheBand) {
 }
 
 TEST(Fresnel, ShipHullAtNormalIncidence) {
-  // |(0.2 + 5i)/(2.2 + 5i)|^2 = 25.04/29.84; [zhou2026] with the square and the complex index that its eq. 24 lacks.
+  // |(0.2 + 5i)/(2.2 + 5i)|^2 = 25.04/29.84; [zhou2026] with the square and the complex index that
+  // its eq. 24 lacks.
   EXPECT_NEAR(fresnel_exact(1, 1.2, 5), 25.04 / 29.84, 1e-14);
   EXPECT_NEAR(fresnel_schlick(1, 1.2, 5), 25.04 / 29.84, 1e-14);
   EXPECT_NEAR(fresnel_exact(0, 1.2, 5), 1, 1e-14);

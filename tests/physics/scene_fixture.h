@@ -24,8 +24,8 @@ inline SceneSpec scene_of(const Mesh& mesh, MaterialSpec material, Band band) {
   return scene;
 }
 
-inline Mesh generated(const std::string& kind, std::uint64_t triangles, double radius_m = 0, double length_m = 0, double width_m = 0,
-                      double height_m = 0) {
+inline Mesh generated(const std::string& kind, std::uint64_t triangles, double radius_m = 0,
+                      double length_m = 0, double width_m = 0, double height_m = 0) {
   auto mesh = generate_mesh({kind, triangles, radius_m, length_m, width_m, height_m});
   EXPECT_TRUE(mesh.ok()) << mesh.status();
   return *std::move(mesh);
@@ -48,8 +48,8 @@ inline Mesh moved(Mesh mesh, Vec<Body> by, Vec<Body> scale = {1, 1, 1}) {
 }
 
 // A dark world without sun, air or reflections.
-inline ViewRequest request(const Simulator& simulator, double azimuth_deg, double elevation_deg, double range_m,
-                           std::vector<double> part_temperature_k) {
+inline ViewRequest request(const Simulator& simulator, double azimuth_deg, double elevation_deg,
+                           double range_m, std::vector<double> part_temperature_k) {
   ViewRequest r;
   r.viewpoint = {azimuth_deg, elevation_deg, range_m};
   ConditionSpec condition;
@@ -75,12 +75,15 @@ inline SignatureResult only_row(const Simulator& simulator, const ViewRequest& r
 }
 
 // |t| within the bound for `rows` rows, at a standard error of at most max_relative_stderr.
-inline void expect_within_t(const Estimate& e, double expected, std::uint64_t rows, const std::string& what, double max_relative_stderr = 1e-3,
+inline void expect_within_t(const Estimate& e, double expected, std::uint64_t rows,
+                            const std::string& what, double max_relative_stderr = 1e-3,
                             double model_error = 0) {
   const double t = (std::abs(e.value - expected) - std::abs(model_error)) / e.stderr_;
-  EXPECT_LT(t, student_t_bound(31, rows)) << what << ": " << e.value << " +- " << e.stderr_ << ", expected " << expected;
+  EXPECT_LT(t, student_t_bound(31, rows))
+      << what << ": " << e.value << " +- " << e.stderr_ << ", expected " << expected;
   EXPECT_LE(e.stderr_, max_relative_stderr * std::abs(expected)) << what;
-  std::printf("%-44s %16.9g +- %9.3g  expected %16.9g  t %6.2f\n", what.c_str(), e.value, e.stderr_, expected, (e.value - expected) / e.stderr_);
+  std::printf("%-44s %16.9g +- %9.3g  expected %16.9g  t %6.2f\n", what.c_str(), e.value, e.stderr_,
+              expected, (e.value - expected) / e.stderr_);
 }
 
 }  // namespace irsig::fixture

@@ -121,7 +121,7 @@ sun = false
 // Change it only on purpose.
 TEST(ExpandJobs, GoldenKey) {
   EXPECT_EQ(expand_jobs(golden_sweep(), 1)[1].job_key(),
-            "df708e433a7596ff41bf84f74ecc8e91585f6503184cdf8733bad9f4ddca6b33");
+            "45c8b608ddf7dcc306439b2cbe38df14ae4bce6b9d52d3eb9acf6ff100d71f5f");
 }
 
 TEST(ExpandJobs, KeysDependOnThePhysicsVersion) {

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Builds and runs the benchmarks; prints their CSV. Nothing else should run on the machine meanwhile.
+#
+# usage: ops/benchmark.sh [core|store|farm ...]      (default: all three)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+(($# > 0)) || set -- core store farm
+for room in "$@"; do
+  if [[ ! -f tests/benchmark/${room}_bench.cpp ]]; then
+    echo "ops/benchmark.sh: no benchmark \"$room\": core, store, farm" >&2
+    exit 2
+  fi
+done
+ops/build.sh "${@/%/_bench}" irsig-coordinator >&2
+# The databases that they write and remove: on the disk of the build, not in a /tmp in memory.
+bin=$PWD/build/release/bin
+mkdir -p build/benchmark
+cd build/benchmark
+for room in "$@"; do
+  echo "# $room"
+  "$bin/${room}_bench"
+done

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Installs the packages of ops/packages.txt that are missing (Debian 12). Does nothing, and needs no
+# privileges, when none is.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+mapfile -t packages < <(grep -vE '^[[:space:]]*(#|$)' ops/packages.txt)
+if ! command -v dpkg-query >/dev/null; then
+  echo "ops/setup.sh: this is no Debian system: install what corresponds to ops/packages.txt yourself" >&2
+  exit 1
+fi
+missing=()
+for package in "${packages[@]}"; do
+  state=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $state == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "ops/setup.sh: these packages are missing, and there is neither root nor sudo to install them:" >&2
+    echo "  apt-get install --no-install-recommends ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "Installing ${#missing[@]} missing packages: ${missing[*]}"
+# Through env, because sudo does not pass the variable on.
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 -o Acquire::Retries=3)
+"${apt[@]}" update
+"${apt[@]}" install --yes --no-install-recommends "${missing[@]}"

@@ -1,0 +1,142 @@
+"""The checks of this folder can fail: each rule is broken once in a small tree, and must be named."""
+
+import pathlib
+import tempfile
+import unittest
+
+import check_layers
+import check_loaded
+import check_words
+
+LAYERS = """core_base |  | core/base/base.h core/base/base.cpp
+core_scene | core_base | core/scene/scene.h core/scene/tracer.cpp
+schema_messages |  | schema/job.pb.h
+schema_service | schema_messages | schema/farm.grpc.pb.h
+worker | core_scene schema_service | worker/job.cpp
+irsig | worker | cli/main.cpp
+"""
+GOOD = {
+    "core/base/base.h": "#pragma once\n",
+    "core/base/base.cpp": '#include "core/base/base.h"\n#include <vector>\n#include "absl/status/status.h"\n',
+    "core/scene/scene.h": "",
+    "core/scene/tracer.cpp": '#include <embree3/rtcore.h>\n#include "core/base/base.h"\n',
+    "worker/job.cpp": '#include "core/base/base.h"\n#include "schema/job.pb.h"\n#include "schema/farm.grpc.pb.h"\n',
+    "cli/main.cpp": "#include <CLI/CLI.hpp>\n",
+    "tests/unit/base_test.cpp": '#include "core/base/base.h"\n#include <sqlite3.h>\n',
+}
+
+
+class TreeTest(unittest.TestCase):
+    def tree(self, changes):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        root = pathlib.Path(folder.name)
+        for name, text in {**GOOD, **changes}.items():
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text)
+        return root
+
+    def layers(self, changes, layers=LAYERS):
+        return check_layers.check(self.tree(changes), layers)
+
+    def words(self, changes):
+        return check_words.check(self.tree(changes))
+
+
+class Layers(TreeTest):
+    def expect(self, finding, changes, layers=LAYERS):
+        self.assertEqual(self.layers(changes, layers), [finding])
+
+    def test_good_tree(self):
+        self.assertEqual(self.layers({}), [])
+
+    def test_include_upwards(self):
+        self.expect("core/base/base.cpp:2: core_base may not include core_scene (core/scene/scene.h)",
+                    {"core/base/base.cpp": '\n  #  include "core/scene/scene.h"\n'})
+
+    def test_angle_brackets_are_no_way_around(self):
+        self.expect("core/base/base.cpp:1: core_base may not include core_scene (core/scene/scene.h)",
+                    {"core/base/base.cpp": "#include <core/scene/scene.h>\n"})
+
+    def test_generated_messages_in_core(self):
+        self.expect("core/scene/scene.h:1: core_scene may not include schema_messages (schema/job.pb.h)",
+                    {"core/scene/scene.h": '#include "schema/job.pb.h"\n'})
+
+    def test_generated_service_belongs_to_its_own_module(self):
+        layers = LAYERS.replace("core_scene schema_service", "core_scene schema_messages")
+        self.expect("worker/job.cpp:3: worker may not include schema_service (schema/farm.grpc.pb.h)", {}, layers)
+
+    def test_program_may_not_reach_past_its_modules(self):
+        layers = LAYERS.replace("irsig | worker", "irsig | core_base")
+        self.expect("cli/main.cpp:1: irsig may not include core_scene (core/scene/scene.h)",
+                    {"cli/main.cpp": '#include "core/scene/scene.h"\n'}, layers)
+
+    def test_file_of_no_module(self):
+        self.expect("core/base/extra.cpp: no module owns this file",
+                    {"core/base/extra.cpp": ""})
+
+    def test_header_in_a_folder_of_no_module(self):
+        self.expect("core/wing/wing.h: no module owns this file", {"core/wing/wing.h": ""})
+
+    def test_private_header(self):
+        private = {"core/base/inner.h": "", "core/base/base.cpp": '#include "core/base/inner.h"\n'}
+        self.assertEqual(self.layers(private), [])
+        self.expect("core/scene/scene.h:1: core/base/inner.h is a private header of core_base",
+                    {**private, "core/scene/scene.h": '#include "core/base/inner.h"\n'})
+
+    def test_include_of_file_of_no_module(self):
+        self.expect("worker/job.cpp:1: no module owns tests/unit/fixture.h",
+                    {"worker/job.cpp": '#include "tests/unit/fixture.h"\n', "tests/unit/fixture.h": ""})
+
+    def test_include_relative_to_the_folder(self):
+        self.expect('core/base/base.cpp:1: "base.h" is relative to the folder, not to the root',
+                    {"core/base/base.cpp": '#include "base.h"\n'})
+
+    def test_dependency_on_no_module(self):
+        self.expect("worker: depends on core_wing, which is no module", {},
+                    LAYERS.replace("core_scene schema_service", "core_scene schema_service core_wing"))
+
+    def test_each_library_has_one_place(self):
+        for header in ("embree3/rtcore.h", "OpenImageIO/imageio.h", "sqlite3.h", "GeographicLib/Geodesic.hpp",
+                       "erfa.h", "grpcpp/server.h", "toml++/toml.h", "netcdf.h", "assimp/scene.h", "CLI/CLI.hpp",
+                       "spdlog/spdlog.h", "openvdb/openvdb.h", "google/protobuf/message.h"):
+            with self.subTest(header=header):
+                findings = self.layers({"core/base/base.h": f"#include <{header}>\n"})
+                self.assertEqual(len(findings), 1)
+                self.assertIn(f"core/base/base.h:1: {header} may be included in ", findings[0])
+
+    def test_ray_tracer_in_one_file_only(self):
+        self.assertEqual(len(self.layers({"core/scene/scene.h": "#include <embree3/rtcore.h>\n"})), 1)
+        self.assertEqual(len(self.layers({"tests/unit/base_test.cpp": "#include <embree3/rtcore.h>\n"})), 1)
+
+
+class Words(TreeTest):
+    def test_good_tree(self):
+        self.assertEqual(self.words({"ops/run.sh": "cd ${HOME}/work; ls build/tmp $root/work/x"}), [])
+
+    def test_path_of_a_machine(self):
+        for path in ("/work/main", "/home/someone", "/tmp/bash_jobs.0", "/tmp/b-lead", "/root/x"):
+            with self.subTest(path=path):
+                self.assertEqual(len(self.words({"docs/a.md": f"see\n`{path}`\n"})), 1)
+
+    def test_unfinished(self):
+        for mark in ("TODO", "FIXME"):
+            with self.subTest(mark=mark):
+                self.assertEqual(self.words({"cli/main.cpp": f"// {mark}: later\n"}),
+                                 [f"cli/main.cpp:1: unfinished work: {mark}"])
+
+    def test_empty_names(self):
+        for name in ("core/util/a.cpp", "core/common.h", "view/string_helpers.cpp", "cli/job_manager.h", "misc/a.txt"):
+            with self.subTest(name=name):
+                self.assertEqual(len(self.words({name: ""})), 1)
+
+
+class Loaded(unittest.TestCase):
+    def test_image_library_is_found(self):
+        line = "\tlibOpenImageIO.so.2.4 => /lib/x86_64-linux-gnu/libOpenImageIO.so.2.4 (0x00007f)\n"
+        self.assertEqual(check_loaded.worker_only(line), ["libOpenImageIO.so"])
+        self.assertEqual(check_loaded.worker_only("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,69 @@
+#include "worker/job_runner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "jobs/expand.h"
+#include "tests/unit/sweep_text.h"
+
+namespace irsig {
+namespace {
+
+using ::testing::HasSubstr;
+
+schema::ResolvedSweep disk(std::uint32_t thumbnail_px) {
+  auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/disk.toml");
+  EXPECT_TRUE(sweep.ok()) << sweep.status();
+  sweep->mutable_sweep()->mutable_accuracy()->clear_relative_error();
+  sweep->mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(64);
+  sweep->mutable_sweep()->mutable_output()->set_thumbnail_px(thumbnail_px);
+  return *std::move(sweep);
+}
+
+absl::StatusOr<schema::JobResult> first_job(const schema::ResolvedSweep& sweep,
+                                            const std::optional<ThumbnailEncoder>& encoder) {
+  const auto runner = JobRunner::create(sweep, "", encoder);
+  if (!runner.ok()) return runner.status();
+  return (*runner)->run(expand_jobs(sweep, physics_version()).front());
+}
+
+TEST(JobRunner, RefusesThumbnailsThatItCannotEncode) {
+  const auto sweep = disk(16);
+  ASSERT_TRUE(JobRunner::create(sweep, "").ok()) << "the scene can be tried without an encoder";
+  const auto result = first_job(sweep, {});
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("thumbnail_px"));
+}
+
+TEST(JobRunner, NeedsNoEncoderWithoutThumbnails) {
+  const auto result = first_job(disk(0), {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_FALSE(result->row(0).has_thumbnail());
+}
+
+TEST(JobRunner, GivesTheEncoderEveryPixel) {
+  std::size_t pixels = 0;
+  const auto size = [&](std::uint32_t width_px, std::uint32_t height_px,
+                        const std::vector<float>& radiance_w_m2_sr) -> absl::StatusOr<std::string> {
+    pixels = radiance_w_m2_sr.size();
+    EXPECT_EQ(pixels, std::size_t{width_px} * height_px);
+    return "encoded";
+  };
+  const auto result = first_job(disk(16), ThumbnailEncoder{size, size});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_GT(pixels, 0U);
+  EXPECT_EQ(result->row(0).thumbnail().png(), "encoded");
+  EXPECT_EQ(result->row(0).thumbnail().exr(), "encoded");
+}
+
+TEST(JobRunner, PassesOnThatTheEncoderFails) {
+  const auto fail = [](std::uint32_t, std::uint32_t, const std::vector<float>&) {
+    return absl::StatusOr<std::string>(absl::InternalError("no ink"));
+  };
+  EXPECT_EQ(first_job(disk(16), ThumbnailEncoder{fail, fail}).status().message(), "no ink");
+}
+
+}  // namespace
+}  // namespace irsig
