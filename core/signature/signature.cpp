@@ -326,11 +326,12 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     Pass pilot(*this, request, view, all_of(request.condition.size()), all_of(band_.size()),
                node_um_, band_offset_, seed);
     constexpr std::uint64_t kFirst = 128, kSecond = 1024;
-    pilot.run(kFirst, kFirstPilot, false);
-    pilot_rays += pilot.counts().rays;
     if (accuracy.target_paths > 0) {
+      // Hits are counted with the strata in the proportion that the stored run has.
+      pilot.run(kSecond, kFirstPilot, false);
+      pilot_rays += pilot.counts().rays;
       const double per_sample =
-          static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kFirst);
+          static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
       if (per_sample == 0)
         return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
       const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
@@ -338,6 +339,8 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
           std::min(wanted, static_cast<double>(accuracy.max_samples_per_replicate)));
       limited = wanted > static_cast<double>(accuracy.max_samples_per_replicate);
     } else {
+      pilot.run(kFirst, kFirstPilot, false);
+      pilot_rays += pilot.counts().rays;
       const std::size_t rows = pilot.conditions().size() * pilot.bands().size();
       std::vector<double> before;
       for (std::size_t row = 0; row < rows; ++row)

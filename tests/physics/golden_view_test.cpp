@@ -40,8 +40,8 @@ TEST(GoldenView, NumbersBelongToThePhysicsVersion) {
   ASSERT_EQ(kPhysicsVersion, 1);
   const double expected[2][7] = {
       // intensity, projected area, then emitted, sun, sky, sea, parts
-      {4246.37155, 2384.4683, 3705.07272, 61.9130441, 61.9771914, 303.162186, 114.246414},
-      {87160.1092, 2384.4683, 74735.4853, 3.28610403, 3181.484, 7039.7134, 2200.14034},
+      {4246.46145, 2384.4683, 3705.07272, 62.0029455, 61.9771904, 303.162184, 114.246412},
+      {87160.1146, 2384.4683, 74735.4853, 3.2916393, 3181.48395, 7039.71335, 2200.1403},
   };
   for (std::size_t row = 0; row < 2; ++row) {
     const SignatureResult& s = view->row[row];

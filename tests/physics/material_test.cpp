@@ -72,7 +72,9 @@ TEST(CookTorrance, SamplingIntegratesToDhr) {
       double sum = 0;
       for (std::uint32_t i = 0; i < kN; ++i) {
         const SamplePair u = sobol_pair(i, seed_pair(7, 0));
-        const Material::Sampled s = material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y), std::sin(2 * std::numbers::pi_v<float> * u.y));
+        const Material::Sampled s =
+            material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y),
+                            std::sin(2 * std::numbers::pi_v<float> * u.y));
         sum += s.weight > 0 ? static_cast<double>(s.weight * material.reflectance(s.cos_d)) : 0.0;
         if (s.weight > 0) {
           EXPECT_NEAR(s.x * s.x + s.y * s.y + s.z * s.z, 1.0f, 1e-5f);
@@ -96,7 +98,8 @@ TEST(CookTorrance, ShapeAgreesWithSampledWeight) {
       const SamplePair u = sobol_pair(i, seed_pair(3, 0));
       const float cos_o = std::cos(1.4f * sobol_pair(i, seed_pair(3, 1)).x),
                   sin_o = std::sqrt(1 - cos_o * cos_o);
-      const auto s = material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y), std::sin(2 * std::numbers::pi_v<float> * u.y));
+      const auto s = material.sample(cos_o, u.x, std::cos(2 * std::numbers::pi_v<float> * u.y),
+                                     std::sin(2 * std::numbers::pi_v<float> * u.y));
       if (s.weight <= 0) continue;
       const double hx = s.x + sin_o, hy = s.y, hz = s.z + cos_o,
                    h = std::sqrt(hx * hx + hy * hy + hz * hz);

@@ -1,6 +1,6 @@
-// Rationale: the sampler is inverted, vectorised and folded for speed; each trick must give the plain definition's numbers.
-// Expected: equality, or the stated rounding.
-// Source: the definitions in core/base/sobol.h; the C library's sine and cosine; counting.
+// Rationale: the sampler is inverted, vectorised and folded for speed; each trick must give the
+// plain definition's numbers. Expected: equality, or the stated rounding. Source: the definitions
+// in core/base/sobol.h; the C library's sine and cosine; counting.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -23,7 +23,8 @@ TEST(Sobol, EveryElementaryIntervalHoldsOnePoint) {
       for (std::uint32_t i = 0; i < 256; ++i) {
         const SeedPair seed = seed_pair(99, 4);
         const SamplePair p = shuffled ? sobol_pair_shuffled(i, seed) : sobol_pair(i, seed);
-        boxes.insert({static_cast<int>(std::ldexp(p.x, a)), static_cast<int>(std::ldexp(p.y, 8 - a))});
+        boxes.insert(
+            {static_cast<int>(std::ldexp(p.x, a)), static_cast<int>(std::ldexp(p.y, 8 - a))});
       }
       EXPECT_EQ(boxes.size(), 256u) << a;
     }
