@@ -52,7 +52,7 @@ struct MaterialSpec {
 // hull, hull_index, hull_paper.
 [[nodiscard]] absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind);
 
-// Height-correlated Smith masking of Beckmann slopes of rms slope m.                     [heitz2014, eqs. 66, 99]
+// Height-correlated Smith masking of Beckmann slopes of rms slope m. [heitz2014, eqs. 66, 99]
 [[nodiscard]] double smith_masking(double cos_i, double cos_o, double m);
 
 // A material prepared for a set of wavelengths ("nodes", in any order, all in [lambda_min_um,
@@ -84,7 +84,8 @@ class Material {
     float cos_d;
     float weight;  // shape cos_i / density; 0: the direction lies below the surface
   };
-  // A direction for w_o = (sin_o, 0, cos_o) in the local frame, from a number in (0, 1) and an angle.
+  // A direction for w_o = (sin_o, 0, cos_o) in the local frame, from a number in (0, 1) and an
+  // angle.
   [[nodiscard]] Sampled sample(float cos_o, float u, float cos_phi, float sin_phi) const;
 
   // Reflectance factor and emissivity of a grey material.
@@ -152,7 +153,8 @@ inline float Material::shape_per_sr(float cos_i, float cos_o, float cos_h, float
   return 0.25f * d * g / (cos_i * cos_o);
 }
 
-inline Material::Sampled Material::sample(float cos_o, float u, float cos_phi, float sin_phi) const {
+inline Material::Sampled Material::sample(float cos_o, float u, float cos_phi,
+                                          float sin_phi) const {
   if (roughness_ == 0) {  // cosine-weighted: weight = shape cos / (cos / pi) = 1
     const float r = std::sqrt(u);
     return {r * cos_phi, r * sin_phi, std::sqrt(std::max(0.0f, 1.0f - u)), 1.0f, 1.0f};

@@ -54,7 +54,10 @@ IRSIG_CLONES void turn(SampleList& list) {
   // sin(2 pi t) for |t| <= 1/4: Taylor's series to x^11 (the next term is below 6e-8).
   const auto sine = [](float t) {
     const float x = 6.28318530718f * t, x2 = x * x;
-    return x * (1.0f + x2 * (-1.0f / 6 + x2 * (1.0f / 120 + x2 * (-1.0f / 5040 + x2 * (1.0f / 362880 + x2 * (-1.0f / 39916800))))));
+    return x * (1.0f +
+                x2 * (-1.0f / 6 +
+                      x2 * (1.0f / 120 +
+                            x2 * (-1.0f / 5040 + x2 * (1.0f / 362880 + x2 * (-1.0f / 39916800))))));
   };
 #pragma GCC ivdep
   for (std::uint32_t i = 0; i < size; ++i) {

@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-MACHINE_PATH = re.compile(r"(?<![\w.$}])/(work|home|root|Users|tmp/bash_jobs|tmp/b-)(/|\b)")
+MACHINE_PATH = re.compile(r"(?<![\w.$}])/(work|home|root|Users)(/|\b)")
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK)\b")
 EMPTY_NAME = re.compile(r"(^|_)(utils?|common|misc|helpers?|managers?)(_|$)")
 SKIPPED_FOLDERS = {".git", "build", "out", "__pycache__"}

@@ -1,0 +1,97 @@
+"""What a user can get wrong at the front door: one clear message, the right exit code, nothing left behind.
+
+usage: bad_input_test.py <irsig> <irsig-coordinator> <repository>
+"""
+import pathlib, socket, sqlite3, subprocess, sys, tempfile, unittest
+
+IRSIG, COORDINATOR, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
+DISK = (ROOT / "jobs/examples/disk.toml").read_text()
+
+
+def generated(model):
+    """The disk example with another [model]."""
+    start = DISK.index("[model]")
+    end = DISK.index("\n[", start + 1)
+    return DISK[:start] + "[model]\n" + model + DISK[end:]
+
+
+def filed(name):
+    return generated(f'file = "{name}"\nunit_m = 1\nforward_axis = "+x"\nup_axis = "+z"\n')
+
+
+TRIANGLE = "o disk\nv 0 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\n"
+
+
+class BadInput(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def refused(self, sweep, *expected, exit_code=2, db="out.sigdb"):
+        (self.path / "sweep.toml").write_text(sweep)
+        before = sorted(p.name for p in self.path.iterdir())
+        done = subprocess.run([IRSIG, "run", "sweep.toml", "--db", db], cwd=self.path, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, exit_code, done.stderr)
+        for text in expected:
+            self.assertIn(text, done.stderr)
+        self.assertEqual(before, sorted(p.name for p in self.path.iterdir()), "something was left behind")
+
+    def test_missing_model_file(self):
+        self.refused(filed("nowhere.obj"), "sweep.toml:", "nowhere.obj")
+
+    def test_empty_mesh(self):
+        (self.path / "empty.obj").write_text("o disk\nv 0 0 0\n")
+        self.refused(filed("empty.obj"), "sweep.toml:", "empty.obj")
+
+    def test_nan_vertex(self):
+        (self.path / "nan.obj").write_text(TRIANGLE.replace("v 0 1 0", "v 0 nan 0"))
+        self.refused(filed("nan.obj"), "nan.obj:3:")
+
+    def test_unknown_part(self):
+        self.refused(DISK.replace('name = "disk"\nmaterial', 'name = "disc"\nmaterial'), "sweep.toml:", 'matches "disc"')
+
+    def test_range_inside_the_target(self):
+        import re
+        self.refused(re.sub(r"(?m)^range_m = .*$", "range_m = 0.1", DISK), "sweep.toml:", "inside the target")
+
+    def test_zero_viewpoints(self):
+        start = DISK.index("[viewpoints]")
+        end = DISK.index("\n[", start + 1)
+        self.refused(DISK[:start] + '[viewpoints]\nkind = "fibonacci"\ncount = 0\nrange_m = 1000\n' + DISK[end:], "sweep.toml:", "count")
+
+    def test_overlapping_and_reversed_bands(self):
+        band = '[[band]]\nname = "x"\nlambda_min_um = {}\nlambda_max_um = {}\nstep_um = 0.1\n'
+        self.refused(DISK + band.format(4, 6), "sweep.toml:", "overlap")
+        self.refused(DISK + band.format(9, 8), "sweep.toml:", "lambda")
+
+    def test_database_that_is_none_and_newer_version(self):
+        (self.path / "none.sigdb").write_text("this is no database, but a letter to the reader, long enough to be one")
+        self.refused(DISK, "none.sigdb", db="none.sigdb")
+        good = subprocess.run([IRSIG, "run", ROOT / "jobs/examples/disk.toml", "--db", "new.sigdb"], cwd=self.path, capture_output=True, text=True)
+        self.assertEqual(good.returncode, 0, good.stderr)
+        connection = sqlite3.connect(self.path / "new.sigdb")
+        connection.execute("PRAGMA user_version = 999")
+        connection.commit()
+        connection.close()
+        content = (self.path / "new.sigdb").read_bytes()
+        self.refused(DISK, "new.sigdb", "format version 999", db="new.sigdb")
+        self.assertEqual(content, (self.path / "new.sigdb").read_bytes())
+        query = subprocess.run([IRSIG, "query", "new.sigdb"], cwd=self.path, capture_output=True, text=True)
+        self.assertEqual(query.returncode, 2, query.stderr)
+
+    def test_port_in_use(self):
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            taken.listen()
+            address = f"127.0.0.1:{taken.getsockname()[1]}"
+            done = subprocess.run([COORDINATOR, "--db", "out.sigdb", "--listen", address], cwd=self.path, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn(address, done.stderr)
+        self.assertEqual([], list(self.path.glob("*.sigdb")))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
