@@ -129,8 +129,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<fl
 }
 
 std::uint64_t PathTracer::stratum_samples(std::uint32_t stratum) const {
-  // A hot part is small and bright: an eighth of the main stratum's samples keeps its share of the
-  // error below the rest's.
+  // A hot part is small and bright: it gets an eighth of the main stratum's samples, whatever its
+  // area.
   return stratum == 0 ? settings_.samples : std::max<std::uint64_t>(64, settings_.samples / 8);
 }
 

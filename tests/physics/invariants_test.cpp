@@ -200,6 +200,37 @@ TEST(HardCases, SunAtTheHorizonAndViewFromTheZenith) {
   }
 }
 
+// The Earth hides the foot of a distant target. From a height h the horizon lies at sqrt(2 R h);
+// what is left of the distance d hides (d - sqrt(2 R h))^2 / (2 R) (relative error h/R). A wall of
+// 10 m at 20 km from h = 10 m: 5.957 m hidden; from 5 m: all of it.
+TEST(HardCases, TheSeaHidesTheFootOfADistantTarget) {
+  const auto simulator = simulator_of(
+      scene_of(moved(generated("box", 1200, 0, 1, 20, 10), {0, 0, -5}), grey(0.9), lwir()));
+  constexpr double kRadius = 6371008.8, kDistance = 20000;
+  for (const double height : {10.0, 5.0}) {
+    const double elevation =
+        std::asin((height - kDistance * kDistance / (2 * kRadius)) / kDistance);
+    ViewRequest r = request(*simulator, 0, elevation * 180 / std::numbers::pi, kDistance, {300});
+    r.condition[0].surroundings = sea_world(250, 285, 0.96);
+    const double rest = kDistance - std::sqrt(2 * kRadius * height);
+    const double visible = std::max(0.0, 10 - rest * rest / (2 * kRadius));
+    const auto view = simulator->simulate(r);
+    ASSERT_TRUE(view.ok()) << view.status();
+    EXPECT_NEAR(view->row[0].projected_area_m2.value, 20 * visible, 0.005 * 200) << height;
+  }
+}
+
+// Points under water are not part of the picture: a ball on the waterline shows its upper half from
+// the side.
+TEST(HardCases, TheSeaHidesWhatIsUnderWater) {
+  const auto simulator = simulator_of(scene_of(generated("sphere", 20000), grey(0.9), lwir()));
+  ViewRequest r = request(*simulator, 0, 0, 5000, {300});
+  r.condition[0].surroundings = sea_world(250, 285, 0.96);
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  EXPECT_NEAR(view->row[0].projected_area_m2.value, std::numbers::pi / 2, 2e-3);
+}
+
 // What cannot be simulated is refused with a reason.
 TEST(Refusals, SayWhy) {
   const auto simulator = simulator_of(frigate(*builtin_material("hull")));
