@@ -11,6 +11,10 @@ namespace irsig {
 // failed.
 void add_show(CLI::App& app, int& exit_code);
 void add_model(CLI::App& app, int& exit_code);
+void add_model_particles(CLI::App& model, int& exit_code);  // irsig model particles
+void add_model_check(CLI::App& model, int& exit_code);      // irsig model check
+void add_material(CLI::App& app, int& exit_code);
+void add_goniometer(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_submit(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
@@ -19,6 +23,8 @@ void add_digest(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
+void add_selftest(CLI::App& app, int& exit_code);
+void add_profile(CLI::App& app, int& exit_code);
 
 // Prints "irsig: <message>" to standard error and returns the exit code that the status stands for:
 // 0 for OK, 2 for INVALID_ARGUMENT, NOT_FOUND and OUT_OF_RANGE (what the user gave is wrong), 1

@@ -8,22 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "jobs/material_files.h"
 
 namespace irsig {
 namespace {
-
-absl::StatusOr<std::string> read_file(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return absl::InvalidArgumentError("is a folder, expected a file");
-  }
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return absl::InvalidArgumentError(std::strerror(errno));
-  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) return absl::InvalidArgumentError("cannot be read");
-  return bytes;
-}
 
 // The runner names keys ("part[2].name: no group ..."); the file knows where they stand.
 absl::Status locate(const SweepFile& file, const absl::Status& status) {
@@ -42,12 +30,36 @@ absl::Status locate(const SweepFile& file, const absl::Status& status) {
 
 }  // namespace
 
-absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
+absl::StatusOr<std::string> read_file(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    return absl::InvalidArgumentError("is a folder, expected a file");
+  }
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return absl::InvalidArgumentError(std::strerror(errno));
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad()) return absl::InvalidArgumentError("cannot be read");
+  return bytes;
+}
+
+absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   const auto text = read_file(path);
   if (!text.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));
   }
   auto file = parse_sweep(*text, path);
+  if (!file.ok()) return file.status();
+  const auto read_beside = [&](const std::string& name) {
+    return read_file((std::filesystem::path(path).parent_path() / name).string());
+  };
+  const absl::Status status = read_material_files(*file, read_beside);
+  if (!status.ok()) return status;
+  return file;
+}
+
+absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
+  auto file = load_sweep_file(path);
   if (!file.ok()) return file.status();
   LoadedSweep loaded;
   loaded.file = *std::move(file);
@@ -62,7 +74,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   }
   if (loaded.file.sweep.model().has_file()) {
     const std::filesystem::path model = loaded.file.sweep.model().file();
-    auto bytes = read_file(std::filesystem::path(path).parent_path() / model);
+    auto bytes = read_file((std::filesystem::path(path).parent_path() / model).string());
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
                                                      ": model.file \"", model.string(),

@@ -22,6 +22,12 @@ struct LoadedSweep {
   std::string model_bytes;
 };
 
+// The content of a file; INVALID_ARGUMENT says why it cannot be had, without the file's name.
+[[nodiscard]] absl::StatusOr<std::string> read_file(const std::string& path);
+
+// A sweep file with the content of the files that its materials name, not yet resolved.
+[[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
+
 // Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as
 // file:line:column: ..., those of the model and of the scene included.
 [[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,

@@ -36,13 +36,17 @@ int main(int argc, char** argv) {
   irsig::add_run(app, exit_code);
   irsig::add_query(app, exit_code);
   irsig::add_plot(app, exit_code);
+  irsig::add_profile(app, exit_code);
   irsig::add_export(app, exit_code);
   irsig::add_digest(app, exit_code);
   irsig::add_show(app, exit_code);
   irsig::add_model(app, exit_code);
+  irsig::add_material(app, exit_code);
+  irsig::add_goniometer(app, exit_code);
   irsig::add_submit(app, exit_code);
   irsig::add_status(app, exit_code);
   irsig::add_cancel(app, exit_code);
+  irsig::add_selftest(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

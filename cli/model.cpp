@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
 #include "core/scene/mesh.h"
@@ -43,15 +44,16 @@ void add_model(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "model", "Write a parametric model as Wavefront OBJ (x forward, y port, z up, metres)");
   const auto options = std::make_shared<ModelCommand>();
-  command->add_option("kind", options->what.kind, "disk, sphere, box, cylinder, cone or frigate")
-      ->required()
-      ->type_name("KIND");
-  command->add_option("--triangles", options->what.triangles, "About how many triangles")
-      ->required()
-      ->type_name("N");
-  command->add_option("--out", options->out, "File to write, replaced when complete")
-      ->required()
-      ->type_name("FILE");
+  // Required unless a subcommand is named: checked when it is known that none was.
+  const std::vector<CLI::Option*> required = {
+      command
+          ->add_option("kind", options->what.kind,
+                       "disk, sphere, box, cylinder, cone, frigate or cooling_tower")
+          ->type_name("KIND"),
+      command->add_option("--triangles", options->what.triangles, "About how many triangles")
+          ->type_name("N"),
+      command->add_option("--out", options->out, "File to write, replaced when complete")
+          ->type_name("FILE")};
   // What is not given is the generator's default, so that a 0 must not pass for it.
   const auto positive = [](const std::string& text) -> std::string {
     double value = 0;
@@ -62,11 +64,21 @@ void add_model(CLI::App& app, int& exit_code) {
   const auto dimension = [&](const char* name, double& value, const char* of) {
     command->add_option(name, value, of)->type_name("M")->check(positive);
   };
-  dimension("--radius-m", options->what.radius_m, "disk, sphere, cylinder, cone");
-  dimension("--length-m", options->what.length_m, "box, cylinder, cone, frigate");
-  dimension("--width-m", options->what.width_m, "box, frigate");
-  dimension("--height-m", options->what.height_m, "box; frigate: its freeboard");
-  command->callback([options, &exit_code] { exit_code = report(options->run()); });
+  dimension("--radius-m", options->what.radius_m,
+            "disk, sphere, cylinder, cone; cooling_tower: its throat");
+  dimension("--length-m", options->what.length_m,
+            "box, cylinder, cone, frigate; cooling_tower: its casing");
+  dimension("--width-m", options->what.width_m, "box, frigate, cooling_tower");
+  dimension("--height-m", options->what.height_m,
+            "box; frigate: its freeboard; cooling_tower: of its deck");
+  add_model_particles(*command, exit_code);
+  add_model_check(*command, exit_code);
+  command->callback([options, required, command, &exit_code] {
+    if (!command->get_subcommands().empty()) return;
+    for (const CLI::Option* option : required)
+      if (option->count() == 0) throw CLI::RequiredError(option->get_name());
+    exit_code = report(options->run());
+  });
 }
 
 }  // namespace irsig

@@ -17,6 +17,7 @@
 #include "coordinator/client/progress_text.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
+#include "view/profile.h"
 
 namespace irsig {
 namespace {
@@ -187,6 +188,20 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
   return failed;
 }
 
+// The sweep's profiles beside what is published.
+absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::string& db_path) {
+  if (sweep.sweep().profile().empty()) return absl::OkStatus();
+  auto reader = StoreReader::open(db_path);
+  if (!reader.ok()) return reader.status();
+  const std::string& name = sweep.sweep().name();
+  const auto rows = (*reader)->profiles({.sweep = name, .season = "", .band = "", .profile = ""});
+  if (!rows.ok()) return rows.status();
+  const auto published = (*reader)->published(name);
+  if (!published.ok()) return published.status();
+  fmt::print("\n{}", profile_summary(*rows, *published));
+  return absl::OkStatus();
+}
+
 absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
@@ -206,7 +221,8 @@ absl::Status run_sweep(RunAsked asked) {
     if (*complete) {
       fmt::print("{}: complete already, nothing to compute -> {}\n",
                  loaded->resolved.sweep().name(), asked.db_path);
-      return farm->stop();
+      if (auto ended = farm->stop(); !ended.ok()) return ended;
+      return print_profiles(loaded->resolved, asked.db_path);
     }
   }
   if (has_time_budget(loaded->resolved)) {
@@ -229,7 +245,10 @@ absl::Status run_sweep(RunAsked asked) {
   const auto status = watch(*farm, asked, reply->sweep_sha256());
   if (!status.ok()) return status.status();
   if (auto ended = farm->stop(); !ended.ok()) return ended;
-  return summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
+  const absl::Status summarized =
+      summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
+  if (auto shown = print_profiles(loaded->resolved, asked.db_path); !shown.ok()) return shown;
+  return summarized;
 }
 
 }  // namespace

@@ -35,13 +35,14 @@ namespace irsig {
 // tracing for every 122 stored wavelengths, and 0.25 tracing if it has a sun. Paths are
 // target_paths, or replicates x samples_per_replicate, or for a relative error e (for a time budget
 // that no pilot has turned into samples yet, e = 0.01) 2200 (0.01 / e)^(1 / 0.77), at most
-// replicates x max_samples_per_replicate. Every piece traces again, so a piece may always carry as
-// much shading as its tracing costs.
+// replicates x max_samples_per_replicate; profiles add theirs. Every piece traces again, so a piece
+// may always carry as much shading as its tracing costs.
 //
 // job_key = SHA-256 of what determines the job's result: physics_version, the canonical encoding of
 // the sweep without what does not (names, viewpoints other than the job's, how conditions were
-// written, job size, the closed-form model), the viewpoint, and the job's condition and band
-// indices. It covers ALL conditions and bands: they decide sample counts and hot parts together.
+// written, job size, the closed-form model, published numbers), the viewpoint, and the job's
+// condition and band indices. It covers ALL conditions and bands: they decide sample counts and hot
+// parts together.
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 

@@ -248,12 +248,10 @@ class Filler {
 
 }  // namespace
 
-absl::StatusOr<SweepFile> parse_sweep(std::string_view text, std::string_view file_name) {
-  SweepFile file;
-  file.file_name = std::string(file_name);
+absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& message) {
   toml::table table;
   try {
-    table = toml::parse(text, file_name);
+    table = toml::parse(text, file.file_name);
   } catch (
       const toml::parse_error& error) {  // the library's way to say it; goes no further than this
     const toml::source_position at = error.source().begin;
@@ -262,8 +260,15 @@ absl::StatusOr<SweepFile> parse_sweep(std::string_view text, std::string_view fi
                                                    one_line(std::string(error.description()))));
   }
   Findings findings(file);
-  Filler(file, findings).fill_table(table, "", file.sweep);
-  if (!findings.empty()) return findings.status();
+  Filler(file, findings).fill_table(table, "", message);
+  return findings.status();
+}
+
+absl::StatusOr<SweepFile> parse_sweep(std::string_view text, std::string_view file_name) {
+  SweepFile file;
+  file.file_name = std::string(file_name);
+  if (const absl::Status status = fill_from_toml(text, file, file.sweep); !status.ok())
+    return status;
   return file;
 }
 

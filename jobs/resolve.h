@@ -13,9 +13,20 @@ namespace irsig {
 // (before any default is filled in), reports to `findings`, and where it says so completes the
 // resolved sweep.
 
-// [model] [[material]] [[part]]. Built-in materials that parts name are added to sweep.material.
+// [model] [[material]] [[part]]. Built-in and library materials that parts name are added
+// to sweep.material.
 void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolved,
                     Findings& findings);
+
+// [[material]]: their names, in order. A library's entry is written out into sweep.material, so
+// that its numbers are part of the sweep.
+[[nodiscard]] std::vector<std::string> resolve_materials(schema::Sweep& sweep, Findings& findings);
+
+// A part's material that no [[material]] declares: built in or in the library, then it is added to
+// sweep.material and to `known`; otherwise reported.
+void resolve_part_material(const std::string& name, const SectionCheck& check,
+                           std::vector<std::string>& known, schema::Sweep& sweep,
+                           Findings& findings);
 
 // [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
 // if nothing was found so far.
@@ -31,6 +42,10 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 
 // [[band]] [transport] [accuracy] [output] [precompute]
 void check_run(const schema::Sweep& sweep, Findings& findings);
+
+// [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
+void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
+void write_profile_defaults(schema::Sweep& sweep);
 
 // The temperature range that every temperature of a sweep file must lie in: Planck's law is
 // measured there (core/spectral/planck.h).

@@ -25,7 +25,6 @@ Surroundings overridden(Surroundings base, const Surroundings& season) {
     if (season.kind() == "sea") {
       base.clear_lower_radiance_w_m2_sr_um();
     } else {
-      base.clear_sky_temperature_k();
       base.clear_sea_temperature_k();
       base.clear_sea_emissivity();
     }
@@ -43,11 +42,12 @@ void check_table(const Surroundings& table, const std::string& kind, const std::
     check.only({"kind", "sky_temperature_k", "sky_radiance_w_m2_sr_um", "sea_temperature_k",
                 "sea_emissivity"},
                "to kind \"sea\"");
-    (void)check.at_most_one({"sky_temperature_k", "sky_radiance_w_m2_sr_um"});
   } else if (kind == "none") {
-    check.only({"kind", "sky_radiance_w_m2_sr_um", "lower_radiance_w_m2_sr_um"},
-               "to kind \"none\"");
+    check.only(
+        {"kind", "sky_temperature_k", "sky_radiance_w_m2_sr_um", "lower_radiance_w_m2_sr_um"},
+        "to kind \"none\"");
   }
+  if (!kind.empty()) (void)check.at_most_one({"sky_temperature_k", "sky_radiance_w_m2_sr_um"});
   check.within("sky_temperature_k", 0, kHottestK);
   check.within("sky_radiance_w_m2_sr_um", 0, 1e12);
   check.within("sea_temperature_k", 0, kHottestK);
@@ -70,9 +70,10 @@ std::vector<std::pair<const char*, const char*>> missing_from(const Surroundings
     if (!complete.has_sea_emissivity())
       missing.emplace_back("sea_emissivity", "expected the sea's emissivity, 0 to 1");
   } else if (complete.kind() == "none") {
-    if (!complete.has_sky_radiance_w_m2_sr_um()) {
+    if (!states_sky(complete)) {
       missing.emplace_back("sky_radiance_w_m2_sr_um",
-                           "expected the radiance from above (0 if there is none)");
+                           "expected the radiance from above (0 if there is none), or "
+                           "sky_temperature_k");
     }
     if (!complete.has_lower_radiance_w_m2_sr_um()) {
       missing.emplace_back("lower_radiance_w_m2_sr_um",

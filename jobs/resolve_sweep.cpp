@@ -8,8 +8,8 @@ namespace irsig {
 namespace {
 
 // Every default of the sweep file stands here and in docs/sweep-file.md, except the names and hot
-// parts below. None of them decides what is there to be seen: temperatures, materials,
-// surroundings, air and sun have no default.
+// parts below and those of profiles (resolve_profiles.cpp). None of them decides what is there to
+// be seen: temperatures, materials, surroundings, air and sun have no default.
 void write_defaults(schema::Sweep& sweep) {
   if (!sweep.has_description()) sweep.set_description("");
   if (!sweep.has_seed()) sweep.set_seed(1);
@@ -30,6 +30,10 @@ void write_defaults(schema::Sweep& sweep) {
   if (kind == "cone" || kind == "box") dimension(model.has_length_m(), length, 2);
   if (kind == "box") dimension(model.has_width_m(), width, 1);
   if (kind == "box") dimension(model.has_height_m(), height, 0.5);
+  if (kind == "cooling_tower") dimension(model.has_radius_m(), radius, 4);
+  if (kind == "cooling_tower") dimension(model.has_length_m(), length, 12);
+  if (kind == "cooling_tower") dimension(model.has_width_m(), width, 12);
+  if (kind == "cooling_tower") dimension(model.has_height_m(), height, 10);
   if (kind == "frigate") dimension(model.has_length_m(), length, 153.8);
   if (kind == "frigate") dimension(model.has_width_m(), width, 20.4);
   if (kind == "frigate") dimension(model.has_height_m(), height, 6.4);
@@ -39,6 +43,10 @@ void write_defaults(schema::Sweep& sweep) {
 
   for (schema::Material& material : *sweep.mutable_material()) {
     if (!material.has_allow_energy_gain()) material.set_allow_energy_gain(false);
+    const std::string& surface = material.kind();
+    if ((surface == "priest_germer" || surface == "beard_maxwell") && !material.has_published())
+      material.set_published(false);
+    if (surface == "prisse" && !material.has_printed()) material.set_printed(false);
   }
   for (schema::Part& part : *sweep.mutable_part()) {
     if (part.match_size() == 0) part.add_match(part.name());
@@ -112,8 +120,10 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
   check_run(resolved.sweep(), findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(resolved, findings);
+  check_profiles(resolved, findings);
   if (!findings.empty()) return findings.status();
   write_defaults(*resolved.mutable_sweep());
+  write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
   return resolved;
 }

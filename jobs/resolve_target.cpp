@@ -47,12 +47,16 @@ void check_model_file(const schema::Model& model, std::string_view model_bytes,
 
 void check_generated_model(const schema::Model& model, const SectionCheck& check) {
   const std::string& kind = model.generate();
-  if (!check.one_of("generate", {"disk", "sphere", "box", "cylinder", "cone", "frigate"})) return;
+  if (!check.one_of("generate",
+                    {"disk", "sphere", "box", "cylinder", "cone", "frigate", "cooling_tower"}))
+    return;
   const std::string why = absl::StrCat("to a generated ", kind);
   if (kind == "disk" || kind == "sphere") {
     check.only({"generate", "triangles", "radius_m"}, why);
   } else if (kind == "cylinder" || kind == "cone") {
     check.only({"generate", "triangles", "radius_m", "length_m"}, why);
+  } else if (kind == "cooling_tower") {
+    check.only({"generate", "triangles", "radius_m", "length_m", "width_m", "height_m"}, why);
   } else {
     check.only({"generate", "triangles", "length_m", "width_m", "height_m"}, why);
   }
@@ -77,173 +81,6 @@ void check_model(std::string_view model_bytes, schema::ResolvedSweep& resolved,
     check_model_file(model, model_bytes, resolved, check);
   } else {
     check_generated_model(model, check);
-  }
-}
-
-// A table over wavelength: two points or more, increasing, and as wide as every band.
-template <typename Points>
-void check_table(const Points& points, const std::string& path, const schema::Sweep& sweep,
-                 Findings& findings) {
-  const std::size_t before = findings.count();
-  if (points.size() < 2) {
-    findings.add(path, absl::StrCat(path, " has one point, expected two or more"));
-  }
-  for (int i = 0; i < points.size(); ++i) {
-    const std::string at = absl::StrCat(path, "[", i, "]");
-    const SectionCheck check(points[i], at, findings);
-    check.require({"lambda_um"}, "expected a wavelength in micrometres");
-    check.above("lambda_um", 0);
-    if (i > 0 && points[i].has_lambda_um() &&
-        !(points[i].lambda_um() > points[i - 1].lambda_um())) {
-      findings.add(
-          at + ".lambda_um",
-          absl::StrCat(at, ".lambda_um = ", points[i].lambda_um(),
-                       " is not above the one before it, expected increasing wavelengths"));
-    }
-  }
-  if (findings.count() != before) return;
-  const double first = points[0].lambda_um(), last = points[points.size() - 1].lambda_um();
-  for (const schema::Band& band : sweep.band()) {
-    if (!band.has_lambda_min_um() || !band.has_lambda_max_um()) continue;
-    if (first > band.lambda_min_um() || last < band.lambda_max_um()) {
-      findings.add(path, absl::StrCat(path, " covers ", first, " to ", last,
-                                      " um, expected all of the band \"", band.name(), "\", ",
-                                      band.lambda_min_um(), " to ", band.lambda_max_um(), " um"));
-    }
-  }
-}
-
-void check_lambert(const schema::Material& material, const std::string& path,
-                   const schema::Sweep& sweep, const SectionCheck& check, Findings& findings) {
-  check.only({"name", "kind", "emissivity", "emissivity_table"}, "to kind \"lambert\"");
-  if (check.at_most_one({"emissivity", "emissivity_table"}) == 0) {
-    check.error("emissivity", "is missing, expected emissivity or emissivity_table");
-  }
-  check.within("emissivity", 0, 1);
-  if (material.emissivity_table_size() == 0) return;
-  check_table(material.emissivity_table(), path + ".emissivity_table", sweep, findings);
-  for (int i = 0; i < material.emissivity_table_size(); ++i) {
-    const SectionCheck point(material.emissivity_table(i),
-                             absl::StrCat(path, ".emissivity_table[", i, "]"), findings);
-    point.require({"value"}, "expected an emissivity");
-    point.within("value", 0, 1);
-  }
-}
-
-void check_cook_torrance(const schema::Material& material, const std::string& path,
-                         const schema::Sweep& sweep, const SectionCheck& check,
-                         Findings& findings) {
-  check.only({"name", "kind", "n", "k", "optical_constants", "roughness", "fresnel", "masking",
-              "normal_emissivity"},
-             "to kind \"cook_torrance\"");
-  if (material.optical_constants_size() > 0) {
-    if (material.has_n() || material.has_k()) {
-      check.error("optical_constants", "stands beside n or k, expected only one of the two forms");
-    }
-    check_table(material.optical_constants(), path + ".optical_constants", sweep, findings);
-    for (int i = 0; i < material.optical_constants_size(); ++i) {
-      const SectionCheck point(material.optical_constants(i),
-                               absl::StrCat(path, ".optical_constants[", i, "]"), findings);
-      point.require({"n", "k"}, "expected the optical constants n + i k");
-      point.above("n", 0);
-      point.within("k", 0, 1e6);
-    }
-  } else {
-    check.require({"n", "k"},
-                  "expected the optical constants n + i k (or a table, optical_constants)");
-    check.above("n", 0);
-    check.within("k", 0, 1e6);
-  }
-  check.require({"roughness"}, "expected the rms slope of the microfacets, 0.03 to 1");
-  if (material.has_roughness() && material.roughness() >= 0 && material.roughness() < 0.03) {
-    check.error(
-        "roughness",
-        absl::StrCat(
-            "= ", material.roughness(),
-            ", expected a number from 0.03 to 1 (near-mirror lobes are not supported yet)"));
-  } else {
-    check.within("roughness", 0.03, 1);
-  }
-  check.require({"fresnel"}, "expected \"exact\" or \"schlick\"");
-  check.require({"masking"}, "expected \"v_groove\" or \"smith\"");
-  (void)check.one_of("fresnel", {"exact", "schlick"});
-  (void)check.one_of("masking", {"v_groove", "smith"});
-  if (material.has_normal_emissivity() &&
-      !(material.normal_emissivity() >= 0 && material.normal_emissivity() < 1)) {
-    check.error("normal_emissivity", absl::StrCat("= ", material.normal_emissivity(),
-                                                  ", expected a number from 0 to below 1"));
-  }
-}
-
-const std::vector<std::string>& built_in_names() {
-  static const std::vector<std::string> names = {"hull", "hull_index", "hull_paper"};
-  return names;
-}
-
-bool is_built_in(const std::string& name) {
-  return std::find(built_in_names().begin(), built_in_names().end(), name) !=
-         built_in_names().end();
-}
-
-void check_material(const schema::Material& material, const std::string& path,
-                    const schema::Sweep& sweep, Findings& findings) {
-  const SectionCheck check(material, path, findings);
-  check.require(
-      {"kind"},
-      "expected \"lambert\", \"cook_torrance\", \"hull\", \"hull_index\" or \"hull_paper\"");
-  if (!check.one_of("kind", {"lambert", "cook_torrance", "hull", "hull_index", "hull_paper"}))
-    return;
-  const std::string& kind = material.kind();
-  if (is_built_in(material.name()) && material.name() != kind) {
-    check.error("name", absl::StrCat("\"", material.name(),
-                                     "\" is built in with another meaning, expected another name"));
-  }
-  if (kind == "lambert") {
-    check_lambert(material, path, sweep, check, findings);
-  } else if (kind == "cook_torrance") {
-    check_cook_torrance(material, path, sweep, check, findings);
-  } else if (kind == "hull_paper") {
-    check.only({"name", "kind", "allow_energy_gain"}, "to kind \"hull_paper\"");
-    if (!material.allow_energy_gain()) {
-      check.error("allow_energy_gain",
-                  "is not true: hull_paper emits and reflects more than it receives, expected "
-                  "allow_energy_gain = true "
-                  "or kind = \"hull\"");
-    }
-  } else {
-    check.only({"name", "kind"}, absl::StrCat("to kind \"", kind, "\""));
-  }
-}
-
-std::vector<std::string> check_materials(const schema::Sweep& sweep, Findings& findings) {
-  std::vector<std::string> names = check_names(sweep.material(), "material", findings);
-  for (int i = 0; i < sweep.material_size(); ++i) {
-    check_material(sweep.material(i), element("material", i), sweep, findings);
-  }
-  return names;
-}
-
-// A material that is built in can be named without being declared, except the one that needs a
-// permission.
-void check_part_material(const std::string& name, const SectionCheck& check,
-                         std::vector<std::string>& known, schema::Sweep& sweep) {
-  if (std::find(known.begin(), known.end(), name) != known.end()) return;
-  if (name == "hull_paper") {
-    check.error("material",
-                "= \"hull_paper\" creates energy, expected a [[material]] of that kind with "
-                "allow_energy_gain = true");
-  } else if (is_built_in(name)) {
-    schema::Material& material = *sweep.add_material();
-    material.set_name(name);
-    material.set_kind(name);
-    known.push_back(name);
-  } else {
-    std::vector<std::string> all = known;
-    for (const char* built_in : {"hull", "hull_index"}) {
-      if (std::find(all.begin(), all.end(), built_in) == all.end()) all.emplace_back(built_in);
-    }
-    check.error("material",
-                absl::StrCat("= \"", name, "\" is no known material: ", suggestion(name, all)));
   }
 }
 
@@ -274,7 +111,8 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
     const schema::Part& part = sweep.part(i);
     const SectionCheck check(part, element("part", i), findings);
     check.require({"material"}, "expected the name of a material");
-    if (part.has_material()) check_part_material(part.material(), check, materials, sweep);
+    if (part.has_material())
+      resolve_part_material(part.material(), check, materials, sweep, findings);
     check.within("temperature_k", 0, kHottestK);
     check_part_temperature(part, check, sweep);
     for (int j = 0; j < part.match_size(); ++j) {
@@ -304,7 +142,8 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
 void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolved,
                     Findings& findings) {
   check_model(model_bytes, resolved, findings);
-  check_parts(*resolved.mutable_sweep(), check_materials(resolved.sweep(), findings), findings);
+  schema::Sweep& sweep = *resolved.mutable_sweep();
+  check_parts(sweep, resolve_materials(sweep, findings), findings);
 }
 
 }  // namespace irsig

@@ -32,7 +32,7 @@ bool is_present(const google::protobuf::Message& section, const FieldDescriptor&
                              : section.GetReflection()->HasField(section, &field);
 }
 
-std::string list(SectionCheck::Names names) {
+std::string list(const SectionCheck::Names& names) {
   return quoted_list(std::vector<std::string>(names.begin(), names.end()));
 }
 
@@ -92,13 +92,13 @@ double SectionCheck::number(const char* name) const {
   }
 }
 
-void SectionCheck::require(Names names, const std::string& why) const {
+void SectionCheck::require(const Names& names, const std::string& why) const {
   for (const char* name : names) {
     if (!has(name)) error(name, absl::StrCat("is missing, ", why));
   }
 }
 
-void SectionCheck::only(Names names, const std::string& why) const {
+void SectionCheck::only(const Names& names, const std::string& why) const {
   std::vector<const FieldDescriptor*> present;
   section_.GetReflection()->ListFields(section_, &present);
   for (const FieldDescriptor* field : present) {
@@ -110,7 +110,7 @@ void SectionCheck::only(Names names, const std::string& why) const {
   }
 }
 
-int SectionCheck::at_most_one(Names names) const {
+int SectionCheck::at_most_one(const Names& names) const {
   int count = 0;
   for (const char* name : names) {
     if (has(name) && ++count > 1) {
@@ -132,7 +132,7 @@ void SectionCheck::above(const char* name, double limit) const {
   }
 }
 
-bool SectionCheck::one_of(const char* name, Names choices) const {
+bool SectionCheck::one_of(const char* name, const Names& choices) const {
   if (!has(name)) return false;
   const std::string chosen =
       section_.GetReflection()->GetString(section_, &field_of(section_, name));

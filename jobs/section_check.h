@@ -1,6 +1,5 @@
 #pragma once
 
-#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,7 +34,7 @@ class Findings {
 // that is absent passes every check but require(): each error is reported once.
 class SectionCheck {
  public:
-  using Names = std::initializer_list<const char*>;
+  using Names = std::vector<const char*>;
 
   SectionCheck(const google::protobuf::Message& section, std::string path, Findings& findings)
       : section_(section), path_(std::move(path)), findings_(findings) {}
@@ -45,14 +44,15 @@ class SectionCheck {
   void error(const char* name, const std::string& what) const;  // "<path> <what>" at the key
 
   // Missing keys are errors; `why` ends the sentence: "place.latitude_deg is missing, <why>".
-  void require(Names names, const std::string& why) const;
+  void require(const Names& names, const std::string& why) const;
   // Keys other than these are errors: "<path> does not apply <why>".
-  void only(Names names, const std::string& why) const;
+  void only(const Names& names, const std::string& why) const;
   // How many of the names are present; more than one is an error.
-  [[nodiscard]] int at_most_one(Names names) const;
-  void within(const char* name, double least, double most) const;    // numbers, limits included
-  void above(const char* name, double limit) const;                  // numbers, limit excluded
-  [[nodiscard]] bool one_of(const char* name, Names choices) const;  // true: present and known
+  [[nodiscard]] int at_most_one(const Names& names) const;
+  void within(const char* name, double least, double most) const;  // numbers, limits included
+  void above(const char* name, double limit) const;                // numbers, limit excluded
+  [[nodiscard]] bool one_of(const char* name,
+                            const Names& choices) const;  // true: present and known
 
  private:
   [[nodiscard]] double number(const char* name) const;

@@ -27,6 +27,11 @@ struct SweepFile {
 [[nodiscard]] absl::StatusOr<SweepFile> parse_sweep(std::string_view text,
                                                     std::string_view file_name);
 
+// The same for a message of another grammar: fills it, and `file.where` (file.file_name must be
+// set).
+[[nodiscard]] absl::Status fill_from_toml(std::string_view text, SweepFile& file,
+                                          google::protobuf::Message& message);
+
 // Checks the meaning and writes out every default, the viewpoints and the conditions. All errors at
 // once, in the order of the file. A pure function: whoever calls it has read the model file
 // (model.file is relative to the sweep file). model_bytes: the model file's content (ignored for

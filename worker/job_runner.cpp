@@ -5,7 +5,10 @@
 #include <ctime>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/arithmetic_fingerprint.h"
 #include "core/signature/signature.h"
+#include "worker/check_numbers.h"
+#include "worker/profile_rows.h"
 #include "worker/result_to_proto.h"
 #include "worker/spec_to_request.h"
 
@@ -33,8 +36,15 @@ class CoreJobRunner final : public JobRunner {
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
     const auto view = simulator_->simulate(*request);
     if (!view.ok()) return view.status();
+    if (auto status = check_numbers(*view); !status.ok()) return status;
     auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
     if (!result.ok()) return result.status();
+    if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
+      return status;
+    if (result->guarded_nonfinite() > 0)  // of its profiles
+      return absl::InternalError(
+          absl::StrCat("the profiles cannot be trusted: ", result->guarded_nonfinite(),
+                       " path weights were not finite"));
     result->set_job_key(job.job_key());
     result->set_seconds(cpu_seconds() - start_s);
     result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
@@ -64,6 +74,9 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   if (!scene.ok()) return scene.status();
   auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
+  if (const absl::Status status = check_energy(sweep.sweep(), (*simulator)->materials());
+      !status.ok())
+    return status;
   const Target& target = (*simulator)->target();
   const double reach = length(target.centre) + target.radius_m;
   for (const schema::Viewpoint& v : sweep.viewpoint())
@@ -77,8 +90,10 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
 std::string build_id() { return IRSIG_BUILD_ID; }
 
 std::string determinism_class() {
-  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-",
-                      gnu_get_libc_version());
+  static const std::string name = absl::StrCat(
+      build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-", gnu_get_libc_version(),
+      "/arithmetic-", absl::Hex(arithmetic_fingerprint(), absl::kZeroPad8));
+  return name;
 }
 
 int physics_version() { return kPhysicsVersion; }

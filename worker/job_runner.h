@@ -29,8 +29,9 @@ class JobRunner {
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
 };
 
-// build id, CPU vendor, the ray tracer's instruction set, libc: results are bit-equal within one
-// class.
+// build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and
+// the processor's approximate reciprocals really return here (libm chooses its code by the
+// processor, with or without fused multiply-add): results are bit-equal within one class.
 [[nodiscard]] std::string determinism_class();
 [[nodiscard]] std::string build_id();
 [[nodiscard]] int physics_version();

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
+#include "worker/material_from_message.h"
 
 namespace irsig {
 namespace {
@@ -38,34 +39,6 @@ absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_vie
   return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
 }
 
-absl::StatusOr<MaterialSpec> material_of(const schema::Material& m) {
-  if (m.kind() == "lambert") {
-    Lambert lambert;
-    if (m.emissivity_table_size() > 0)
-      for (const schema::SpectralPoint& p : m.emissivity_table())
-        lambert.emissivity.push_back({p.lambda_um(), p.value()});
-    else
-      lambert.emissivity.push_back({0, m.emissivity()});
-    return MaterialSpec{m.name(), lambert};
-  }
-  if (m.kind() == "cook_torrance") {
-    CookTorrance lobe;
-    if (m.optical_constants_size() > 0)
-      for (const schema::OpticalConstant& c : m.optical_constants())
-        lobe.constants.push_back({c.lambda_um(), c.n(), c.k()});
-    else
-      lobe.constants.push_back({0, m.n(), m.k()});
-    lobe.roughness = m.roughness();
-    lobe.fresnel = m.fresnel() == "schlick" ? Fresnel::kSchlick : Fresnel::kExact;
-    lobe.masking = m.masking() == "smith" ? Masking::kSmith : Masking::kVGroove;
-    if (m.has_normal_emissivity()) lobe.normal_emissivity = m.normal_emissivity();
-    return MaterialSpec{m.name(), lobe};
-  }
-  auto spec = builtin_material(m.kind());
-  if (spec.ok()) spec->name = m.name();
-  return spec;
-}
-
 absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
                                    const schema::Condition& condition) {
   const auto time = parse_rfc3339(condition.time_utc());
@@ -95,7 +68,7 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
   if (!mesh.ok()) return mesh.status();
   scene.mesh = *std::move(mesh);
   for (int i = 0; i < sweep.material_size(); ++i) {
-    auto material = material_of(sweep.material(i));
+    auto material = material_from_message(sweep.material(i));
     if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
     scene.material.push_back(*std::move(material));
   }
@@ -124,6 +97,19 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
     scene.band.push_back(std::move(band));
   }
   return scene;
+}
+
+absl::Status check_energy(const schema::Sweep& sweep, const std::vector<Material>& materials) {
+  std::string wrong;
+  for (int i = 0; i < sweep.material_size(); ++i) {
+    const schema::Material& m = sweep.material(i);
+    if (m.allow_energy_gain() || !materials[static_cast<std::size_t>(i)].creates_energy()) continue;
+    absl::StrAppend(&wrong, wrong.empty() ? "" : "\n", "material[", i,
+                    "].allow_energy_gain: is not true, but \"", m.name(), "\" (", m.kind(),
+                    ") emits and reflects more than it receives in these bands, expected "
+                    "allow_energy_gain = true or another material");
+  }
+  return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
 }
 
 absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,

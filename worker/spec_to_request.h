@@ -16,6 +16,11 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& sweep,
                                                          std::string_view model_bytes);
 
+// INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
+// with allow_energy_gain = true. `materials`: of the scene above, prepared.
+[[nodiscard]] absl::Status check_energy(const schema::Sweep& sweep,
+                                        const std::vector<Material>& materials);
+
 // Everything of one job but the scene: the sun's position is computed here.
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& sweep,
                                                            const schema::JobSpec& job);

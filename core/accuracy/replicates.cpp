@@ -25,6 +25,16 @@ double numerical_error(double stderr_of_mean, double sum_of_bias_bounds) {
   return std::sqrt(stderr_of_mean * stderr_of_mean + sum_of_bias_bounds * sum_of_bias_bounds / 3);
 }
 
+double truncation_bound(const std::array<double, 3>& beyond, std::uint32_t spacing,
+                        const Estimate& last, double at_most) {
+  if (!(beyond[0] > 0 && beyond[1] > 0 && beyond[2] > 0)) return at_most;
+  const double fall1 = std::log(beyond[0] / beyond[1]), fall2 = std::log(beyond[1] / beyond[2]);
+  const bool geometric = fall2 > 0 && std::abs(fall2 - fall1) <= 0.25 * fall2 && last.value > 0 &&
+                         last.stderr_ <= 0.1 * last.value;
+  // r / (1 - r) with r = exp(-fall2 / spacing)
+  return geometric ? std::min(at_most, 1.5 * last.value / std::expm1(fall2 / spacing)) : at_most;
+}
+
 std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
                              double target, std::uint64_t n_max) {
   const double aim = 0.8 * target;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -31,6 +32,20 @@ class ReplicateStatistics {
 // lie in
 // +-bound counts as uniformly distributed there.
 [[nodiscard]] double numerical_error(double stderr_of_mean, double sum_of_bias_bounds);
+
+// What reflections after the last one allowed could have added.
+//
+//   beyond       the throughput that goes on after N - 2 s, N - s and N reflections (N: the last
+//                allowed; s: spacing >= 1)
+//   last         what the paths of exactly N reflections contributed
+//   at_most      throughput beyond N x the brightest radiance that it can meet: a rigorous bound
+//
+// Where the throughput falls geometrically - the logarithms of the two ratios agree to a quarter -
+// and `last` is known to a tenth, the rest is the geometric series last x r / (1 - r), r^s the last
+// ratio; half of it is added for what the test of the ratios leaves open. Else, or if that is
+// larger: at_most.
+[[nodiscard]] double truncation_bound(const std::array<double, 3>& beyond, std::uint32_t spacing,
+                                      const Estimate& last, double at_most);
 
 // How many samples a replicate needs for a standard error of `target`, from a pilot's standard
 // errors e1, e2 at n1 < n2 samples: the error falls as n^-s with s from the pilot, held in [0.5,

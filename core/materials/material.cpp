@@ -2,168 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
-#include "core/materials/fresnel.h"
+#include "core/materials/beard_maxwell.h"
+#include "core/materials/brdf_model.h"
+#include "core/materials/cook_torrance.h"
+#include "core/materials/dhr_table.h"
+#include "core/materials/prisse.h"
+#include "core/materials/sandford_robertson.h"
+#include "core/materials/spectra.h"
+#include "core/materials/tabulated_brdf.h"
+#include "core/materials/ward.h"
 
 namespace irsig {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr int kSpectralFresnelCells = 256;
-constexpr int kSpectralDhrCells = Material::kDhrCells;
-
-double interpolate(const std::vector<SpectralPoint>& table, double lambda_um) {
-  if (table.size() == 1) return table.front().value;
-  const auto after =
-      std::upper_bound(table.begin(), table.end(), lambda_um,
-                       [](double x, const SpectralPoint& p) { return x < p.lambda_um; });
-  const auto b = after == table.end() ? table.end() - 1 : after;
-  const auto a = b - 1;
-  const double t = (lambda_um - a->lambda_um) / (b->lambda_um - a->lambda_um);
-  return a->value + t * (b->value - a->value);
-}
-
-OpticalConstant interpolate(const std::vector<OpticalConstant>& table, double lambda_um) {
-  if (table.size() == 1) return table.front();
-  const auto after =
-      std::upper_bound(table.begin(), table.end(), lambda_um,
-                       [](double x, const OpticalConstant& p) { return x < p.lambda_um; });
-  const auto b = after == table.end() ? table.end() - 1 : after;
-  const auto a = b - 1;
-  const double t = (lambda_um - a->lambda_um) / (b->lambda_um - a->lambda_um);
-  return {lambda_um, a->n + t * (b->n - a->n), a->k + t * (b->k - a->k)};
-}
-
-template <typename Point>
-absl::Status check_covers(const std::vector<Point>& table, const char* what, double lambda_min_um,
-                          double lambda_max_um) {
-  if (table.empty()) return absl::InvalidArgumentError(absl::StrCat("no ", what));
-  if (table.size() == 1) return absl::OkStatus();
-  if (table.front().lambda_um > lambda_min_um || table.back().lambda_um < lambda_max_um)
-    return absl::InvalidArgumentError(
-        absl::StrCat("its ", what, " covers ", table.front().lambda_um, " to ",
-                     table.back().lambda_um, " um, but the bands need ", lambda_min_um, " to ",
-                     lambda_max_um, " um (half a step beyond each band)"));
-  return absl::OkStatus();
-}
-
-double masking_v_groove(double cos_i, double cos_o, double cos_h, double cos_d) {
-  return std::min(1.0, 2.0 * cos_h * std::min(cos_i, cos_o) / cos_d);
-}
-
-double smith_lambda(double cos_theta, double m) {
-  if (cos_theta >= 1.0) return 0.0;
-  const double a = cos_theta / (m * std::sqrt(1.0 - cos_theta * cos_theta));
-  return 0.5 * (std::erf(a) - 1.0) + std::exp(-a * a) / (2.0 * a * std::sqrt(kPi));
-}
-
-struct GaussLegendre {
-  std::vector<double> x, w;  // on [0, 1]
-};
-GaussLegendre gauss_legendre(int n) {
-  GaussLegendre rule{std::vector<double>(static_cast<std::size_t>(n)),
-                     std::vector<double>(static_cast<std::size_t>(n))};
-  for (int i = 0; i < n; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (n + 0.5)), derivative = 1;
-    for (int iteration = 0; iteration < 100; ++iteration) {
-      double p0 = 1, p1 = x;
-      for (int k = 2; k <= n; ++k) {
-        const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
-        p0 = p1;
-        p1 = p2;
-      }
-      derivative = n * (x * p1 - p0) / (x * x - 1);
-      const double step = p1 / derivative;
-      x -= step;
-      if (std::abs(step) < 1e-15) break;
-    }
-    rule.x[static_cast<std::size_t>(i)] = 0.5 * (1 - x);
-    rule.w[static_cast<std::size_t>(i)] = 1 / ((1 - x * x) * derivative * derivative);
-  }
-  return rule;
-}
-
-// The distribution of cos_d in the lobe's hemispherical integral at one cos_o: DHR(lambda) = sum
-// over cells of weight[cell] F(lambda, cos_d of the cell), linear between cells.
-//
-// Over half vectors h with density D cos_h: DHR = E[ F 4 (w_o h) cos_i shape / (D cos_h) ] = E[ F G
-// (w_o h)/(cos_o cos_h) ]. tan(theta_h) = m s, density 2 s exp(-s^2), s in [0, 6.5] (exp(-6.5^2) =
-// 4e-19). In azimuth the integrand has kinks where V-groove masking changes its form and an end
-// where w_i sinks below the surface, all at known cos_d: each piece gets its own Gauss points. 256
-// x (up to 5 x 8) points and the table leave 2e-5 against
-// tests/physics/values/cook_torrance_dhr.csv; midpoints regardless of the kinks left 4e-4.
-std::vector<double> lobe_moments(double cos_o, double m, Masking masking, int cells) {
-  static const GaussLegendre slopes = gauss_legendre(256), azimuths = gauss_legendre(8);
-  constexpr double kLast = 6.5;
-  std::vector<double> moments(static_cast<std::size_t>(cells) + 1, 0.0);
-  const double sin_o = std::sqrt(std::max(0.0, 1 - cos_o * cos_o));
-  std::vector<double> edge;
-  for (std::size_t i = 0; i < slopes.x.size(); ++i) {
-    const double s = kLast * slopes.x[i];
-    const double density = kLast * slopes.w[i] * 2 * s * std::exp(-s * s);
-    const double tan_h = m * s;
-    const double cos_h = 1 / std::sqrt(1 + tan_h * tan_h);
-    const double sin_h = tan_h * cos_h;
-    // cos_d = sin_o sin_h cos(phi) + cos_o cos_h, falling from phi = 0 to pi. w_i is above the
-    // surface while cos_d > cos_o / (2 cos_h); G = min(1, 2 cos_h cos_i / cos_d, 2 cos_h cos_o /
-    // cos_d) changes at the other three.
-    const double middle = cos_o * cos_h, amplitude = sin_o * sin_h;
-    const double kinks[] = {cos_o / (2 * cos_h), cos_o / cos_h, 2 * cos_o * cos_h,
-                            2 * cos_o / (4 * cos_h - 1 / cos_h)};
-    edge.assign({0, kPi});
-    for (const double k : kinks)
-      if (std::abs(k - middle) < amplitude) edge.push_back(std::acos((k - middle) / amplitude));
-    std::sort(edge.begin(), edge.end());
-    for (std::size_t e = 0; e + 1 < edge.size(); ++e) {
-      const double width = edge[e + 1] - edge[e];
-      for (std::size_t j = 0; j < azimuths.x.size(); ++j) {
-        const double cos_d = amplitude * std::cos(edge[e] + width * azimuths.x[j]) + middle;
-        const double cos_i = 2 * cos_d * cos_h - cos_o;
-        if (cos_d <= 0 || cos_i <= 0) continue;
-        const double g = masking == Masking::kVGroove ? masking_v_groove(cos_i, cos_o, cos_h, cos_d)
-                                                      : smith_masking(cos_i, cos_o, m);
-        const double weight = density * azimuths.w[j] * width / kPi * g * cos_d / (cos_o * cos_h);
-        const double position = std::min(cos_d, 1.0) * cells;
-        const auto cell =
-            std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(cells) - 1);
-        const double t = position - static_cast<double>(cell);
-        moments[cell] += weight * (1 - t);
-        moments[cell + 1] += weight * t;
-      }
-    }
-  }
-  return moments;
-}
-
-double dhr(const std::vector<double>& moments, const std::vector<double>& fresnel) {
-  double sum = 0;
-  for (std::size_t i = 0; i < moments.size(); ++i) sum += moments[i] * fresnel[i];
-  return sum;
-}
-
-std::vector<double> fresnel_table(const CookTorrance& model, const OpticalConstant& c, int cells) {
-  std::vector<double> table(static_cast<std::size_t>(cells) + 1);
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const double cos_d = static_cast<double>(i) / cells;
-    table[i] = model.fresnel == Fresnel::kExact ? fresnel_exact(cos_d, c.n, c.k)
-                                                : fresnel_schlick(cos_d, c.n, c.k);
-  }
-  return table;
-}
-
-// cos(theta) of a DHR table entry; the entry at grazing stands for 90 deg - 1e-4 rad.
-double dhr_cos(int entry, int cells) {
-  const double x = static_cast<double>(entry) / cells;
-  return std::max(x * x, 1e-4);
-}
-
-}  // namespace
-
-double smith_masking(double cos_i, double cos_o, double m) {
-  return 1.0 / (1.0 + smith_lambda(cos_i, m) + smith_lambda(cos_o, m));
-}
 
 absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind) {
   CookTorrance lobe;
@@ -181,101 +34,150 @@ absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind) {
 absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec,
                                            const std::vector<double>& node_um, double lambda_min_um,
                                            double lambda_max_um) {
+  if (node_um.empty()) return absl::InvalidArgumentError("no wavelengths");
   Material out;
   out.nodes_ = node_um.size();
-  const auto columns = static_cast<std::size_t>(kDhrCells) + 1;
-  out.emissivity_dhr_.resize(2 * columns);
-
+  absl::Status status;
   if (const auto* lambert = std::get_if<Lambert>(&spec.model)) {
-    if (auto status = check_covers(lambert->emissivity, "emissivity", lambda_min_um, lambda_max_um);
-        !status.ok())
-      return status;
-    for (const SpectralPoint& p : lambert->emissivity)
-      if (!(p.value >= 0 && p.value <= 1))
-        return absl::InvalidArgumentError(
-            absl::StrCat("emissivity ", p.value, " is not between 0 and 1"));
-    out.roughness_ = 0;
-    out.grey_ = lambert->emissivity.size() == 1;
-    double dhr_largest = 0;
-    std::vector<float> emissivity(node_um.size());
-    for (std::size_t i = 0; i < node_um.size(); ++i) {
-      const double e = interpolate(lambert->emissivity, node_um[i]);
-      emissivity[i] = static_cast<float>(e);
-      dhr_largest = std::max(dhr_largest, 1 - e);
-    }
-    for (std::size_t i = 0; i < columns; ++i) {
-      out.emissivity_dhr_[2 * i] = emissivity[0];
-      out.emissivity_dhr_[2 * i + 1] = static_cast<float>(dhr_largest);
-    }
-    out.reflectance_.assign(kFresnelCells + 1, 1.0f - emissivity[0]);
-    // One row of each spectral table is enough: nothing depends on angle; two rows keep the lookup
-    // uniform.
-    for (int row = 0; row <= kSpectralFresnelCells; ++row)
-      for (const float e : emissivity) out.spectral_reflectance_.push_back(1.0f - e);
-    for (int row = 0; row <= kSpectralDhrCells; ++row)
-      out.spectral_emissivity_.insert(out.spectral_emissivity_.end(), emissivity.begin(),
-                                      emissivity.end());
-    return out;
+    status = out.prepare_lambert(*lambert, node_um, lambda_min_um, lambda_max_um);
+  } else if (const auto* lobe = std::get_if<CookTorrance>(&spec.model)) {
+    status = first_failure(
+        {check_between(lobe->roughness, "roughness", 1e-4, 1),
+         lobe->normal_emissivity < 0 ? absl::OkStatus()
+                                     : check_between(lobe->normal_emissivity, "emissivity", 0, 1),
+         lobe->forced_emissivity < 0 ? absl::OkStatus()
+                                     : check_between(lobe->forced_emissivity, "emissivity", 0, 1)});
+    if (status.ok())
+      status = out.prepare_cook_torrance(*lobe, node_um, lambda_min_um, lambda_max_um);
+  } else if (const auto* facets = std::get_if<PriestGermer>(&spec.model)) {
+    status = check_between(facets->roughness, "roughness", 1e-4, 1);
+    if (status.ok())
+      status = out.prepare_cook_torrance(as_cook_torrance(*facets), node_um, lambda_min_um,
+                                         lambda_max_um);
+  } else {
+    status = out.prepare_model(spec, node_um, lambda_min_um, lambda_max_um);
   }
-
-  const auto& lobe = std::get<CookTorrance>(spec.model);
-  if (auto status =
-          check_covers(lobe.constants, "table of optical constants", lambda_min_um, lambda_max_um);
-      !status.ok())
-    return status;
-  if (!(lobe.roughness >= 0.03 && lobe.roughness <= 1))
-    return absl::InvalidArgumentError(
-        absl::StrCat("roughness ", lobe.roughness, " is not between 0.03 and 1"));
-  out.roughness_ = static_cast<float>(lobe.roughness);
-  out.masking_ = lobe.masking;
-  out.grey_ = lobe.constants.size() == 1;
-
-  const std::size_t spectra = out.grey_ ? 1 : node_um.size();
-  std::vector<std::vector<double>> fresnel(spectra);
-  for (std::size_t i = 0; i < spectra; ++i)
-    fresnel[i] =
-        fresnel_table(lobe, interpolate(lobe.constants, node_um[i]), kSpectralFresnelCells);
-  std::vector<double> scale(spectra, 1.0);
-  if (lobe.normal_emissivity >= 0) {
-    const auto moments = lobe_moments(1.0, lobe.roughness, lobe.masking, kSpectralFresnelCells);
-    for (std::size_t i = 0; i < spectra; ++i)
-      scale[i] = (1 - lobe.normal_emissivity) / dhr(moments, fresnel[i]);
-  }
-
-  std::vector<float> row_emissivity(spectra);
-  for (std::size_t column = 0; column < columns; ++column) {
-    const double cos_o = dhr_cos(static_cast<int>(column), kDhrCells);
-    const auto moments = lobe_moments(cos_o, lobe.roughness, lobe.masking, kSpectralFresnelCells);
-    double largest = 0;
-    for (std::size_t i = 0; i < spectra; ++i) {
-      const double reflected = scale[i] * dhr(moments, fresnel[i]);
-      const double e =
-          lobe.forced_emissivity >= 0 ? lobe.forced_emissivity : std::max(0.0, 1 - reflected);
-      if (e + reflected > 1 + 1e-4) out.creates_energy_ = true;
-      row_emissivity[i] = static_cast<float>(e);
-      largest = std::max(largest, reflected);
-    }
-    out.emissivity_dhr_[2 * column] = row_emissivity[0];
-    out.emissivity_dhr_[2 * column + 1] = static_cast<float>(largest);
-    constexpr std::size_t kStride = kDhrCells / kSpectralDhrCells;
-    if (column % kStride == 0)
-      for (std::size_t i = 0; i < node_um.size(); ++i)
-        out.spectral_emissivity_.push_back(row_emissivity[out.grey_ ? 0 : i]);
-  }
-  if (out.grey_) {
-    const auto fine = fresnel_table(lobe, lobe.constants.front(), kFresnelCells);
-    for (const double f : fine) out.reflectance_.push_back(static_cast<float>(scale[0] * f));
-  }
-  for (std::size_t cell = 0; cell <= kSpectralFresnelCells; ++cell)
-    for (std::size_t i = 0; i < node_um.size(); ++i) {
-      const std::size_t s = out.grey_ ? 0 : i;
-      out.spectral_reflectance_.push_back(static_cast<float>(scale[s] * fresnel[s][cell]));
-    }
+  if (!status.ok()) return status;
   return out;
 }
 
-float Material::emissivity(float cos_o) const { return emissivity_and_dhr(cos_o).emissivity; }
-float Material::dhr_max(float cos_o) const { return emissivity_and_dhr(cos_o).dhr_max; }
+CookTorrance as_cook_torrance(const PriestGermer& spec) {
+  CookTorrance lobe;
+  lobe.constants = spec.constants;
+  lobe.roughness = std::numbers::sqrt2 * spec.roughness;
+  lobe.masking = spec.published ? Masking::kNone : Masking::kVGroove;
+  return lobe;
+}
+
+void Material::set_tables(const DhrTable& dhr, double forced_emissivity) {
+  dhr_cells_ = dhr.cells;
+  emissivity_dhr_.clear();
+  spectral_emissivity_.clear();
+  for (std::size_t row = 0; row <= static_cast<std::size_t>(dhr.cells); ++row) {
+    const double* reflected = dhr.value.data() + row * dhr.spectra;
+    double largest = 0;
+    for (std::size_t i = 0; i < nodes_; ++i) {
+      const double r = reflected[dhr.spectra == 1 ? 0 : i];
+      const double e = forced_emissivity >= 0 ? forced_emissivity : std::max(0.0, 1 - r);
+      if (e + r > 1 + 1e-4) creates_energy_ = true;
+      largest = std::max(largest, r);
+      if (i == 0) emissivity_dhr_.push_back(static_cast<float>(e));
+      spectral_emissivity_.push_back(static_cast<float>(e));
+    }
+    emissivity_dhr_.push_back(static_cast<float>(largest));
+  }
+}
+
+absl::Status Material::prepare_lambert(const Lambert& spec, const std::vector<double>& node_um,
+                                       double lambda_min_um, double lambda_max_um) {
+  if (auto status = check_fraction(spec.emissivity, "emissivity", lambda_min_um, lambda_max_um);
+      !status.ok())
+    return status;
+  roughness_ = 0;
+  narrowest_slope_ = std::numeric_limits<float>::infinity();
+  grey_ = spec.emissivity.size() == 1;
+  DhrTable dhr{1, nodes_, {}};
+  for (int row = 0; row < 2; ++row)
+    for (const double lambda_um : node_um)
+      dhr.value.push_back(1 - spectrum_at(spec.emissivity, lambda_um));
+  set_tables(dhr, -1);
+  reflectance_.assign(kFresnelCells + 1, static_cast<float>(dhr.value.front()));
+  // Nothing depends on angle, but the lookup is that of the other materials.
+  for (int row = 0; row <= kSpectralFresnelCells; ++row)
+    for (std::size_t i = 0; i < nodes_; ++i)
+      spectral_reflectance_.push_back(static_cast<float>(dhr.value[i]));
+  return absl::OkStatus();
+}
+
+absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
+                                             const std::vector<double>& node_um,
+                                             double lambda_min_um, double lambda_max_um) {
+  if (auto status = check_covers(spec.constants, lambda_min_um, lambda_max_um); !status.ok())
+    return status;
+  const double m = spec.roughness;
+  roughness_ = static_cast<float>(m);
+  narrowest_slope_ = roughness_;
+  roulette_slope2_ = roughness_ * roughness_;
+  masking_ = spec.masking;
+  grey_ = spec.constants.size() == 1;
+
+  const std::size_t spectra = grey_ ? 1 : nodes_;
+  const int cells = grey_ ? kFresnelCells : kSpectralFresnelCells;
+  std::vector<std::vector<double>> fresnel;
+  for (std::size_t i = 0; i < spectra; ++i)
+    fresnel.push_back(fresnel_table(constants_at(spec.constants, node_um[i]), spec.fresnel, cells));
+  const LobeQuadrature quadrature({SlopeLaw::kBeckmann, m});
+  const auto moments = [&](double cos_o) {
+    return lobe_moments(quadrature, cos_o, cells, [&](const ReflectionGeometry& g) {
+      return cook_torrance_weight(g, m, spec.masking);
+    });
+  };
+  if (spec.normal_emissivity >= 0) {
+    const auto normal = moments(1.0);
+    for (auto& table : fresnel) {
+      const double scale = (1 - spec.normal_emissivity) / dot(normal, table);
+      for (double& f : table) f *= scale;
+    }
+  }
+  set_tables(tabulate_dhr(spectra,
+                          [&](double cos_o, std::span<double> out) {
+                            const auto lobe = moments(cos_o);
+                            for (std::size_t i = 0; i < spectra; ++i)
+                              out[i] = dot(lobe, fresnel[i]);
+                          }),
+             spec.forced_emissivity);
+  if (grey_)
+    for (const double f : fresnel.front()) reflectance_.push_back(static_cast<float>(f));
+  const int stride = cells / kSpectralFresnelCells;
+  for (int entry = 0; entry <= cells; entry += stride)
+    for (std::size_t i = 0; i < nodes_; ++i)
+      spectral_reflectance_.push_back(
+          static_cast<float>(fresnel[grey_ ? 0 : i][static_cast<std::size_t>(entry)]));
+  return absl::OkStatus();
+}
+
+absl::Status Material::prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,
+                                     double lambda_min_um, double lambda_max_um) {
+  const PreparedFor at{node_um, lambda_min_um, lambda_max_um};
+  BrdfModelOr model = absl::InternalError("a model without an implementation");
+  if (const auto* m = std::get_if<Ward>(&spec.model)) model = prepare_ward(*m, at);
+  if (const auto* m = std::get_if<SandfordRobertson>(&spec.model))
+    model = prepare_sandford_robertson(*m, at);
+  if (const auto* m = std::get_if<BeardMaxwell>(&spec.model)) model = prepare_beard_maxwell(*m, at);
+  if (const auto* m = std::get_if<Prisse>(&spec.model)) model = prepare_prisse(*m, at);
+  if (const auto* m = std::get_if<TabulatedBrdf>(&spec.model))
+    model = prepare_tabulated_brdf(*m, at);
+  if (!model.ok()) return model.status();
+  model_ = *std::move(model);
+  roughness_ = -1;
+  grey_ = model_->spectra() == 1;
+  narrowest_slope_ = static_cast<float>(model_->narrowest_slope());
+  roulette_slope2_ = static_cast<float>(model_->roulette_slope2());
+  set_tables(tabulate_dhr(model_->spectra(),
+                          [&](double cos_o, std::span<double> out) { model_->dhr(cos_o, out); }),
+             -1);
+  return absl::OkStatus();
+}
 
 namespace {
 void blend_rows(const std::vector<float>& table, std::size_t columns, int cells, float x,
@@ -290,10 +192,62 @@ void blend_rows(const std::vector<float>& table, std::size_t columns, int cells,
 }  // namespace
 
 void Material::spectral_reflectance(float cos_d, float* out) const {
-  blend_rows(spectral_reflectance_, nodes_, kSpectralFresnelCells, cos_d, out);
+  blend_rows(spectral_reflectance_, nodes_, kSpectralFresnelCells, std::sqrt(cos_d), out);
 }
+
+void Material::spectral_brdf_per_sr(const Reflection& r, float* out) const {
+  if (roughness_ < 0) {
+    model_->brdf_per_sr(widen(r), out);
+    if (grey_) std::fill_n(out, nodes_, out[0]);
+    return;
+  }
+  spectral_reflectance(r.cos_d, out);
+  const float shape = shape_per_sr(r);
+  for (std::size_t i = 0; i < nodes_; ++i) out[i] *= shape;
+}
+
+void Material::spectral_weight(const Sampled& s, float* out) const {
+  if (grey_) {  // its weight holds the reflectance already
+    std::fill_n(out, nodes_, s.weight);
+    return;
+  }
+  if (roughness_ < 0)
+    model_->brdf_per_sr(widen(s.at), out);
+  else
+    spectral_reflectance(s.at.cos_d, out);
+  for (std::size_t i = 0; i < nodes_; ++i) out[i] *= s.weight;
+}
+
 void Material::spectral_emissivity(float cos_o, float* out) const {
-  blend_rows(spectral_emissivity_, nodes_, kSpectralDhrCells, std::sqrt(cos_o), out);
+  blend_rows(spectral_emissivity_, nodes_, dhr_cells_, std::sqrt(cos_o), out);
+}
+
+float Material::model_brdf_per_sr(const Reflection& r) const {
+  float out = 0;
+  model_->brdf_per_sr(widen(r), &out);
+  return out;
+}
+
+float Material::model_density_per_sr(const Reflection& r) const {
+  return static_cast<float>(model_->density_per_sr(widen(r)));
+}
+
+Material::Sampled Material::model_sample(float cos_o, float u_lobe, float u, float cos_phi,
+                                         float sin_phi) const {
+  const BrdfModel::Drawn d = model_->sample(cos_o, u_lobe, u, cos_phi, sin_phi);
+  Sampled out{static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z), {}, 0};
+  if (!(d.density_per_sr > 0) || out.z <= 0) return out;
+  out.at = {static_cast<float>(d.at.cos_i), cos_o, static_cast<float>(d.at.cos_h),
+            static_cast<float>(d.at.sin2_h), static_cast<float>(d.at.cos_d)};
+  // What multiplies the BRDF; with it where that is one number.
+  const double factor = d.at.cos_i / d.density_per_sr;
+  out.weight = static_cast<float>(factor);
+  if (grey_) {
+    float brdf = 0;
+    model_->brdf_per_sr(d.at, &brdf);
+    out.weight = static_cast<float>(factor * brdf);
+  }
+  return out;
 }
 
 }  // namespace irsig

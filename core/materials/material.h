@@ -6,63 +6,36 @@
 #include <memory>
 #include <numbers>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/spectral/band.h"
+#include "core/materials/cook_torrance.h"
+#include "core/materials/material_spec.h"
+#include "core/materials/reflection.h"
 
 namespace irsig {
 
-struct OpticalConstant {
-  double lambda_um, n, k;
-};
-
-enum class Fresnel { kExact, kSchlick };
-enum class Masking { kVGroove, kSmith };
-
-// Diffuse: brdf = (1 - emissivity(lambda)) / pi. One point: the same at every wavelength.
-struct Lambert {
-  std::vector<SpectralPoint>
-      emissivity;  // linear between points; must cover the wavelengths asked for
-};
-
-// Beckmann microfacets (rms slope = roughness):                         [cook1982; zhou2026, eqs.
-// 22-26, corrected]
-//   brdf = c F(lambda, theta_d) D(theta_h) G / (4 cos_i cos_o)
-struct CookTorrance {
-  std::vector<OpticalConstant> constants;  // one: the same at every wavelength
-  double roughness = 0.3;                  // rms slope m in [0.03, 1]
-  Fresnel fresnel = Fresnel::kExact;
-  Masking masking = Masking::kVGroove;
-  // If >= 0: the lobe is scaled at each wavelength by c = (1 - normal_emissivity) / DHR(0), so that
-  // the emissivity at normal incidence is this.
-  double normal_emissivity = -1;
-  // If >= 0: the emissivity is this constant whatever the lobe reflects. Creates energy
-  // (`hull_paper`).
-  double forced_emissivity = -1;
-};
-
-struct MaterialSpec {
-  std::string name;
-  std::variant<Lambert, CookTorrance> model;
-};
+class BrdfModel;
+struct DhrTable;
 
 // The ship's hull of [zhou2026] in three readings (its table contradicts itself: docs/methods.md):
 // hull, hull_index, hull_paper.
 [[nodiscard]] absl::StatusOr<MaterialSpec> builtin_material(const std::string& kind);
 
-// Height-correlated Smith masking of Beckmann slopes of rms slope m. [heitz2014, eqs. 66, 99]
-[[nodiscard]] double smith_masking(double cos_i, double cos_o, double m);
+// Scalar Priest-Germer as the Cook-Torrance lobe that it is: m = sqrt(2) sigma, exact Fresnel, no
+// masking as published or that of V-grooves.
+[[nodiscard]] CookTorrance as_cook_torrance(const PriestGermer& spec);
 
 // A material prepared for a set of wavelengths ("nodes", in any order, all in [lambda_min_um,
-// lambda_max_um]). Every model here factors into a geometric part and a spectral part,
-//   brdf(lambda; w_i, w_o) = shape(w_i, w_o) * reflectance(lambda, cos_d),
-// with cos_d the cosine between w_i and the half vector. `grey` materials have the same reflectance
-// at every node.
+// lambda_max_um]). `grey` materials are the same at every node.
 //
-// Directional emissivity = 1 - DHR, DHR by quadrature of the same factors, tabulated over sqrt(cos
-// theta): error <= 5e-5 (tests/physics/material_test.cpp), and linear between table entries.
+// Directional emissivity = 1 - DHR. DHR comes from quadrature and is tabulated over sqrt(cos theta)
+// as finely as its curvature needs: 0 to 89 deg within 3e-5 of independent quadrature
+// (tests/physics/brdf_dhr_test.cpp), finite to 90 deg - 1e-6 deg. Where DHR > 1 the emissivity is
+// 0 and creates_energy() says so.
+//
+// Directions are drawn with a density that depends on geometry and material only; it is positive
+// wherever the BRDF is positive at any node.
 class Material {
  public:
   static absl::StatusOr<Material> prepare(const MaterialSpec& spec,
@@ -70,51 +43,68 @@ class Material {
                                           double lambda_max_um);
 
   [[nodiscard]] bool grey() const { return grey_; }
-  [[nodiscard]] float roughness() const { return roughness_; }  // 0: diffuse
   // Some wavelength and angle has DHR + emissivity > 1 + 1e-4.
   [[nodiscard]] bool creates_energy() const { return creates_energy_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }
+  // The rms slope of the narrowest lobe; infinite for diffuse materials. Light sources that are not
+  // much wider than the lobe are better met by drawn directions than aimed at.
+  [[nodiscard]] float narrowest_slope() const { return narrowest_slope_; }
+  // m^2 of a Beckmann lobe that is nowhere much below the material's brdf / its diffuse equivalent:
+  // how probable it is that a small light matters. 0: as for a diffuse material.
+  [[nodiscard]] float roulette_slope2() const { return roulette_slope2_; }
 
-  // shape(w_i, w_o) from the cosines to the normal and the half vector: cos_h to the normal, cos_d
-  // to either direction. [1/sr]
-  [[nodiscard]] float shape_per_sr(float cos_i, float cos_o, float cos_h, float cos_d) const;
+  // The BRDF of a grey material. [1/sr]
+  [[nodiscard]] float brdf_per_sr(const Reflection& r) const;
+  // The probability density of sample(), which does not depend on wavelength. [1/sr]
+  [[nodiscard]] float density_per_sr(const Reflection& r) const;
 
   struct Sampled {
     float x, y, z;  // unit direction in the local frame, z along the normal
-    float cos_d;
-    float weight;  // shape cos_i / density; 0: the direction lies below the surface
+    Reflection at;
+    float weight;  // grey: brdf cos_i / density; otherwise > 0; 0: the direction lies below the
+                   // surface
   };
-  // A direction for w_o = (sin_o, 0, cos_o) in the local frame, from a number in (0, 1) and an
-  // angle.
-  [[nodiscard]] Sampled sample(float cos_o, float u, float cos_phi, float sin_phi) const;
+  // A direction for w_o = (sin_o, 0, cos_o) in the local frame; which lobe: from u_lobe; u in (0,
+  // 1) and an angle: where in it.
+  [[nodiscard]] Sampled sample(float cos_o, float u_lobe, float u, float cos_phi,
+                               float sin_phi) const;
 
-  // Reflectance factor and emissivity of a grey material.
-  [[nodiscard]] float reflectance(float cos_d) const {
-    return lookup(reflectance_.data(), kFresnelCells, cos_d);
-  }
-  [[nodiscard]] float emissivity(float cos_o) const;
+  [[nodiscard]] float emissivity(float cos_o) const { return emissivity_and_dhr(cos_o).emissivity; }
   // The largest DHR over the nodes: the survival probability of a path.
-  [[nodiscard]] float dhr_max(float cos_o) const;
+  [[nodiscard]] float dhr_max(float cos_o) const { return emissivity_and_dhr(cos_o).dhr_max; }
   // Both tables' values at an angle share their position.
   struct EmissivityAndDhr {
     float emissivity, dhr_max;
   };
   [[nodiscard]] EmissivityAndDhr emissivity_and_dhr(float cos_o) const {
-    const float position = std::sqrt(cos_o) * static_cast<float>(kDhrCells);
-    const int cell = std::min(static_cast<int>(position), kDhrCells - 1);
+    const float position = std::sqrt(cos_o) * static_cast<float>(dhr_cells_);
+    const int cell = std::min(static_cast<int>(position), dhr_cells_ - 1);
     const float t = position - static_cast<float>(cell);
     const float* entry = emissivity_dhr_.data() + 2 * cell;
     return {entry[0] + t * (entry[2] - entry[0]), entry[1] + t * (entry[3] - entry[1])};
   }
 
   // Spectral forms: one value for each node is written to out[0 .. nodes()).
-  void spectral_reflectance(float cos_d, float* out) const;
+  void spectral_brdf_per_sr(const Reflection& r, float* out) const;
+  void spectral_weight(const Sampled& s, float* out) const;  // brdf cos_i / density
   void spectral_emissivity(float cos_o, float* out) const;
 
-  static constexpr int kFresnelCells = 1024;  // linear in cos_d
-  static constexpr int kDhrCells = 256;       // linear in sqrt(cos)
+  static constexpr int kFresnelCells = 1024;         // of a grey material, linear in sqrt(cos_d)
+  static constexpr int kSpectralFresnelCells = 512;  // of the others
 
  private:
+  absl::Status prepare_lambert(const Lambert& spec, const std::vector<double>& node_um,
+                               double lambda_min_um, double lambda_max_um);
+  absl::Status prepare_cook_torrance(const CookTorrance& spec, const std::vector<double>& node_um,
+                                     double lambda_min_um, double lambda_max_um);
+  absl::Status prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,
+                             double lambda_min_um, double lambda_max_um);
+  // forced_emissivity < 0: 1 - DHR.
+  void set_tables(const DhrTable& dhr, double forced_emissivity);
+  [[nodiscard]] float model_brdf_per_sr(const Reflection& r) const;
+  [[nodiscard]] float model_density_per_sr(const Reflection& r) const;
+  [[nodiscard]] Sampled model_sample(float cos_o, float u_lobe, float u, float cos_phi,
+                                     float sin_phi) const;
   static float lookup(const float* table, int cells, float x) {
     const float position = x * static_cast<float>(cells);
     int cell = static_cast<int>(position);
@@ -122,42 +112,71 @@ class Material {
     const float t = position - static_cast<float>(cell);
     return table[cell] + t * (table[cell + 1] - table[cell]);
   }
+  [[nodiscard]] float reflectance(float cos_d) const {
+    return lookup(reflectance_.data(), kFresnelCells, std::sqrt(cos_d));
+  }
+  void spectral_reflectance(float cos_d, float* out) const;
+  [[nodiscard]] float shape_per_sr(const Reflection& r) const;
 
   bool grey_ = true;
   bool creates_energy_ = false;
   std::size_t nodes_ = 0;
-  float roughness_ = 0;  // 0: Lambert
+  float narrowest_slope_ = 0, roulette_slope2_ = 0;
+  int dhr_cells_ = 1;
+  std::vector<float> emissivity_dhr_;       // [dhr_cells_ + 1][2]: emissivity (grey), largest DHR
+  std::vector<float> spectral_emissivity_;  // [cell][node]
+
+  // Lambert and Cook-Torrance factor into brdf = shape(geometry) x reflectance(lambda, cos_d).
+  float roughness_ = 0;  // 0: Lambert; below 0: the other models
   Masking masking_ = Masking::kVGroove;
   std::vector<float> reflectance_;           // [kFresnelCells + 1], grey
-  std::vector<float> emissivity_dhr_;        // [kDhrCells + 1][2]: emissivity (grey), largest DHR
-  std::vector<float> spectral_reflectance_;  // [cell][node], coarser in cos_d
-  std::vector<float> spectral_emissivity_;   // [cell][node]
+  std::vector<float> spectral_reflectance_;  // [kSpectralFresnelCells + 1][node]
+  std::shared_ptr<const BrdfModel> model_;   // the others
 };
 
-// The two functions that every reflection calls.
+// What every reflection calls.
 
-inline float Material::shape_per_sr(float cos_i, float cos_o, float cos_h, float cos_d) const {
-  if (roughness_ == 0) return static_cast<float>(1.0 / std::numbers::pi);
-  const float cos2 = cos_h * cos_h;
+inline float Material::shape_per_sr(const Reflection& r) const {
+  if (roughness_ <= 0) return static_cast<float>(1.0 / std::numbers::pi);
+  const float cos2 = r.cos_h * r.cos_h;
   const float m2 = roughness_ * roughness_;
-  const float tan2 = (1.0f - cos2) / cos2;
+  const float tan2 = r.sin2_h / cos2;
   const float d = std::exp(-tan2 / m2) / (static_cast<float>(std::numbers::pi) * m2 * cos2 * cos2);
   if (masking_ == Masking::kVGroove) {
     // G / (cos_i cos_o) without cancellation at grazing
-    const float smaller = std::min(cos_i, cos_o);
-    const float larger = std::max(cos_i, cos_o);
-    const float groove = 2.0f * cos_h / (cos_d * larger);
+    const float smaller = std::min(r.cos_i, r.cos_o);
+    const float larger = std::max(r.cos_i, r.cos_o);
+    const float groove = 2.0f * r.cos_h / (r.cos_d * larger);
     return 0.25f * d * std::min(groove, 1.0f / (smaller * larger));
   }
-  const auto g = static_cast<float>(smith_masking(cos_i, cos_o, roughness_));
-  return 0.25f * d * g / (cos_i * cos_o);
+  const auto g = masking_ == Masking::kNone
+                     ? 1.0f
+                     : static_cast<float>(smith_masking(r.cos_i, r.cos_o, roughness_));
+  return 0.25f * d * g / (r.cos_i * r.cos_o);
 }
 
-inline Material::Sampled Material::sample(float cos_o, float u, float cos_phi,
+inline float Material::brdf_per_sr(const Reflection& r) const {
+  if (roughness_ < 0) return model_brdf_per_sr(r);
+  return shape_per_sr(r) * reflectance(r.cos_d);
+}
+
+inline float Material::density_per_sr(const Reflection& r) const {
+  if (roughness_ <= 0)
+    return roughness_ < 0 ? model_density_per_sr(r)
+                          : r.cos_i * static_cast<float>(1.0 / std::numbers::pi);
+  const float cos2 = r.cos_h * r.cos_h;
+  const float m2 = roughness_ * roughness_;
+  return std::exp(-r.sin2_h / (cos2 * m2)) /
+         (static_cast<float>(4 * std::numbers::pi) * m2 * cos2 * r.cos_h * r.cos_d);
+}
+
+inline Material::Sampled Material::sample(float cos_o, float u_lobe, float u, float cos_phi,
                                           float sin_phi) const {
-  if (roughness_ == 0) {  // cosine-weighted: weight = shape cos / (cos / pi) = 1
+  if (roughness_ < 0) return model_sample(cos_o, u_lobe, u, cos_phi, sin_phi);
+  if (roughness_ == 0) {  // cosine-weighted
     const float r = std::sqrt(u);
-    return {r * cos_phi, r * sin_phi, std::sqrt(std::max(0.0f, 1.0f - u)), 1.0f, 1.0f};
+    const float cos_i = std::sqrt(std::max(0.0f, 1.0f - u));
+    return {r * cos_phi, r * sin_phi, cos_i, {cos_i, cos_o, 1, 0, 1}, grey_ ? reflectance(1) : 1};
   }
   // Half vector with density D cos_h; direction density D cos_h / (4 cos_d).
   const float tan2 = -roughness_ * roughness_ * std::log(1.0f - u);
@@ -166,14 +185,17 @@ inline Material::Sampled Material::sample(float cos_o, float u, float cos_phi,
   const float sin_o = std::sqrt(std::max(0.0f, 1.0f - cos_o * cos_o));
   const float hx = sin_h * cos_phi, hy = sin_h * sin_phi;
   const float cos_d = sin_o * hx + cos_o * cos_h;
-  Sampled out{2 * cos_d * hx - sin_o, 2 * cos_d * hy, 2 * cos_d * cos_h - cos_o, cos_d, 0.0f};
+  Sampled out{2 * cos_d * hx - sin_o, 2 * cos_d * hy, 2 * cos_d * cos_h - cos_o, {}, 0.0f};
   if (cos_d <= 0 || out.z <= 0) return out;
-  out.cos_d = std::min(cos_d, 1.0f);
+  out.at = {out.z, cos_o, cos_h, sin_h * sin_h, std::min(cos_d, 1.0f)};
   if (masking_ == Masking::kVGroove)
     out.weight = std::min(cos_d / (cos_o * cos_h), 2.0f * std::min(out.z, cos_o) / cos_o);
   else
     out.weight =
-        static_cast<float>(smith_masking(out.z, cos_o, roughness_)) * cos_d / (cos_o * cos_h);
+        cos_d / (cos_o * cos_h) *
+        (masking_ == Masking::kNone ? 1.0f
+                                    : static_cast<float>(smith_masking(out.z, cos_o, roughness_)));
+  if (grey_) out.weight *= reflectance(out.at.cos_d);
   return out;
 }
 

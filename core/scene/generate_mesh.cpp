@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "core/scene/generate_kinds.h"
@@ -13,9 +14,13 @@ struct Kind {
   double radius_m, length_m, width_m, height_m;  // defaults; 0 = the kind has no such dimension
 };
 constexpr Kind kinds[] = {
-    {"disk", 3, 1, 0, 0, 0},   {"sphere", 8, 1, 0, 0, 0},
-    {"box", 12, 0, 2, 1, 0.5}, {"cylinder", 12, 0.5, 3, 0, 0},
-    {"cone", 6, 1, 2, 0, 0},   {"frigate", 2000, 0, 153.8, 20.4, 6.4},
+    {"disk", 3, 1, 0, 0, 0},
+    {"sphere", 8, 1, 0, 0, 0},
+    {"box", 12, 0, 2, 1, 0.5},
+    {"cylinder", 12, 0.5, 3, 0, 0},
+    {"cone", 6, 1, 2, 0, 0},
+    {"frigate", 2000, 0, 153.8, 20.4, 6.4},
+    {"cooling_tower", 416, 4, 12, 12, 10},
 };
 // 50 million triangles are 2.4 GB here and 4 GB in the ray tracer.
 constexpr std::uint64_t max_triangles = 50'000'000;
@@ -28,7 +33,8 @@ absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what) {
     if (what.kind == k.name) kind = &k;
   if (kind == nullptr) {
     return absl::InvalidArgumentError(fmt::format(
-        "model \"{}\", expected disk, sphere, box, cylinder, cone or frigate", what.kind));
+        "model \"{}\", expected disk, sphere, box, cylinder, cone, frigate or cooling_tower",
+        what.kind));
   }
   if (what.triangles < kind->min_triangles || what.triangles > max_triangles) {
     return absl::InvalidArgumentError(fmt::format("triangles = {}, expected {} to {} for a {}",
@@ -53,6 +59,14 @@ absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what) {
         dimension("width_m", what.width_m, kind->width_m, width_m),
         dimension("height_m", what.height_m, kind->height_m, height_m)})
     if (!status.ok()) return status;
+  if (what.kind == "cooling_tower" &&
+      !(std::min(length_m, width_m) > cooling_tower_reach(radius_m))) {
+    return absl::InvalidArgumentError(
+        fmt::format("a cooling_tower with radius_m = {} has a stack {:.4g} m wide, expected a "
+                    "casing longer and "
+                    "wider than that",
+                    radius_m, cooling_tower_reach(radius_m)));
+  }
 
   const std::uint64_t n = what.triangles;
   Mesh mesh = what.kind == "disk"       ? make_disk(radius_m, n)
@@ -60,7 +74,9 @@ absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what) {
               : what.kind == "box"      ? make_box({length_m, width_m, height_m}, n)
               : what.kind == "cylinder" ? make_cylinder(radius_m, length_m, n)
               : what.kind == "cone"     ? make_cone(radius_m, length_m, n)
-                                        : make_frigate(length_m, width_m, height_m, n);
+              : what.kind == "frigate"
+                  ? make_frigate(length_m, width_m, height_m, n)
+                  : make_cooling_tower(radius_m, length_m, width_m, height_m, n);
   mesh.degenerate_triangles = count_degenerate(mesh);
   return mesh;
 }

@@ -51,9 +51,10 @@ struct MeshImport {
 // size (the diagonal of its box).
 [[nodiscard]] absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how);
 
-// A parametric model: disk | sphere | box | cylinder | cone | frigate, about `triangles` triangles
-// (how closely: generate_solids.cpp, frigate.cpp). Dimensions of 0 mean the generator's default; a
-// dimension that a kind does not have is an error. Body frame; smallest `triangles` in []:
+// A parametric model: disk | sphere | box | cylinder | cone | frigate | cooling_tower, about
+// `triangles` triangles (how closely: generate_solids.cpp, frigate.cpp). Dimensions of 0 mean the
+// generator's default; a dimension that a kind does not have is an error. Body frame; smallest
+// `triangles` in []:
 //   disk      [3] radius (1), in the plane x = 0, facing +x, one-sided
 //   sphere    [8] radius (1), centred
 //   box       [12] length x width x height along x, y, z (2, 1, 0.5), centred
@@ -64,6 +65,16 @@ struct MeshImport {
 //             origin midships on the waterline; closed surfaces upwards from 1 mm above the
 //             waterline, exactly symmetric. Groups: hull, deck, superstructure, funnel, funnel_top,
 //             mast, mast_hot, turret
+//   cooling_tower [416] a mechanical-draft counter-flow cell. radius (4) of the fan stack's throat;
+//             casing of length x width (12 x 12) along x and y and height (10) from the ground to
+//             the deck. In throat radii: the deck is 0.36 below the throat and the stack's exit
+//             0.44 above it, a hyperboloid of 1.07 at the deck and 1.10 at the exit; walls are 0.02
+//             thick; the hub is a disc of 0.25, 0.1 thick, in the throat. The ground is a disc
+//             whose radius is the casing's diagonal. The fill's surface is 0.3 heights below the
+//             deck. Origin in the middle of the throat. Casing, deck, stack, plenum and fill are
+//             one closed surface, the hub another; the ground is open. Fan blades and louvres are
+//             left out. Groups: casing, deck, stack_outside, stack_rim, stack_inside, plenum, fill,
+//             hub, ground
 //
 // Round solids are made of planar facets, so their size is chosen to be right on the average:
 //   disk, cylinder, cone  every cross-section is a regular polygon of m corners, m odd, with the

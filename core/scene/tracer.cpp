@@ -2,8 +2,25 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
+
+#include "core/base/check.h"
+#include "core/scene/facet_pairs.h"
+#include "core/scene/same_corners.h"
+#include "core/scene/vertex_fans.h"
+
+// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define IRSIG_CLONES
+#else
+#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
 
 namespace irsig {
 namespace {
@@ -18,38 +35,282 @@ alignas(64) constexpr int kValid[32] = {-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 
                                         -1, -1, -1, -1, -1, 0,  0,  0,  0,  0,  0,
                                         0,  0,  0,  0,  0,  0,  0,  0,  0,  0};
 
+constexpr std::uint32_t kFacets = 0, kCaps = 1;  // geometries of the scene, in this order
+
+// How far the cap of a vertex reaches, in radii of the mesh. It encloses a third of that, about six
+// times the error of a float32 edge test from two radii away. Occlusion rays stop at caps without
+// further question: that is within the tolerance that the header states.
+constexpr float kCapReach = 0x1p-20f;
+
+// A barycentric coordinate below this is close to an edge. Embree lets a facet accept a ray that
+// passes an edge outside by 2^-23 of its height; the rest is for neighbours of different size.
+constexpr float kNearEdge = 0x1p-14f;
+constexpr double kSameDistance = 0x1p-16;
+
+struct Guard {
+  Guard(VertexFans of, std::vector<std::array<std::uint32_t, 2>> facets)
+      : fans(std::move(of)), pairs(std::move(facets)) {}
+  VertexFans fans;
+  std::vector<std::array<std::uint32_t, 2>> pairs;  // facets of each
+  mutable std::atomic<std::uint64_t> near_vertex{0}, decided{0};
+};
+
+// Sixteen lanes at once, by the compiler's vector arithmetic.
+using Floats = float __attribute__((vector_size(64)));
+using Ints = std::int32_t __attribute__((vector_size(64)));
+
+// The facets of a packet's hits on pairs, and which rays need a closer look: those that met a cap
+// or came close to an edge.
+struct Sides {
+  Ints second;  // of the pair: -1 or 0
+  Ints doubtful;
+  bool any;
+};
+
+IRSIG_CLONES void find_sides(const RayPacket& p, Sides& out) {
+  Floats u, v;
+  Ints geometry;
+  std::memcpy(&u, p.u, sizeof(u));
+  std::memcpy(&v, p.v, sizeof(v));
+  std::memcpy(&geometry, p.geometry, sizeof(geometry));
+  // Embree's coordinates of the second triangle of a pair count from the opposite corner.
+  Floats w = 1.0f - u - v;
+  const Ints second = w < 0.0f;
+  u = second ? 1.0f - u : u;
+  v = second ? 1.0f - v : v;
+  w = second ? -w : w;
+  const Ints near_edge = (u < kNearEdge) | (v < kNearEdge) | (w < kNearEdge);
+  const Ints doubtful = ((geometry == static_cast<std::int32_t>(kFacets)) & near_edge) |
+                        (geometry == static_cast<std::int32_t>(kCaps));
+  std::int32_t any = 0;
+  for (int i = 0; i < 16; ++i) any |= doubtful[i];
+  out.second = second;
+  out.doubtful = doubtful;
+  out.any = any != 0;
+}
+
+bool all_miss(const RayPacket& p) {
+  std::uint64_t part[8];
+  std::memcpy(part, p.geometry, sizeof(part));
+  std::uint64_t all = part[0];
+  for (const std::uint64_t more : part) all &= more;
+  return all == ~std::uint64_t{0};
+}
+
 class EmbreeTracer final : public Tracer {
  public:
-  EmbreeTracer(RTCDevice device, RTCScene scene) : device_(device), scene_(scene) {}
+  EmbreeTracer(RTCDevice device, RTCScene scene, std::unique_ptr<Guard> guard,
+               SameCorners same_corners)
+      : device_(device),
+        scene_(scene),
+        guard_(std::move(guard)),
+        same_corners_(std::move(same_corners)),
+        takes_sixteen_(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) !=
+                       0) {}
   ~EmbreeTracer() override {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
   }
 
   void intersect(RayPacket& packet, int count, bool coherent) const override {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags =
-        coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    RTCIntersectContext context = context_for(coherent);
     alignas(64) int valid[16];
     std::memcpy(valid, kValid + 16 - count, sizeof(valid));
+    switch_off_from(packet, count);
+    float end[16];
+    std::memcpy(end, packet.tfar, sizeof(end));
     rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+    if (guard_ == nullptr || all_miss(packet)) return;
+    Sides sides;
+    find_sides(packet, sides);
+    if (sides.any) {
+      for (int i = 0; i < count; ++i) {
+        if (sides.doubtful[i] != 0)
+          decide(packet, i, end[i]);
+        else if (packet.triangle[i] != RayPacket::kMiss)
+          packet.triangle[i] =
+              guard_->pairs[packet.triangle[i]][static_cast<std::size_t>(-sides.second[i])];
+      }
+    } else {
+      // Without branches: every lane looks a facet up, those that met nothing the first.
+      for (int i = 0; i < count; ++i) {
+        const bool hit = packet.geometry[i] == kFacets;
+        const std::uint32_t facet =
+            guard_->pairs[hit ? packet.triangle[i] : 0][static_cast<std::size_t>(-sides.second[i])];
+        packet.triangle[i] = hit ? facet : packet.triangle[i];
+      }
+    }
+    if (!same_corners_.empty()) choose_facing(packet, count);
   }
 
   void occluded(RayPacket& packet, int count, bool coherent) const override {
+    RTCIntersectContext context = context_for(coherent);
+    alignas(64) int valid[16];
+    std::memcpy(valid, kValid + 16 - count, sizeof(valid));
+    switch_off_from(packet, count);
+    rtcOccluded16(valid, scene_, &context, reinterpret_cast<RTCRay16*>(&packet));
+  }
+
+  VertexCounts vertex_counts() const override {
+    if (guard_ == nullptr) return {};
+    return {guard_->near_vertex.load(std::memory_order_relaxed),
+            guard_->decided.load(std::memory_order_relaxed)};
+  }
+
+ private:
+  static RTCIntersectContext context_for(bool coherent) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags =
         coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-    alignas(64) int valid[16];
-    std::memcpy(valid, kValid + 16 - count, sizeof(valid));
-    rtcOccluded16(valid, scene_, &context, reinterpret_cast<RTCRay16*>(&packet));
+    return context;
   }
 
- private:
+  // Below AVX-512 Embree cuts packets of 16 up and goes by tnear and tfar alone, not by `valid`.
+  void switch_off_from(RayPacket& p, int count) const {
+    if (takes_sixteen_) return;
+    for (int i = count; i < RayPacket::kSize; ++i) {
+      p.tnear[i] = 0;
+      p.tfar[i] = -1;
+    }
+  }
+
+  // The true facet of a ray that met a cap or came close to an edge. Two facets that share an edge
+  // may both accept a ray within rounding of it, at the same distance: which one Embree then
+  // reports depends on the order of its traversal, and that on the packet's other rays. At an
+  // outermost edge a facet may accept a ray that passes it by.
+  void decide(RayPacket& p, int i, float end) const {
+    RTCRayHit one{};
+    one.ray.org_x = p.org_x[i];
+    one.ray.org_y = p.org_y[i];
+    one.ray.org_z = p.org_z[i];
+    one.ray.dir_x = p.dir_x[i];
+    one.ray.dir_y = p.dir_y[i];
+    one.ray.dir_z = p.dir_z[i];
+    one.ray.tfar = p.tfar[i];
+    one.ray.mask = p.mask[i];
+    one.hit.primID = p.triangle[i];
+    one.hit.geomID = p.geometry[i];
+    one.hit.u = p.u[i];
+    one.hit.v = p.v[i];
+    while (!settle(one, p.tnear[i])) look_behind(one, end);
+    p.triangle[i] = one.hit.primID;
+    p.geometry[i] = one.hit.geomID;
+    p.tfar[i] = one.ray.tfar;
+    p.normal_x[i] = one.hit.Ng_x;
+    p.normal_y[i] = one.hit.Ng_y;
+    p.normal_z[i] = one.hit.Ng_z;
+  }
+
+  // Puts the true hit, with its facet's number, in the place of the reported one; false where the
+  // ray passes by.
+  bool settle(RTCRayHit& one, double t_min) const {
+    if (one.hit.geomID == RTC_INVALID_GEOMETRY_ID) return true;
+    const bool cap = one.hit.geomID == kCaps, second = one.hit.u + one.hit.v > 1;
+    const float u = second ? 1 - one.hit.u : one.hit.u, v = second ? 1 - one.hit.v : one.hit.v;
+    if (!cap && std::min({u, v, 1 - u - v}) >= kNearEdge) {
+      one.hit.primID = guard_->pairs[one.hit.primID][second ? 1 : 0];
+      return true;
+    }
+    const Point3 origin{one.ray.org_x, one.ray.org_y, one.ray.org_z},
+        direction{one.ray.dir_x, one.ray.dir_y, one.ray.dir_z};
+    VertexFans::Hit hit;
+    if (cap) {
+      hit = guard_->fans.nearest(one.hit.primID / 2, origin, direction, t_min);
+      guard_->near_vertex.fetch_add(1, std::memory_order_relaxed);
+      if (hit.met()) guard_->decided.fetch_add(1, std::memory_order_relaxed);
+    } else {
+      hit = guard_->fans.nearest_around(guard_->pairs[one.hit.primID][second ? 1 : 0], origin,
+                                        direction, t_min);
+    }
+    // Farther than that it is another place of the surface.
+    if (!hit.met() || (!cap && hit.at.t > static_cast<double>(one.ray.tfar) * (1 + kSameDistance)))
+      return false;
+    if (cap) hit = guard_->fans.nearest_around(hit.facet, origin, direction, t_min);
+    const Point3 a = guard_->fans.corner(hit.facet, 0), b = guard_->fans.corner(hit.facet, 1),
+                 c = guard_->fans.corner(hit.facet, 2);
+    const auto across = [&](std::size_t j) {
+      const std::size_t k = (j + 1) % 3, l = (j + 2) % 3;
+      return static_cast<float>((b[k] - a[k]) * (c[l] - a[l]) - (b[l] - a[l]) * (c[k] - a[k]));
+    };
+    one.hit.geomID = kFacets;
+    one.hit.primID = hit.facet;
+    one.ray.tfar = static_cast<float>(hit.at.t);
+    one.hit.Ng_x = across(0);
+    one.hit.Ng_y = across(1);
+    one.hit.Ng_z = across(2);
+    return true;
+  }
+
+  // The next hit behind one that was none.
+  void look_behind(RTCRayHit& one, float end) const {
+    one.ray.tnear = std::nextafter(one.ray.tfar, std::numeric_limits<float>::infinity());
+    one.ray.tfar = end;
+    one.hit.geomID = one.hit.primID = one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context = context_for(false);
+    rtcIntersect1(scene_, &context, &one);
+  }
+
+  void choose_facing(RayPacket& p, int count) const {
+    for (int i = 0; i < count; ++i) {
+      if (p.triangle[i] == RayPacket::kMiss) continue;
+      const SameCorners::Choice choice = same_corners_.choose(
+          p.triangle[i],
+          p.normal_x[i] * p.dir_x[i] + p.normal_y[i] * p.dir_y[i] + p.normal_z[i] * p.dir_z[i] < 0);
+      p.triangle[i] = choice.facet;
+      if (!choice.turned) continue;
+      p.normal_x[i] = -p.normal_x[i];
+      p.normal_y[i] = -p.normal_y[i];
+      p.normal_z[i] = -p.normal_z[i];
+    }
+  }
+
   RTCDevice device_;
   RTCScene scene_;
+  std::unique_ptr<Guard> guard_;
+  SameCorners same_corners_;
+  bool takes_sixteen_;
 };
+
+// A geometry of triangles (three indices) or pairs of triangles (four), attached to the scene. What
+// fails is told by the device afterwards.
+template <std::size_t kCorners>
+void attach(RTCDevice device, RTCScene scene, const std::vector<float>& vertex,
+            const std::uint32_t* index, std::size_t count) {
+  static_assert(kCorners == 3 || kCorners == 4);
+  RTCGeometry geometry =
+      rtcNewGeometry(device, kCorners == 3 ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_QUAD);
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                           3 * sizeof(float), vertex.size() / 3);
+  constexpr std::size_t kBytes = kCorners * sizeof(std::uint32_t);
+  void* indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                              kCorners == 3 ? RTC_FORMAT_UINT3 : RTC_FORMAT_UINT4, kBytes, count);
+  if (vertices != nullptr && indices != nullptr) {
+    std::memcpy(vertices, vertex.data(), vertex.size() * sizeof(float));
+    std::memcpy(indices, index, count * kBytes);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+  }
+  rtcReleaseGeometry(geometry);
+}
+
+// Two pairs of triangles make the tetrahedron of a cap.
+std::vector<std::uint32_t> cap_indices(std::uint32_t count) {
+  std::vector<std::uint32_t> out;
+  out.reserve(8 * std::size_t{count});
+  for (std::uint32_t first = 0; first < 4 * count; first += 4)
+    for (const std::uint32_t k : {0u, 1u, 2u, 3u, 1u, 2u, 3u, 0u}) out.push_back(first + k);
+  return out;
+}
+
+float radius_of(const std::vector<float>& vertex) {
+  float squared = 0;
+  for (std::size_t i = 0; i + 2 < vertex.size(); i += 3)
+    squared = std::max(squared, vertex[i] * vertex[i] + vertex[i + 1] * vertex[i + 1] +
+                                    vertex[i + 2] * vertex[i + 2]);
+  return std::sqrt(squared);
+}
 
 }  // namespace
 
@@ -75,30 +336,36 @@ std::string isa_name(TracerIsa isa) {
 
 absl::StatusOr<std::unique_ptr<Tracer>> Tracer::build(const std::vector<float>& vertex,
                                                       const std::vector<std::uint32_t>& triangle,
-                                                      TracerIsa isa) {
+                                                      TracerIsa isa, TracerOptions options) {
+  if (triangle.empty()) return absl::InvalidArgumentError("there is no facet to trace");
   const std::string config = "threads=1,set_affinity=0,isa=" + isa_name(isa);
   RTCDevice device = rtcNewDevice(config.c_str());
   if (device == nullptr) return absl::InternalError("Embree: no device with " + config);
   RTCScene scene = rtcNewScene(device);
-  // Never COMPACT: with AVX-512, packets of 16 and COHERENT it loops for ever in 3.13.5.
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene, options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  // With COMPACT, packets of 16, COHERENT and AVX-512 Embree 3.13.5 loops for ever.
+  IRSIG_CHECK((rtcGetSceneFlags(scene) & RTC_SCENE_FLAG_COMPACT) == 0);
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               vertex.size() / 3));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                              3 * sizeof(std::uint32_t), triangle.size() / 3));
-  if (vertices != nullptr && indices != nullptr) {
-    std::memcpy(vertices, vertex.data(), vertex.size() * sizeof(float));
-    std::memcpy(indices, triangle.data(), triangle.size() * sizeof(std::uint32_t));
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcCommitScene(scene);
+
+  SameCorners same_corners({}, {});
+  std::unique_ptr<Guard> guard;
+  if (options.guard != TracerGuard::kNone) {
+    same_corners = SameCorners(vertex, triangle);
+    const std::vector<std::uint32_t> traced = same_corners.first_of_each(triangle);
+    FacetPairs pairs(vertex, traced);
+    attach<4>(device, scene, vertex, pairs.corner().front().data(), pairs.corner().size());
+    guard = std::make_unique<Guard>(VertexFans(vertex, traced), pairs.take_facets());
+    if (options.guard == TracerGuard::kVertices) {
+      const std::vector<std::uint32_t> cap = cap_indices(guard->fans.count());
+      attach<4>(device, scene, guard->fans.cap_corners(kCapReach * radius_of(vertex)), cap.data(),
+                cap.size() / 4);
+    }
+  } else {
+    attach<3>(device, scene, vertex, triangle.data(), triangle.size() / 3);
   }
-  rtcReleaseGeometry(geometry);
-  auto tracer = std::make_unique<EmbreeTracer>(device, scene);
+  rtcCommitScene(scene);
+  auto tracer =
+      std::make_unique<EmbreeTracer>(device, scene, std::move(guard), std::move(same_corners));
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return absl::InternalError("Embree: error " + std::to_string(static_cast<int>(error)) +
                                " while building the acceleration structure");

@@ -19,7 +19,7 @@ struct alignas(64) RayPacket {
   float tfar[16];  // after occluded(): -inf where something is in the way
   std::uint32_t mask[16], id[16], flags[16];
   float normal_x[16], normal_y[16], normal_z[16];  // not normalised
-  float u[16], v[16];
+  float u[16], v[16];                              // the ray tracer's own
   std::uint32_t triangle[16], geometry[16], instance[16];
 };
 
@@ -29,15 +29,44 @@ enum class TracerIsa { kAvx512, kAvx2, kSse42 };
 [[nodiscard]] TracerIsa widest_isa();
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
+// What is done beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a
+// view, kVertices 15 to 20 % (docs/performance.md).
+enum class TracerGuard {
+  kNone = 0,      // Embree alone
+  kEdges = 1,     // the facet that a ray meets close to an edge is the true one
+  kVertices = 2,  // and no ray is lost at a vertex
+};
+
+// The defaults are for every use but a benchmark.
+struct TracerOptions {
+  bool robust = true;  // Embree's ROBUST traversal: no ray is lost between two facets
+  TracerGuard guard = TracerGuard::kVertices;
+};
+
+// How often the guard at the vertices was asked.
+struct VertexCounts {
+  std::uint64_t near_vertex = 0;  // caps that rays met (vertex_fans.h)
+  std::uint64_t decided = 0;      // of these: met a facet around it by exact arithmetic
+};
+
 // Ray-triangle intersection by Embree 3 (this class is its only user): float32 coordinates, which
-// the caller keeps near the origin; ROBUST traversal (edge-watertight). Immutable after
-// construction: any number of threads may trace.
+// the caller keeps near the origin, rays that start within a few radii of it. Immutable after
+// construction: any number of threads may trace. What a ray meets depends on the ray alone.
+//
+// No ray through a closed surface is lost: ROBUST traversal decides every edge in the same way for
+// the two facets that share it, and a ray that passes a vertex within 2^-21.6 of the mesh's radius
+// is decided by exact arithmetic among the facets that meet there (vertex_fans.h), and so is one
+// whose hit lies close to an edge. Against exact arithmetic an answer may differ by as much as the
+// ray moved sideways by 2^-20 of the radius does (docs/validation.md, lost and invented hits).
+//
+// Of facets with the same three corners the one that faces the ray is reported, of several that do
+// the first.
 class Tracer {
  public:
   // vertex: x y z, triangle: three indices.
   static absl::StatusOr<std::unique_ptr<Tracer>> build(const std::vector<float>& vertex,
                                                        const std::vector<std::uint32_t>& triangle,
-                                                       TracerIsa isa);
+                                                       TracerIsa isa, TracerOptions options = {});
   virtual ~Tracer() = default;
 
   // Nearest hit of the first `count` rays of a packet. `coherent` rays start and go close to each
@@ -45,6 +74,9 @@ class Tracer {
   virtual void intersect(RayPacket& packet, int count, bool coherent) const = 0;
   // Whether anything lies between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count, bool coherent) const = 0;
+
+  // Since construction, all threads together.
+  [[nodiscard]] virtual VertexCounts vertex_counts() const { return {}; }
 };
 
 }  // namespace irsig

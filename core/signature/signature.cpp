@@ -1,233 +1,18 @@
 #include "core/signature/signature.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
-#include <span>
 
 #include "absl/strings/str_cat.h"
-#include "core/base/sobol.h"
-#include "core/signature/shading.h"
-#include "core/transport/path_tracer.h"
+#include "core/signature/pass.h"
+#include "core/signature/scene_hash.h"
 
 namespace irsig {
 namespace {
 
 // The sampler's coordinates have 23 bits.
 constexpr std::uint64_t kMostSamples = 1u << 23;
-constexpr double kEarthRadiusM = 6371008.8;  // mean radius, GRS 80  [moritz2000]
-
-class Hash {
- public:
-  void add(std::uint64_t x) { state_ = mix64(state_ ^ x); }
-  void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
-  void add(const std::vector<float>& v) {
-    add(static_cast<std::uint64_t>(v.size()));
-    for (const float x : v) add(static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(x)));
-  }
-  [[nodiscard]] std::uint64_t value() const { return state_; }
-
- private:
-  std::uint64_t state_ = 0x6972736967ULL;
-};
-
-void hash_material(Hash& hash, const MaterialSpec& spec) {
-  if (const auto* lambert = std::get_if<Lambert>(&spec.model)) {
-    for (const SpectralPoint& p : lambert->emissivity) {
-      hash.add(p.lambda_um);
-      hash.add(p.value);
-    }
-    return;
-  }
-  const auto& lobe = std::get<CookTorrance>(spec.model);
-  for (const OpticalConstant& c : lobe.constants) {
-    hash.add(c.lambda_um);
-    hash.add(c.n);
-    hash.add(c.k);
-  }
-  hash.add(lobe.roughness);
-  hash.add(static_cast<std::uint64_t>(lobe.fresnel));
-  hash.add(static_cast<std::uint64_t>(lobe.masking));
-  hash.add(lobe.normal_emissivity);
-  hash.add(lobe.forced_emissivity);
-}
-
-bool sun_is_up(const ConditionSpec& condition) {
-  return condition.sun_cos_zenith >
-         -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
-}
-
-// One pass over a set of conditions and bands: which suns shine, how the conditions shade, and the
-// statistics of what is stored.
-class Pass {
- public:
-  Pass(const Simulator& simulator, const ViewRequest& request, const AimedView& view,
-       std::span<const std::uint32_t> conditions, std::span<const std::uint32_t> bands,
-       const std::vector<double>& node_um, const std::vector<std::size_t>& band_offset,
-       std::uint64_t seed)
-      : simulator_(simulator),
-        request_(request),
-        conditions_(conditions.begin(), conditions.end()),
-        bands_(bands.begin(), bands.end()),
-        node_um_(node_um),
-        band_offset_(band_offset),
-        seed_(seed),
-        view_(view) {
-    std::vector<int> sun_of_condition;
-    for (const std::uint32_t c : conditions_) {
-      const ConditionSpec& condition = request.condition[c];
-      int index = -1;
-      // Some of the disk is above the horizon.
-      if (condition.sun && condition.sun_scale > 0 && sun_is_up(condition)) {
-        const SunDirection sun{condition.sun_direction,
-                               condition.sun_angular_radius_deg * std::numbers::pi / 180};
-        const auto same = std::find_if(suns_.begin(), suns_.end(), [&](const SunDirection& s) {
-          return s.direction == sun.direction && s.angular_radius_rad == sun.angular_radius_rad;
-        });
-        index = static_cast<int>(same - suns_.begin());
-        if (same == suns_.end()) suns_.push_back(sun);
-      }
-      sun_of_condition.push_back(index);
-    }
-    classes_ = {static_cast<std::uint32_t>(simulator.target().part.size()),
-                static_cast<std::uint32_t>(suns_.size())};
-    for (std::size_t i = 0; i < conditions_.size(); ++i)
-      shading_.emplace_back(request.condition[conditions_[i]], request.air,
-                            request.viewpoint.range_m, classes_, sun_of_condition[i], node_um_);
-  }
-
-  [[nodiscard]] const ConditionShading& shading(std::size_t i) const { return shading_[i]; }
-  [[nodiscard]] const std::vector<std::uint32_t>& conditions() const { return conditions_; }
-  [[nodiscard]] const std::vector<std::uint32_t>& bands() const { return bands_; }
-  [[nodiscard]] const PathCounts& counts() const { return counts_; }
-  [[nodiscard]] const ReplicateStatistics& statistics(std::size_t row) const {
-    return statistics_[row];
-  }
-  [[nodiscard]] double truncated_m2() const { return truncated_m2_; }
-  [[nodiscard]] const std::vector<float>& image() const { return image_; }
-  [[nodiscard]] const ViewFrame& frame() const { return view_.frame; }
-  [[nodiscard]] const ImagePlan& plan() const { return plan_; }
-
-  // Traces all replicates afresh and keeps the statistics of every row (conditions x bands).
-  void run(std::uint64_t samples, std::uint64_t stage, bool pictures) {
-    const auto& grids = simulator_.band_grids();
-    const Surroundings& surroundings = request_.condition.front().surroundings;
-    PathSettings settings;
-    settings.max_reflections = request_.max_reflections;
-    settings.lower_is_sea = surroundings.kind == SurroundingsKind::kSea;
-    settings.sea_z_m = -simulator_.target().centre.z;
-    settings.earth_radius_m = settings.lower_is_sea ? kEarthRadiusM : 0;
-    settings.seed = mix64(seed_ + stage);
-    settings.samples = samples;
-    settings.replicates = request_.accuracy.replicates;
-    // Where the error is to be small, reflections set it: on the sunlit frigate (hull_paper, 8192
-    // samples x 32) CPU time x error^2 is 0.33, 0.23, 0.25, 0.34, 0.44 s (0.1 %)^2 for a split of
-    // 1, 2, 4, 8, 16. Where the number of paths is asked for, each stays one path.
-    settings.split = request_.accuracy.relative_error > 0 ? 2 : 1;
-    const PathTracer tracer(simulator_.target(), simulator_.materials(), view_, suns_, settings);
-    plan_ = pictures ? image_plan(tracer) : ImagePlan{};
-    image_.assign(static_cast<std::size_t>(plan_.width_px) * plan_.height_px * plan_.padded, 0.0f);
-    counts_ = {};
-    truncated_m2_ = 0;
-    statistics_.clear();
-    for (std::size_t i = 0; i < conditions_.size(); ++i)
-      for (const std::uint32_t b : bands_)
-        statistics_.emplace_back(quantities(classes_.parts, grids[b]));
-    std::vector<double> values;
-    for (const PathWeights& weights : tracer.trace(plan_, image_, counts_)) {
-      truncated_m2_ += weights.truncated_m2 / request_.accuracy.replicates;
-      std::size_t row = 0;
-      for (const ConditionShading& shading : shading_)
-        for (const std::uint32_t b : bands_) {
-          shading.evaluate(weights, tracer.spectral(), grids[b], band_offset_[b], values);
-          statistics_[row++].add(values);
-        }
-    }
-  }
-
-  // Sum of the bias bounds of a row. [W/sr]
-  struct Bounds {
-    double truncation, quadrature;
-  };
-  [[nodiscard]] Bounds bounds(std::size_t row) const {
-    const std::size_t c = row / bands_.size();
-    const std::uint32_t b = bands_[row % bands_.size()];
-    const BandGrid& grid = simulator_.band_grids()[b];
-    double coldest = 1e9, hottest = 1;
-    for (const double t : request_.condition[conditions_[c]].part_temperature_k) {
-      coldest = std::min(coldest, t);
-      hottest = std::max(hottest, t);
-    }
-    return {truncated_m2_ * shading_[c].brightest_w_m2_sr(grid, band_offset_[b]),
-            std::abs(statistics_[row].estimate(0).value) *
-                quadrature_relative_bound(simulator_.bands()[b], grid,
-                                          std::clamp(coldest, 1.0, hottest), hottest)};
-  }
-
-  // The standard error that a row may keep for its numerical error to be relative_error x its
-  // value: what the bias bounds leave. Where they take more than 0.8 of that, samples cannot mend
-  // it: the standard error is then brought to 0.6 of the goal, and the row will say that the target
-  // was missed.
-  [[nodiscard]] double stderr_wanted(std::size_t row, double relative_error) const {
-    const Bounds b = bounds(row);
-    const double bias = (b.truncation + b.quadrature) / std::sqrt(3.0);
-    const double goal = relative_error * std::abs(statistics_[row].estimate(0).value);
-    return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
-  }
-
- private:
-  [[nodiscard]] ImagePlan image_plan(const PathTracer& tracer) const {
-    ImagePlan plan;
-    const double longest = std::max(view_.frame.width_m, view_.frame.height_m);
-    const auto side = [&](double s) {
-      return std::max<std::uint32_t>(
-          1, static_cast<std::uint32_t>(std::lround(s / longest * request_.thumbnail_px)));
-    };
-    plan.width_px = side(view_.frame.width_m);
-    plan.height_px = side(view_.frame.height_m);
-    plan.images = static_cast<std::uint32_t>(conditions_.size() * bands_.size());
-    plan.padded = (plan.images + 7) / 8 * 8;
-    const auto& grids = simulator_.band_grids();
-    const std::size_t bins = static_cast<std::size_t>(classes_.parts) * classes_.count();
-    const std::size_t nodes = tracer.spectral() ? node_um_.size() : 1;
-    plan.source.assign(bins * (tracer.spectral() ? plan.images * nodes : plan.padded), 0.0f);
-    for (std::uint32_t f = 0; f < classes_.parts; ++f)
-      for (std::uint32_t c = 0; c < classes_.count(); ++c)
-        for (std::uint32_t k = 0; k < plan.images; ++k) {
-          const std::uint32_t b = bands_[k % bands_.size()];
-          const double* radiance =
-              shading_[k / bands_.size()].source(f, c).data() + band_offset_[b];
-          const std::size_t bin = static_cast<std::size_t>(f) * classes_.count() + c;
-          double in_band = 0;
-          for (std::size_t i = 0; i < grids[b].node_um.size(); ++i) {
-            const double value = grids[b].band_weight[i] * radiance[i];
-            in_band += value;
-            if (tracer.spectral())
-              plan.source[(bin * plan.images + k) * nodes + band_offset_[b] + i] =
-                  static_cast<float>(value);
-          }
-          if (!tracer.spectral()) plan.source[bin * plan.padded + k] = static_cast<float>(in_band);
-        }
-    return plan;
-  }
-
-  const Simulator& simulator_;
-  const ViewRequest& request_;
-  std::vector<std::uint32_t> conditions_, bands_;
-  const std::vector<double>& node_um_;
-  const std::vector<std::size_t>& band_offset_;
-  std::uint64_t seed_;
-  SourceClasses classes_;
-  std::vector<SunDirection> suns_;
-  std::vector<ConditionShading> shading_;
-  std::vector<ReplicateStatistics> statistics_;
-  PathCounts counts_;
-  double truncated_m2_ = 0;
-  ImagePlan plan_;
-  std::vector<float> image_;
-  const AimedView& view_;
-};
 
 std::vector<std::uint32_t> all_of(std::size_t n) {
   std::vector<std::uint32_t> out(n);
@@ -258,7 +43,18 @@ absl::StatusOr<std::unique_ptr<Simulator>> Simulator::create(const SceneSpec& sp
       return absl::Status(prepared.status().code(),
                           absl::StrCat("material[", i, "]: ", prepared.status().message()));
     simulator->material_.push_back(*std::move(prepared));
-    hash_material(hash, m);
+    hash.add(m);
+  }
+  simulator->basis_ = make_spectral_basis(simulator->material_);
+  if (!simulator->basis_.identity()) {
+    std::vector<double> carried_um;
+    for (const std::uint32_t i : simulator->basis_.carried)
+      carried_um.push_back(simulator->node_um_[i]);
+    for (const MaterialSpec& m : spec.material) {
+      auto prepared = Material::prepare(m, carried_um, sorted.front(), sorted.back());
+      if (!prepared.ok()) return prepared.status();
+      simulator->carried_.push_back(*std::move(prepared));
+    }
   }
   auto target = make_target(spec.mesh, spec.part, spec.isa);
   if (!target.ok()) return target.status();
@@ -341,7 +137,7 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     } else {
       pilot.run(kFirst, kFirstPilot, false);
       pilot_rays += pilot.counts().rays;
-      const std::size_t rows = pilot.conditions().size() * pilot.bands().size();
+      const std::size_t rows = pilot.rows();
       std::vector<double> before;
       for (std::size_t row = 0; row < rows; ++row)
         before.push_back(pilot.statistics(row).estimate(0).stderr_);
@@ -383,7 +179,8 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
   out.samples_per_replicate = samples;
   out.guarded_backface_hits = pass.counts().guarded_backface_hits;
   out.guarded_nonfinite = pass.counts().guarded_nonfinite;
-  out.guarded_path_limit = pass.counts().guarded_path_limit;
+  out.guarded_negative = pass.counts().guarded_negative;
+  out.guarded_path_limit = pass.counts().truncated_paths;
   out.seed = seed;
   const ImagePlan& plan = pass.plan();
   out.image_width_px = plan.width_px;
@@ -396,7 +193,7 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
   out.pixel_rad = pixel_m / pass.frame().plane_m;
   const double plane_scale = std::pow(viewpoint.range_m / pass.frame().plane_m, 2);
 
-  for (std::size_t row = 0; row < pass.conditions().size() * pass.bands().size(); ++row) {
+  for (std::size_t row = 0; row < pass.rows(); ++row) {
     SignatureResult& r = out.row.emplace_back();
     r.condition = pass.conditions()[row / pass.bands().size()];
     r.band = pass.bands()[row % pass.bands().size()];
@@ -421,16 +218,17 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
 
     const auto bounds = pass.bounds(row);
     r.truncation_bound_w_sr = bounds.truncation;
-    r.quadrature_bound_w_sr = bounds.quadrature;
-    r.numerical_error_w_sr =
-        numerical_error(r.intensity_w_sr.stderr_, bounds.truncation + bounds.quadrature);
+    r.quadrature_bound_w_sr = bounds.quadrature + bounds.basis;
+    r.basis_bound_w_sr = bounds.basis;
+    r.unseen_bound_w_sr = bounds.unseen;
+    r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.sum());
     // The air is taken at the range of the reference point; the target's own depth is the error of
     // that.
     const double depth = std::expm1(
         extinction_per_m(request.air, request.condition[r.condition].air_temperature_k) * reach);
-    r.apparent_numerical_error_w_sr = numerical_error(
-        r.apparent_intensity_w_sr.stderr_,
-        bounds.truncation + bounds.quadrature + depth * std::abs(r.apparent_intensity_w_sr.value));
+    r.apparent_numerical_error_w_sr =
+        numerical_error(r.apparent_intensity_w_sr.stderr_,
+                        bounds.sum() + depth * std::abs(r.apparent_intensity_w_sr.value));
     if (r.projected_area_m2.value > 0)
       r.apparent_temperature_k = apparent_temperature_k(
           band_[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);

@@ -13,12 +13,13 @@
 #include "core/materials/material.h"
 #include "core/scene/target.h"
 #include "core/spectral/band.h"
+#include "core/transport/spectral_basis.h"
 
 namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-inline constexpr int kPhysicsVersion = 1;
+inline constexpr int kPhysicsVersion = 2;
 
 // What does not change during a sweep.
 struct SceneSpec {
@@ -77,7 +78,12 @@ enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSampl
 struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
   Estimate intensity_w_sr;  // source: no air
-  double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, numerical_error_w_sr = 0;
+  // Bias bounds; all are part of the numerical error. quadrature: over wavelength, basis_bound
+  // included. unseen: rare bright events (sunlight on facets with narrow lobes, hot parts) that
+  // were met too seldom to show in the standard error.
+  double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, unseen_bound_w_sr = 0;
+  double basis_bound_w_sr = 0;  // of the nodes between those that paths carry
+  double numerical_error_w_sr = 0;
   Estimate apparent_intensity_w_sr;
   double apparent_numerical_error_w_sr = 0;
   Estimate projected_area_m2;
@@ -96,7 +102,11 @@ struct ViewResult {
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
   std::uint32_t replicates = 0;
   std::uint64_t samples_per_replicate = 0;
-  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
+  // Guarded events: numbers that should not occur, left out of the result. Not so
+  // guarded_path_limit, whose name is that of the stored column: ordinary paths that were still
+  // alive after the last reflection.
+  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_negative = 0;
+  std::uint64_t guarded_path_limit = 0;
   std::uint64_t seed =
       0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed
 };
@@ -109,11 +119,19 @@ class Simulator {
   [[nodiscard]] absl::StatusOr<ViewResult> simulate(const ViewRequest& request) const;
 
   [[nodiscard]] const Target& target() const { return target_; }
+  // Prepared at every node of the bands, one band after the other.
   [[nodiscard]] const std::vector<Material>& materials() const { return material_; }
+  // Prepared at the nodes that paths carry: all of basis().carried.
+  [[nodiscard]] const std::vector<Material>& carried_materials() const {
+    return basis_.identity() ? material_ : carried_;
+  }
+  [[nodiscard]] const SpectralBasis& basis() const { return basis_; }
   [[nodiscard]] const std::vector<Band>& bands() const { return band_; }
   [[nodiscard]] const std::vector<BandGrid>& band_grids() const { return grid_; }
   // Some part's material creates energy.
   [[nodiscard]] bool energy_gain() const { return energy_gain_; }
+  // Of geometry, materials and strata: what the seeds of random numbers are made from.
+  [[nodiscard]] std::uint64_t scene_hash() const { return scene_hash_; }
 
  private:
   Simulator() = default;
@@ -122,7 +140,8 @@ class Simulator {
   std::vector<BandGrid> grid_;
   std::vector<double> node_um_;           // the nodes of all bands, one after the other
   std::vector<std::size_t> band_offset_;  // where each band's nodes begin
-  std::vector<Material> material_;
+  std::vector<Material> material_, carried_;
+  SpectralBasis basis_;
   bool energy_gain_ = false;
   std::uint64_t scene_hash_ = 0;  // of geometry, materials, strata
 };

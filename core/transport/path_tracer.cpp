@@ -4,60 +4,15 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/transport/vector_stages.h"
+#include "core/transport/path_work.h"
 
 namespace irsig {
 namespace {
 
-Float3 to_float(Vec<Body> v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-// An orthonormal pair across a unit vector. [duff2017]
-void orthonormal_basis(Float3 n, Float3& b1, Float3& b2) {
-  const float sign = std::copysign(1.0f, n.z);
-  const float a = -1.0f / (sign + n.z);
-  const float b = n.x * n.y * a;
-  b1 = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  b2 = {b, sign + n.y * n.y * a, -n.y};
-}
-
-// A sun contribution below this fraction of a diffuse reflection is played by roulette before a
-// shadow ray is spent on it. On jobs/examples/frigate.toml (hull, three suns, 8192 samples) 0.1
-// saves 23 % of all rays and 1 saves 35 %, and the variance of winter mid-wave rows rises by 0.01 %
-// and 0.16 %.
-constexpr float kFaintSun = 1.0f;
-
-struct Sun {
-  Float3 direction, tangent1, tangent2;  // tangents scaled by the disk's radius
-  float sin_radius;
-};
+// Pairs of later orders are made when they are needed.
+constexpr std::uint32_t kSeedOrders = 33;
 
 }  // namespace
-
-struct PathTracer::Work {
-  const ImagePlan* plan;
-  float* image;
-  PathCounts* counts;
-  std::vector<Sun> sun;
-  std::uint32_t capacity = 0;           // primary rays of a batch
-  std::size_t bins = 0;                 // (f, c, node) of one replicate
-  std::vector<double> weight;           // [replicate][bin], of the current stratum
-  std::vector<double> area, truncated;  // [replicate]
-  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
-  std::uint32_t pairs = 0;    // dimension pairs of a path
-  std::vector<SeedPair> seeds;  // [replicate][pair]
-  std::uint32_t stratum = 0;
-  RayBatch batch, next;
-  std::vector<RayBatch> shadow;  // one for each sun
-  std::vector<float> row;        // a spectrum being made
-  SampleList list;               // random numbers being drawn
-  std::vector<std::uint32_t> replicate_of_list;
-  std::vector<float> x_m, y_m, ray_weight, inverse_length;
-  VertexList vertex;
-  std::vector<float> roulette_x, roulette_y;
-  std::vector<std::uint32_t> chosen;
-};
 
 PathTracer::PathTracer(const Target& target, std::span<const Material> materials,
                        const AimedView& view, std::vector<SunDirection> suns, PathSettings settings)
@@ -65,54 +20,90 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       materials_(materials),
       suns_(std::move(suns)),
       settings_(settings),
-      view_(view) {
+      view_(view),
+      hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
   classes_ = {static_cast<std::uint32_t>(target.part.size()),
               static_cast<std::uint32_t>(suns_.size())};
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
+  float widest_radius = 0;
+  if (settings_.sun_disk_by_chance)
+    for (const SunDirection& s : suns_)
+      widest_radius = std::max(widest_radius, static_cast<float>(std::tan(s.angular_radius_rad)));
+  for (const Material& m : materials_) {
+    any_narrow_ |= m.narrowest_slope() < kNarrowRadii * widest_radius;
+    any_bright_ |= m.narrowest_slope() < kBrightSlope;
+  }
 }
 
-std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<float>& image,
+std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<double>& image,
                                            PathCounts& counts) const {
   Work work;
   work.plan = &plan;
   work.image = image.data();
   work.counts = &counts;
-  work.bins = static_cast<std::size_t>(classes_.parts) * classes_.count() * nodes_;
+  work.bins = bins() * (settings_.by_order ? settings_.max_reflections + 1 : 1);
   for (const SunDirection& s : suns_) {
-    Sun sun{
-        to_float(s.direction), {}, {}, static_cast<float>(std::sin(s.angular_radius_rad)) + 1e-6f};
+    const double tangent = std::tan(s.angular_radius_rad);
+    Sun sun{to_float(s.direction),
+            {},
+            {},
+            static_cast<float>(std::sin(s.angular_radius_rad)) + 1e-6f,
+            static_cast<float>(tangent * tangent),
+            s.distance_m > 0 ? static_cast<float>(1 / s.distance_m) : 0.0f,
+            static_cast<float>(1 / (std::numbers::pi * tangent * tangent)),
+            settings_.sun_disk_by_chance ? kNarrowRadii * static_cast<float>(tangent) : 0.0f};
     orthonormal_basis(sun.direction, sun.tangent1, sun.tangent2);
-    const auto r = static_cast<float>(std::tan(s.angular_radius_rad));
+    const auto r = static_cast<float>(tangent);
     for (Float3* t : {&sun.tangent1, &sun.tangent2}) *t = {r * t->x, r * t->y, r * t->z};
     work.sun.push_back(sun);
   }
+  counts.sun_met_first.resize(suns_.size());
+  counts.sun_met_later.resize(suns_.size());
   // Large enough to fill packets, small enough to stay in the second-level cache.
   const std::uint32_t capacity = spectral_ ? 256 : 1024;
   const std::size_t row = spectral_ ? nodes_ : 0;
   const std::uint32_t most = capacity * settings_.split;  // after splitting
   work.capacity = capacity;
-  work.batch.resize(most, row);
-  work.next.resize(most, row);
+  work.most = most;
+  const std::size_t drawn = hot_.count() > 0 ? 1 + hot_.count() : 0;
+  work.batch.resize(most, row, drawn);
+  work.next.resize(most, row, drawn);
   work.shadow.resize(suns_.size());
-  for (RayBatch& b : work.shadow) b.resize(most, row);
+  for (RayBatch& b : work.shadow) b.resize(any_narrow_ ? 2 * most : most, row);
+  work.sun_keep.resize(suns_.size() * most);
+  if (hot_.count() > 0) {
+    work.hot_shadow.resize(most, row);
+    work.hot_rate.resize(hot_.count() * most);
+    work.hot_class.resize(most);
+    work.hot_light.resize(most);
+    for (auto* v : {&work.hot_total, &work.hot_pick}) v->resize(most);
+  }
   work.row.resize(nodes_);
   work.list.resize(most);
   work.replicate_of_list.resize(capacity);
   for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.inverse_length, &work.roulette_x,
-                  &work.roulette_y})
+                  &work.roulette_y, &work.lobe})
     v->resize(most);
+  work.child_sample.resize(most);
+  work.ones.assign(nodes_, 1.0f);
   work.vertex.resize(most);
   work.chosen.resize(most + 1);
 
   std::vector<PathWeights> out(settings_.replicates);
-  for (PathWeights& w : out) w.weight.assign(work.bins, 0.0);
+  const bool keep_last = settings_.max_reflections >= 2;
+  const std::size_t last_bins = keep_last ? bins() : 0;
+  for (PathWeights& w : out) {
+    w.weight.assign(work.bins, 0.0);
+    w.last.assign(last_bins, 0.0);
+  }
   for (std::uint32_t s = 0; s < view_.stratum.size(); ++s) {
     if (view_.stratum[s].empty()) continue;
     work.stratum = s;
     work.weight.assign(settings_.replicates * work.bins, 0.0);
+    work.last.assign(settings_.replicates * last_bins, 0.0);
     work.area.assign(settings_.replicates, 0.0);
-    work.truncated.assign(settings_.replicates, 0.0);
+    work.beyond.assign(settings_.replicates, {});
     if (spectral_)
       trace_stratum<true>(work, s);
     else
@@ -121,8 +112,11 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<fl
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
       for (std::size_t i = 0; i < work.bins; ++i)
         out[r].weight[i] += normalise * work.weight[r * work.bins + i];
+      for (std::size_t i = 0; i < last_bins; ++i)
+        out[r].last[i] += normalise * work.last[r * last_bins + i];
       out[r].projected_area_m2 += normalise * work.area[r];
-      out[r].truncated_m2 += normalise * work.truncated[r];
+      for (std::size_t k = 0; k < 3; ++k) out[r].beyond_m2[k] += normalise * work.beyond[r][k];
+      out[r].truncated_m2 = out[r].beyond_m2[2];
     }
   }
   return out;
@@ -134,20 +128,43 @@ std::uint64_t PathTracer::stratum_samples(std::uint32_t stratum) const {
   return stratum == 0 ? settings_.samples : std::max<std::uint64_t>(64, settings_.samples / 8);
 }
 
+namespace {
+
+// The seeds of one order's pairs: [replicate][pair].
+void add_seeds(const std::vector<std::uint64_t>& replicate_seed, std::uint32_t order,
+               std::vector<SeedPair>& out) {
+  for (const std::uint64_t seed : replicate_seed)
+    for (std::uint32_t pair = 0; pair < kPairsPerVertex; ++pair)
+      out.push_back(seed_pair(seed, 1 + kPairsPerVertex * order + pair));
+}
+
+}  // namespace
+
+const SeedPair* PathTracer::seeds_of(Work& work, std::uint32_t order) const {
+  if (order < kSeedOrders)
+    return work.seeds.data() +
+           static_cast<std::size_t>(order) * settings_.replicates * kPairsPerVertex;
+  work.late_seeds.clear();
+  add_seeds(work.stratum_seed, order, work.late_seeds);
+  return work.late_seeds.data();
+}
+
 template <bool kSpectral>
 void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   const CoverageMask& mask = view_.stratum[stratum];
   const std::uint64_t samples = stratum_samples(stratum);
   work.area_per_sample = static_cast<float>(mask.area_m2() / static_cast<double>(samples));
-  work.pairs = 1 + 3 * (settings_.max_reflections + 1);
-  work.seeds.clear();
+  work.stratum_seed.clear();
   std::vector<SeedPair> aim;
   for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
     const std::uint64_t seed = mix64(mix64(settings_.seed ^ mix64(r)) + stratum);
-    for (std::uint32_t pair = 0; pair < work.pairs; ++pair)
-      work.seeds.push_back(seed_pair(seed, pair));
+    work.stratum_seed.push_back(seed);
     aim.push_back(seed_pair(seed, 0));
   }
+  work.seeds.clear();
+  for (std::uint32_t order = 0; order < std::min(kSeedOrders, settings_.max_reflections + 1);
+       ++order)
+    add_seeds(work.stratum_seed, order, work.seeds);
   const CellOrder order(samples, aim);
 
   SampleList& list = work.list;
@@ -229,40 +246,11 @@ void PathTracer::trace_batch(Work& work) const {
     arrive<kSpectral>(work, order);
     if (order < settings_.max_reflections) {
       depart<kSpectral>(work, order);
-      trace_shadows<kSpectral>(work);
+      trace_shadows<kSpectral>(work, order);
     }
     std::swap(work.batch, work.next);
   }
   work.batch.size = 0;
-}
-
-template <bool kSpectral>
-inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t source_class,
-                            float weight, const float* spectrum) const {
-  const std::size_t pixel = path.pixel;
-  const std::size_t bin = static_cast<std::size_t>(path.first) * classes_.count() + source_class;
-  const ImagePlan& plan = *work.plan;
-  if constexpr (kSpectral) {
-    double* out = work.weight.data() + path.replicate * work.bins + bin * nodes_;
-    for (std::size_t i = 0; i < nodes_; ++i) out[i] += static_cast<double>(weight * spectrum[i]);
-    if (!plan.empty()) {
-      const float* source = plan.source.data() + bin * plan.images * nodes_;
-      float* image = work.image + pixel * plan.padded;
-      for (std::uint32_t k = 0; k < plan.images; ++k, source += nodes_) {
-        float sum = 0;
-        for (std::size_t i = 0; i < nodes_; ++i) sum += spectrum[i] * source[i];
-        image[k] += work.area_per_sample * weight * sum;
-      }
-    }
-  } else {
-    work.weight[path.replicate * work.bins + bin] += static_cast<double>(weight);
-    if (!plan.empty()) {
-      const float* source = plan.source.data() + bin * plan.padded;
-      float* image = work.image + pixel * plan.padded;
-      const float w = work.area_per_sample * weight;
-      for (std::uint32_t k = 0; k < plan.padded; ++k) image[k] += w * source[k];
-    }
-  }
 }
 
 // What each ray met: terminal radiance is added, vertices at which a path may go on are listed.
@@ -273,8 +261,19 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
   vertex.size = 0;
   const auto sea_z = static_cast<float>(settings_.sea_z_m);
   const auto offset = static_cast<float>(target_.offset_m());
+  const std::uint32_t spacing = beyond_spacing(settings_.max_reflections);
+  const auto persistence = static_cast<float>(settings_.persistence);
   const bool behind_horizon =
       order == 0 && settings_.earth_radius_m > 0 && view_.frame.sensor.z > settings_.sea_z_m;
+  // A ray that meets no target; a primary one counts where the background is asked for.
+  const auto end_beyond = [&](PathState& s, std::uint32_t beyond, const float* spectrum) {
+    if (order > 0) {
+      add<kSpectral>(work, s, order, beyond, s.weight, spectrum);
+    } else if (settings_.background) {
+      s.first = classes_.parts;
+      add<kSpectral>(work, s, order, beyond, s.weight, work.ones.data());
+    }
+  };
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     const RayPacket& packet = batch.packet_of(i);
     const std::uint32_t lane = RayBatch::lane_of(i);
@@ -284,8 +283,7 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     const std::uint32_t triangle = packet.triangle[lane];
     const Float3 d{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
     if (triangle == RayPacket::kMiss) {
-      if (order > 0)
-        add<kSpectral>(work, s, d.z < 0 ? classes_.sky() : classes_.lower(), s.weight, spectrum);
+      end_beyond(s, d.z < 0 ? classes_.sky() : classes_.lower(), spectrum);
       continue;
     }
     const float t = packet.tfar[lane];
@@ -295,7 +293,7 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     if (order == 0 && view_.stratum_of_part[facet.part] != work.stratum) continue;
     if (settings_.lower_is_sea &&
         p.z > sea_z + offset) {  // under water: the path ended on the sea above it
-      if (order > 0) add<kSpectral>(work, s, classes_.lower(), s.weight, spectrum);
+      end_beyond(s, classes_.lower(), spectrum);
       continue;
     }
     Float3 n{facet.nx, facet.ny, facet.nz};
@@ -311,7 +309,10 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     }
     cos_o = std::min(cos_o, 1.0f);
     if (order == 0) {
-      if (behind_horizon && hidden_by_sea(p, d, s.inverse_length)) continue;
+      if (behind_horizon && hidden_by_sea(p, d, s.inverse_length)) {
+        end_beyond(s, classes_.lower(), spectrum);
+        continue;
+      }
       s.first = facet.part;
       ++work.counts->target_paths;
       work.area[s.replicate] += static_cast<double>(s.weight);
@@ -319,18 +320,37 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     const Material& material = materials_[part.material];
     const Material::EmissivityAndDhr e = material.emissivity_and_dhr(cos_o);
     const std::uint32_t emitted = order == 0 ? classes_.own() : classes_.part(facet.part);
+    // A hot part that the last vertex may have aimed at as well.
+    float weight = s.weight;
+    if (order > 0 && hot_.count() > 0) {
+      const std::uint32_t light = hot_.light_of(triangle);
+      const float* drawn = batch.drawn.data() + static_cast<std::size_t>(i) * (1 + hot_.count());
+      if (light != HotLights::kNone && drawn[1 + light] > 0) {
+        const float aimed =
+            drawn[1 + light] *
+            hot_.density_per_sr(triangle,
+                                {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]}, t * t,
+                                cos_o);
+        weight *= drawn[0] / (drawn[0] + aimed);
+      }
+    }
     if constexpr (kSpectral) {
       material.spectral_emissivity(cos_o, work.row.data());
       if (order > 0)
         for (std::size_t k = 0; k < nodes_; ++k) work.row[k] *= spectrum[k];
-      add<kSpectral>(work, s, emitted, s.weight, work.row.data());
+      add<kSpectral>(work, s, order, emitted, weight, work.row.data());
     } else {
-      add<kSpectral>(work, s, emitted, s.weight * e.emissivity, nullptr);
+      add<kSpectral>(work, s, order, emitted, weight * e.emissivity, nullptr);
     }
+    if (any_bright_ && order > 0 && material.narrowest_slope() < kBrightSlope &&
+        materials_[target_.part[s.first].material].narrowest_slope() < kBrightSlope)
+      ++work.counts->bright_to_bright;
     if (e.dhr_max <= 0) continue;
+    for (std::uint32_t k = 0; k < 3; ++k)
+      if (order + (2 - k) * spacing == settings_.max_reflections)
+        work.beyond[s.replicate][k] += static_cast<double>(s.weight * e.dhr_max);
     if (order == settings_.max_reflections) {
-      ++work.counts->guarded_path_limit;
-      work.truncated[s.replicate] += static_cast<double>(s.weight * e.dhr_max);
+      ++work.counts->truncated_paths;
       continue;
     }
     const std::uint32_t v = vertex.size++;
@@ -344,12 +364,11 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     vertex.oy[v] = -d.y * s.inverse_length;
     vertex.oz[v] = -d.z * s.inverse_length;
     vertex.cos_o[v] = cos_o;
-    vertex.dhr[v] = e.dhr_max;
-    vertex.roughness2[v] = material.roughness() * material.roughness();
+    vertex.roughness2[v] = material.roulette_slope2();
     // Reflections cost more rays than primary hits and scatter more: the first vertex may send out
     // several.
     vertex.survival[v] = (order == 0 ? static_cast<float>(settings_.split) : 1.0f) *
-                         std::min(1.0f, s.throughput * s.spectral_max * e.dhr_max);
+                         std::min(1.0f, persistence * s.throughput * s.spectral_max * e.dhr_max);
     vertex.path[v] = i;
     vertex.material[v] = part.material;
   }
@@ -364,162 +383,6 @@ bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
   const double c =
       static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
   return b < 0 && b * b > c;
-}
-
-// From each listed vertex: a shadow ray to each sun that matters there, and the path's next ray if
-// it survives.
-template <bool kSpectral>
-void PathTracer::depart(Work& work, std::uint32_t order) const {
-  const RayBatch& batch = work.batch;
-  VertexList& vertex = work.vertex;
-  SampleList& list = work.list;
-  const std::uint32_t primary_list_size = list.size;
-  const auto list_pair = [&](std::uint32_t slot, const PathState& s, std::uint32_t pair) {
-    const SeedPair seed = work.seeds[s.replicate * work.pairs + pair];
-    list.index[slot] = s.sample;
-    list.seed_x[slot] = seed.x;
-    list.seed_y[slot] = seed.y;
-    list.seed_shuffle[slot] = seed.shuffle;
-  };
-  list.size = vertex.size;
-  for (std::uint32_t v = 0; v < vertex.size; ++v)
-    list_pair(v, batch.state[vertex.path[v]], 2 + 3 * order);
-  draw_pairs_shuffled(list);
-  std::copy_n(list.x.begin(), vertex.size, work.roulette_x.begin());
-  std::copy_n(list.y.begin(), vertex.size, work.roulette_y.begin());
-
-  for (std::size_t j = 0; j < work.sun.size(); ++j) {
-    const Sun& sun = work.sun[j];
-    RayBatch& shadow = work.shadow[j];
-    shadow.size = 0;
-    sun_probability(vertex, sun.direction, sun.sin_radius, kFaintSun);
-    std::uint32_t chosen = 0;
-    for (std::uint32_t v = 0; v < vertex.size; ++v) {
-      work.chosen[chosen] = v;
-      chosen += work.roulette_y[v] < vertex.keep[v] ? 1 : 0;
-    }
-    list.size = chosen;
-    for (std::uint32_t k = 0; k < chosen; ++k)
-      list_pair(k, batch.state[vertex.path[work.chosen[k]]], 1 + 3 * order);
-    draw_pairs_shuffled(list);
-    turn(list);
-    for (std::uint32_t k = 0; k < chosen; ++k) {
-      const std::uint32_t v = work.chosen[k], i = vertex.path[v];
-      const Float3 n{vertex.nx[v], vertex.ny[v], vertex.nz[v]},
-          wo{vertex.ox[v], vertex.oy[v], vertex.oz[v]};
-      const float r = std::sqrt(list.x[k]);
-      const float a = r * list.cos_y[k], b = r * list.sin_y[k];
-      const Float3 wi{sun.direction.x + a * sun.tangent1.x + b * sun.tangent2.x,
-                      sun.direction.y + a * sun.tangent1.y + b * sun.tangent2.y,
-                      sun.direction.z + a * sun.tangent1.z + b * sun.tangent2.z};
-      const float cos_i = dot(n, wi);  // |wi| = 1 to 1e-5
-      if (cos_i <= 0 || (settings_.lower_is_sea && wi.z > 0))
-        continue;  // that piece of the disk has set
-      const Float3 h{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
-      const float inverse = 1.0f / std::sqrt(dot(h, h));
-      const float cos_h = dot(n, h) * inverse, cos_d = std::min(dot(wo, h) * inverse, 1.0f);
-      const Material& material = materials_[vertex.material[v]];
-      float f = material.shape_per_sr(std::min(cos_i, 1.0f), vertex.cos_o[v], cos_h, cos_d);
-      if constexpr (!kSpectral) f *= material.reflectance(cos_d);
-      PathState s = batch.state[i];
-      s.weight *= f * cos_i / vertex.keep[v];
-      if (!std::isfinite(s.weight)) {
-        ++work.counts->guarded_nonfinite;
-        continue;
-      }
-      const std::uint32_t ray = shadow.push({vertex.px[v], vertex.py[v], vertex.pz[v]}, wi, s);
-      if constexpr (kSpectral) {
-        float* row = shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_;
-        material.spectral_reflectance(cos_d, row);
-        if (order > 0)
-          for (std::size_t q = 0; q < nodes_; ++q)
-            row[q] *= batch.spectrum[static_cast<std::size_t>(i) * nodes_ + q];
-      }
-    }
-  }
-
-  // Roulette and splitting in one: floor(survival + u) rays go on, each with weight / survival. The
-  // children's samples are an aligned block of the sampler, so that their directions are stratified
-  // among themselves.
-  std::uint32_t alive = 0;
-  for (std::uint32_t v = 0; v < vertex.size; ++v) {
-    const auto children = static_cast<std::uint32_t>(vertex.survival[v] + work.roulette_x[v]);
-    for (std::uint32_t child = 0; child < children; ++child) {
-      work.chosen[alive] = v;
-      PathState s = batch.state[vertex.path[v]];
-      if (order == 0) s.sample = s.sample * settings_.split + child;
-      list_pair(alive, s, 3 + 3 * order);
-      ++alive;
-    }
-  }
-  list.size = alive;
-  draw_pairs_shuffled(list);
-  turn(list);
-  for (std::uint32_t k = 0; k < alive; ++k) {
-    const std::uint32_t v = work.chosen[k], i = vertex.path[v];
-    const Material& material = materials_[vertex.material[v]];
-    const float cos_o = vertex.cos_o[v];
-    const Material::Sampled local = material.sample(cos_o, list.x[k], list.cos_y[k], list.sin_y[k]);
-    if (local.weight <= 0) continue;
-    const Float3 n{vertex.nx[v], vertex.ny[v], vertex.nz[v]};
-    // The local frame has w_o in its x-z plane.
-    Float3 tx{vertex.ox[v] - cos_o * n.x, vertex.oy[v] - cos_o * n.y, vertex.oz[v] - cos_o * n.z},
-        ty;
-    const float sin2 = dot(tx, tx);
-    if (sin2 > 1e-10f) {
-      const float inverse = 1.0f / std::sqrt(sin2);
-      tx = {inverse * tx.x, inverse * tx.y, inverse * tx.z};
-      ty = {n.y * tx.z - n.z * tx.y, n.z * tx.x - n.x * tx.z, n.x * tx.y - n.y * tx.x};
-    } else {
-      orthonormal_basis(n, tx, ty);
-    }
-    const Float3 direction{local.x * tx.x + local.y * ty.x + local.z * n.x,
-                           local.x * tx.y + local.y * ty.y + local.z * n.y,
-                           local.x * tx.z + local.y * ty.z + local.z * n.z};
-    PathState s = batch.state[i];
-    s.sample = list.index[k];
-    float factor = local.weight / vertex.survival[v];
-    if constexpr (!kSpectral) factor *= material.reflectance(local.cos_d);
-    s.weight *= factor;
-    s.throughput *= factor;
-    s.inverse_length = 1.0f;
-    if (!std::isfinite(s.weight)) {
-      ++work.counts->guarded_nonfinite;
-      continue;
-    }
-    const std::uint32_t ray =
-        work.next.push({vertex.px[v], vertex.py[v], vertex.pz[v]}, direction, s);
-    if constexpr (kSpectral) {
-      float* row = work.next.spectrum.data() + static_cast<std::size_t>(ray) * nodes_;
-      material.spectral_reflectance(local.cos_d, row);
-      float largest = 0;
-      for (std::size_t q = 0; q < nodes_; ++q) {
-        if (order > 0) row[q] *= batch.spectrum[static_cast<std::size_t>(i) * nodes_ + q];
-        largest = std::max(largest, row[q]);
-      }
-      work.next.state[ray].spectral_max = largest;
-    }
-  }
-  list.size = primary_list_size;
-}
-
-template <bool kSpectral>
-void PathTracer::trace_shadows(Work& work) const {
-  for (std::uint32_t j = 0; j < work.shadow.size(); ++j) {
-    RayBatch& batch = work.shadow[j];
-    if (batch.size == 0) continue;
-    batch.prepare_packets(false);
-    batch.for_each_packet(
-        [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
-    work.counts->rays += batch.size;
-    for (std::uint32_t i = 0; i < batch.size; ++i) {
-      if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
-      const PathState& s = batch.state[i];
-      add<kSpectral>(
-          work, s, classes_.sun(j), s.weight,
-          batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
-    }
-  }
 }
 
 }  // namespace irsig

@@ -76,7 +76,25 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
   cell_x_ = static_cast<float>(cell_x);
   cell_y_ = static_cast<float>(cell_y);
   largest_position_ = std::nextafter(static_cast<float>(occupied_), 0.0f);
-  if (occupied_ == 0) return;
+  if (occupied_ > 0) make_guide();
+}
+
+CoverageMask CoverageMask::whole(const ViewFrame& frame) {
+  CoverageMask mask;
+  mask.occupied_ = 1;
+  mask.area_m2_ = frame.width_m * frame.height_m;
+  mask.largest_position_ = std::nextafter(1.0f, 0.0f);
+  mask.x0_ = static_cast<float>(frame.x0_m);
+  mask.y0_ = static_cast<float>(frame.y0_m);
+  mask.cell_x_ = static_cast<float>(frame.width_m);
+  mask.cell_y_ = static_cast<float>(frame.height_m);
+  mask.column_end_ = {1.0f};
+  mask.row_ = {0};
+  mask.make_guide();
+  return mask;
+}
+
+void CoverageMask::make_guide() {
   // guide_[g]: the first column whose end lies beyond g / size.
   constexpr std::size_t kGuide = 1024;
   std::uint16_t column = 0;
@@ -86,6 +104,36 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
     guide_.push_back(column);
   }
 }
+
+namespace {
+
+// The frame with the bounding rectangle of one stratum's triangles in place of the target's.
+ViewFrame bounds_of(const Target& target, ViewFrame frame, const std::vector<double>& x_m,
+                    const std::vector<double>& y_m,
+                    const std::vector<std::uint32_t>& stratum_of_part, std::uint32_t stratum) {
+  double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
+  for (std::size_t t = 0; t < target.facet.size(); ++t) {
+    if (stratum_of_part[target.facet[t].part] != stratum) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = target.triangle[3 * t + k];
+      x_min = std::min(x_min, x_m[v]);
+      x_max = std::max(x_max, x_m[v]);
+      y_min = std::min(y_min, y_m[v]);
+      y_max = std::max(y_max, y_m[v]);
+    }
+  }
+  if (x_min > x_max) return frame;  // no triangles: the mask is empty whatever its rectangle
+  // The rectangle must not shrink below what float coordinates of the plane resolve.
+  const double margin = 1e-5 * std::max(x_max - x_min, y_max - y_min) +
+                        1e-6 * std::max(frame.width_m, frame.height_m);
+  frame.x0_m = x_min - margin;
+  frame.y0_m = y_min - margin;
+  frame.width_m = x_max - x_min + 2 * margin;
+  frame.height_m = y_max - y_min + 2 * margin;
+  return frame;
+}
+
+}  // namespace
 
 AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
   AimedView view;
@@ -125,10 +173,40 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
 
   std::uint32_t strata = 1;
   for (const PartSpec& part : target.part) view.stratum_of_part.push_back(part.hot ? strata++ : 0);
-  // 128 cells on the long side: 90 % of the frigate's rays then meet it.
+  // 128 cells on the long side of each stratum's own rectangle: 90 % of the frigate's rays then
+  // meet it, and a small hot spot on a large target is aimed at as well as a large one.
   for (std::uint32_t s = 0; s < strata; ++s)
-    view.stratum.emplace_back(target, frame, x_m, y_m, view.stratum_of_part, s, 128);
+    view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, view.stratum_of_part, s),
+                              x_m, y_m, view.stratum_of_part, s, 128);
   return view;
+}
+
+FootprintView make_footprint_view(const Target& target, Vec<Body> sensor, Vec<Body> at,
+                                  double width_m, double height_m) {
+  FootprintView out;
+  AimedView& view = out.view;
+  ViewFrame& frame = view.frame;
+  const Vec<Body> line = at - sensor;
+  view.range_m = length(line);
+  frame.forward = (1 / view.range_m) * line;
+  frame.sensor = sensor - target.centre;
+  // Across the vertical where there is a vertical (body z is down), else across the bow.
+  const Vec<Body> across = cross(Vec<Body>{0, 0, 1}, frame.forward);
+  frame.right = length(across) > 1e-6 ? (1 / length(across)) * across : Vec<Body>{0, 1, 0};
+  frame.up = cross(frame.right, frame.forward);
+  const double to_centre = -dot(frame.sensor, frame.forward);
+  frame.plane_m = std::max(to_centre - 1.0001 * target.radius_m, 0.01 * view.range_m);
+  const double scale = frame.plane_m / view.range_m;
+  frame.width_m = width_m * scale;
+  frame.height_m = height_m * scale;
+  frame.x0_m = -0.5 * frame.width_m;
+  frame.y0_m = -0.5 * frame.height_m;
+  view.stratum_of_part.assign(target.part.size(), 0);
+  view.stratum.push_back(CoverageMask::whole(frame));
+  const double u = 0.5 * width_m / view.range_m, v = 0.5 * height_m / view.range_m;
+  const double solid_angle_sr = 4 * std::asin(u * v / std::sqrt((1 + u * u) * (1 + v * v)));
+  out.footprint_m2 = view.range_m * view.range_m * solid_angle_sr;
+  return out;
 }
 
 }  // namespace irsig

@@ -32,6 +32,9 @@ class CoverageMask {
                const std::vector<double>& y_m, const std::vector<std::uint32_t>& stratum_of_part,
                std::uint32_t stratum, std::uint32_t cells_long_side);
 
+  // The whole rectangle of the frame.
+  static CoverageMask whole(const ViewFrame& frame);
+
   [[nodiscard]] bool empty() const { return occupied_ == 0; }
   // Covered area on the image plane [m2]: the inverse of the sampling density.
   [[nodiscard]] double area_m2() const { return area_m2_; }
@@ -56,6 +59,9 @@ class CoverageMask {
   }
 
  private:
+  CoverageMask() = default;
+  void make_guide();
+
   std::uint32_t occupied_ = 0;
   double area_m2_ = 0;
   float largest_position_ = 0;  // just below occupied_
@@ -74,5 +80,15 @@ struct AimedView {
   std::vector<CoverageMask> stratum;
 };
 [[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint);
+
+// A narrow view: all that is seen of a sensor (body frame) through a rectangle of width x height
+// across the line of sight at the point `at` (body frame), the target or what is behind it. One
+// stratum.
+struct FootprintView {
+  AimedView view;
+  double footprint_m2 = 0;  // range^2 x solid angle: weights / footprint_m2 give mean radiances
+};
+[[nodiscard]] FootprintView make_footprint_view(const Target& target, Vec<Body> sensor,
+                                                Vec<Body> at, double width_m, double height_m);
 
 }  // namespace irsig

@@ -22,8 +22,9 @@ struct PathState {
   std::uint32_t first;  // the part that was met first
   float weight;  // Jacobian x throughput / survival probabilities (spectral: without the spectral
                  // factor)
-  float throughput;      // weight without the Jacobian: what the roulette is played with ...
-  float spectral_max;    // ... times the largest of the path's spectral factors
+  float throughput;    // weight without the Jacobian: what the roulette is played with ...
+  float spectral_max;  // ... times the largest of the path's spectral factors. Of a ray to the sun:
+                       // whether it lies in the middle of a narrow lobe
   float inverse_length;  // of the ray's direction
 };
 
@@ -32,12 +33,16 @@ struct RayBatch {
   std::vector<RayPacket> packet;
   std::vector<PathState> state;
   std::vector<float> spectrum;
+  // Where there are hot lights, in rows of 1 + lights: the expected number of rays per solid angle
+  // that the last vertex drew in this direction [1/sr], and how often it aims at each light.
+  std::vector<float> drawn;
   std::uint32_t size = 0;
 
-  void resize(std::uint32_t capacity, std::size_t nodes) {
+  void resize(std::uint32_t capacity, std::size_t nodes, std::size_t drawn_columns = 0) {
     packet.resize((capacity + RayPacket::kSize - 1) / RayPacket::kSize);
     state.resize(capacity);
     spectrum.resize(nodes * capacity);
+    drawn.resize(drawn_columns * capacity);
   }
   RayPacket& packet_of(std::uint32_t i) { return packet[i / RayPacket::kSize]; }
   static std::uint32_t lane_of(std::uint32_t i) { return i % RayPacket::kSize; }
@@ -55,14 +60,15 @@ struct RayBatch {
     state[i] = s;
     return i;
   }
-  // Fields that every ray shares; `hits`: also those that a nearest-hit query wants.
-  void prepare_packets(bool hits) {
+  // Fields that every ray shares; `hits`: also those that a nearest-hit query wants. tfar: the ends
+  // of the rays in units of their directions.
+  void prepare_packets(bool hits, float tfar = std::numeric_limits<float>::infinity()) {
     for (std::uint32_t k = 0; k * RayPacket::kSize < size; ++k) {
       RayPacket& p = packet[k];
       for (int lane = 0; lane < RayPacket::kSize; ++lane) {
         p.tnear[lane] = 0;
         p.time[lane] = 0;
-        p.tfar[lane] = std::numeric_limits<float>::infinity();
+        p.tfar[lane] = tfar;
         p.mask[lane] = 0xffffffffu;
         p.flags[lane] = 0;
       }

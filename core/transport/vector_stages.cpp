@@ -92,7 +92,34 @@ IRSIG_CLONES void aim(const ImagePlane& plane, const float* x_m, const float* y_
   }
 }
 
-IRSIG_CLONES void sun_probability(VertexList& vertices, Float3 sun, float sin_radius, float faint) {
+namespace {
+
+// brdf x pi of a Beckmann lobe of slope variance m2 without its reflectance, V-groove masked, for
+// unit vectors to the light (wi) and the sensor (wo). The exponential is Schraudolph's, within 6 %;
+// it is 0 below 1e-38. [schraudolph1999]
+__attribute__((always_inline)) inline float lobe_pi(float nx, float ny, float nz, float ox,
+                                                    float oy, float oz, float ix, float iy,
+                                                    float iz, float cos_i, float cos_o, float m2) {
+  const float hx = ox + ix, hy = oy + iy, hz = oz + iz;
+  const float inverse = 1.0f / std::sqrt(hx * hx + hy * hy + hz * hz + 1e-12f);
+  const float cos_h = std::max((nx * hx + ny * hy + nz * hz) * inverse, 1e-3f);
+  const float cos_d = std::max((ox * hx + oy * hy + oz * hz) * inverse, 1e-3f);
+  const float cos2 = cos_h * cos_h;
+  // exp(-tan^2/m^2) = 2^(-tan^2 / (m^2 ln 2)), the mantissa's piece by a straight line
+  const float exponent = std::max(126.94f - (1.0f - cos2) / (cos2 * m2) * 1.44269504f, 0.0f);
+  const float bell = std::bit_cast<float>(static_cast<std::int32_t>(exponent * 8388608.0f));
+  const float smaller = std::min(cos_i, cos_o), larger = std::max(cos_i, cos_o);
+  const float groove = std::min(2.0f * cos_h / (cos_d * larger), 1.0f / (smaller * larger));
+  return 0.25f * bell / (m2 * cos2 * cos2) * groove;
+}
+
+}  // namespace
+
+IRSIG_CLONES void sun_probability(VertexList& vertices, Float3 sun, float inverse_distance_per_m,
+                                  float sin_radius, float faint, float* keep) {
+  const float* px = vertices.px.data();
+  const float* py = vertices.py.data();
+  const float* pz = vertices.pz.data();
   const float* nx = vertices.nx.data();
   const float* ny = vertices.ny.data();
   const float* nz = vertices.nz.data();
@@ -101,26 +128,59 @@ IRSIG_CLONES void sun_probability(VertexList& vertices, Float3 sun, float sin_ra
   const float* oz = vertices.oz.data();
   const float* cos_o_of = vertices.cos_o.data();
   const float* m2_of = vertices.roughness2.data();
-  float* keep = vertices.keep.data();
   const std::uint32_t size = vertices.size;
 #pragma GCC ivdep
   for (std::uint32_t i = 0; i < size; ++i) {
-    const float towards = nx[i] * sun.x + ny[i] * sun.y + nz[i] * sun.z;
-    const float cos_i = std::max(towards, 1e-3f), cos_o = cos_o_of[i];
-    const float hx = ox[i] + sun.x, hy = oy[i] + sun.y, hz = oz[i] + sun.z;
-    const float inverse = 1.0f / std::sqrt(hx * hx + hy * hy + hz * hz + 1e-12f);
-    const float cos_h = std::max((nx[i] * hx + ny[i] * hy + nz[i] * hz) * inverse, 1e-3f);
-    const float cos_d = std::max((ox[i] * hx + oy[i] * hy + oz[i] * hz) * inverse, 1e-3f);
-    const float cos2 = cos_h * cos_h;
-    const float m2 = std::max(m2_of[i], 1e-6f);
-    // exp(-tan^2/m^2) = 2^(-tan^2 / (m^2 ln 2)), the mantissa's piece by a straight line
-    const float exponent = std::max(126.94f - (1.0f - cos2) / (cos2 * m2) * 1.44269504f, 0.0f);
-    const float bell = std::bit_cast<float>(static_cast<std::int32_t>(exponent * 8388608.0f));
-    const float smaller = std::min(cos_i, cos_o), larger = std::max(cos_i, cos_o);
-    const float groove = std::min(2.0f * cos_h / (cos_d * larger), 1.0f / (smaller * larger));
-    const float lobe = 0.25f * bell / (m2 * cos2 * cos2) * groove;  // brdf x pi
+    const float x = sun.x - px[i] * inverse_distance_per_m;
+    const float y = sun.y - py[i] * inverse_distance_per_m;
+    const float z = sun.z - pz[i] * inverse_distance_per_m;
+    const float nearness = 1.0f / std::sqrt(x * x + y * y + z * z);
+    const float ix = x * nearness, iy = y * nearness, iz = z * nearness;
+    const float radius = sin_radius * nearness;
+    const float towards = nx[i] * ix + ny[i] * iy + nz[i] * iz;
+    const float cos_i = std::max(towards, 1e-3f);
+    const float m2 = std::max(m2_of[i] + radius * radius, 1e-12f);
+    const float lobe =
+        lobe_pi(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i], ix, iy, iz, cos_i, cos_o_of[i], m2);
     const float relative = m2_of[i] > 0.0f ? lobe / faint : 1.0f;
-    keep[i] = towards > -sin_radius ? std::min(relative, 1.0f) : 0.0f;
+    keep[i] = towards > -radius ? std::min(relative, 1.0f) : 0.0f;
+  }
+}
+
+IRSIG_CLONES void hot_rate(const VertexList& vertices, Float3 centre, float radius_m, float area_m2,
+                           float faint, float* rate) {
+  const float* px = vertices.px.data();
+  const float* py = vertices.py.data();
+  const float* pz = vertices.pz.data();
+  const float* nx = vertices.nx.data();
+  const float* ny = vertices.ny.data();
+  const float* nz = vertices.nz.data();
+  const float* ox = vertices.ox.data();
+  const float* oy = vertices.oy.data();
+  const float* oz = vertices.oz.data();
+  const float* cos_o_of = vertices.cos_o.data();
+  const float* m2_of = vertices.roughness2.data();
+  const std::uint32_t size = vertices.size;
+  const float radius2 = radius_m * radius_m, inverse_faint = 1.0f / faint;
+  const float area_pi = area_m2 * 0.318309886f;
+#pragma GCC ivdep
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const float x = centre.x - px[i], y = centre.y - py[i], z = centre.z - pz[i];
+    const float distance2 = x * x + y * y + z * z + 1e-20f;
+    const float inverse = 1.0f / std::sqrt(distance2);
+    const float ix = x * inverse, iy = y * inverse, iz = z * inverse;
+    // The bounding sphere's half angle; a right angle from within.
+    const float sin2 = std::min(radius2 * inverse * inverse, 1.0f), sine = std::sqrt(sin2);
+    const float gap = std::max(distance2 * inverse - radius_m, 1e-6f * radius_m);
+    // Solid angle / pi: the sphere's, or what its triangles can fill of it.
+    const float angle = std::min(2.0f * (1.0f - std::sqrt(1.0f - sin2)), area_pi / (gap * gap));
+    const float towards = nx[i] * ix + ny[i] * iy + nz[i] * iz;
+    const float cos_i = std::min(std::max(towards + sine, 1e-3f), 1.0f);
+    const float m2 = std::max(m2_of[i] + sin2, 1e-12f);
+    const float lobe =
+        lobe_pi(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i], ix, iy, iz, cos_i, cos_o_of[i], m2);
+    const float share = angle * cos_i * inverse_faint * (m2_of[i] > 0.0f ? lobe : 1.0f);
+    rate[i] = towards + sine > 0.0f ? std::min(share, 1.0f) : 0.0f;
   }
 }
 

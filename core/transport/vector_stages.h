@@ -43,14 +43,12 @@ void aim(const ImagePlane& plane, const float* x_m, const float* y_m, std::uint3
 // Vertices at which a path may go on: position (off the surface), normal, direction back to the
 // sensor.
 struct VertexList {
-  std::vector<float> px, py, pz, nx, ny, nz, ox, oy, oz, cos_o, dhr, roughness2, survival;
-  std::vector<float> keep;          // by sun_probability()
+  std::vector<float> px, py, pz, nx, ny, nz, ox, oy, oz, cos_o, roughness2, survival;
   std::vector<std::uint32_t> path;  // index in the batch
   std::vector<std::uint32_t> material;
   std::uint32_t size = 0;
   void resize(std::uint32_t capacity) {
-    for (auto* v :
-         {&px, &py, &pz, &nx, &ny, &nz, &ox, &oy, &oz, &cos_o, &dhr, &roughness2, &survival, &keep})
+    for (auto* v : {&px, &py, &pz, &nx, &ny, &nz, &ox, &oy, &oz, &cos_o, &roughness2, &survival})
       v->resize(capacity);
     path.resize(capacity);
     material.resize(capacity);
@@ -59,9 +57,19 @@ struct VertexList {
 
 // The probability with which a sun contribution is followed up: about brdf / (faint x diffuse
 // brdf), at most 1; 0 where the sun's disk is below the facet's plane. Any positive value is
-// unbiased; this one is within 10 % of the lobe's shape at the disk's centre (Schraudolph's
-// exponential).
-//   roughness2: m^2 of a Beckmann lobe, 0: diffuse. [schraudolph1999]
-void sun_probability(VertexList& vertices, Float3 sun, float sin_radius, float faint);
+// unbiased; this one is within 10 % of the lobe's shape at the disk's centre, the lobe widened by
+// the disk's radius, so that no point of the disk is much brighter than the probability says.
+// (Where the lobe is narrower than that and the probability underflows to 0, drawn directions find
+// the disk: PathTracer.)
+//   roughness2: m^2 of a Beckmann lobe, 0: diffuse.
+//   inverse_distance_per_m: 0 for the sun, else of a lamp in that direction from the origin
+void sun_probability(VertexList& vertices, Float3 sun, float inverse_distance_per_m,
+                     float sin_radius, float faint, float* keep);
+
+// How often a hot light within a bounding sphere is aimed at: about the light's share of what the
+// vertex reflects (brdf x solid angle x cos, as if it filled its sphere or all its area faced the
+// vertex) / faint, at most 1; 0 only if it is below the facet's plane or far outside a narrow lobe.
+void hot_rate(const VertexList& vertices, Float3 centre, float radius_m, float area_m2, float faint,
+              float* rate);
 
 }  // namespace irsig

@@ -64,3 +64,14 @@ WHERE i.signature_id = ?1 ORDER BY p.part_index, p.name;
 
 -- name: digest_thumbnail
 SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
+
+-- name: digest_profile
+SELECT profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,
+       radiance_w_m2_sr, radiance_stderr_w_m2_sr, apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr,
+       truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, apparent_temperature_k, apparent_temperature_stderr_k,
+       target_fraction, samples
+FROM profile WHERE signature_id = ?1 ORDER BY profile_index, point_index, reflections;
+
+-- name: digest_published
+SELECT published_index, profile, point_index, reflections, apparent_temperature_k, relation, source, remark
+FROM published WHERE sweep_id = ?1 ORDER BY published_index;

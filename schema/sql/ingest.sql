@@ -3,6 +3,9 @@
 -- name: wants_thumbnail
 SELECT thumbnail_px > 0 FROM sweep WHERE sweep_id = ?1 AND thumbnail_px IS NOT NULL;
 
+-- name: wanted_profile_rows
+SELECT profile_rows FROM sweep WHERE sweep_id = ?1;
+
 -- name: part_ids
 SELECT part_id FROM part WHERE sweep_id = ?1 AND superseded = 0 ORDER BY part_index;
 
@@ -56,3 +59,11 @@ INSERT INTO part_intensity (signature_id, part_id, intensity_w_sr, intensity_std
 
 -- name: insert_thumbnail
 INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr) VALUES (?1, ?2, ?3, ?4, ?5, ?6);
+
+-- name: insert_profile_row
+INSERT INTO profile (
+  signature_id, profile_index, point_index, reflections, name, x_m, y_m, z_m, footprint_width_m, footprint_height_m,
+  radiance_w_m2_sr, radiance_stderr_w_m2_sr, apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr,
+  truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr, apparent_temperature_k, apparent_temperature_stderr_k,
+  target_fraction, samples)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20);

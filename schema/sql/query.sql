@@ -76,3 +76,16 @@ SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_i
 
 -- name: signature_exists
 SELECT count(*) FROM signature WHERE signature_id = ?1;
+
+-- ?1 sweep, ?2 season, ?3 band, ?4 profile ('': any).
+-- name: find_profile_rows
+SELECT f.* FROM profile_view f
+WHERE (?1 = '' OR f.sweep = ?1) AND (?2 = '' OR f.season = ?2) AND (?3 = '' OR f.band = ?3)
+  AND (?4 = '' OR f.profile = ?4)
+ORDER BY f.sweep, f.row, f.profile_index, f.point_index, f.reflections;
+
+-- name: find_published
+SELECT w.name, p.profile, p.point_index, p.reflections, p.apparent_temperature_k, p.relation, p.source, p.remark
+FROM published p JOIN sweep w USING (sweep_id)
+WHERE ?1 = '' OR w.name = ?1
+ORDER BY w.name, p.published_index;

@@ -19,6 +19,17 @@ SET sweep_sha256 = ?2, viewpoints = ?3, conditions = ?4, bands = ?5, model_sha25
     resolved_sweep = ?8
 WHERE sweep_id = ?1;
 
+-- name: set_profile_rows
+UPDATE sweep SET profile_rows = ?2 WHERE sweep_id = ?1;
+
+-- name: clear_published
+DELETE FROM published WHERE sweep_id = ?1;
+
+-- name: insert_published
+INSERT INTO published (sweep_id, published_index, profile, point_index, reflections, apparent_temperature_k, relation,
+  source, remark)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
+
 -- A sweep is bound to a determinism class by its first stored result; without results there is nothing to match.
 -- name: unbind_sweep_without_results
 UPDATE sweep SET determinism_class = NULL

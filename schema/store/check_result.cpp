@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -137,6 +138,18 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
   if (seen.size() != expected.parts) {
     return wrong(path + ".part",
                  absl::StrCat("has ", seen.size(), " of the sweep's ", expected.parts, " parts"));
+  }
+  std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> points;
+  for (const schema::ProfileRow& p : row.profile()) {
+    if (!points.emplace(p.profile_index(), p.point_index(), p.reflections()).second)
+      return wrong(path + ".profile", "has a row twice");
+    if (!p.has_radiance_w_m2_sr() || !p.has_apparent_radiance_w_m2_sr() ||
+        !p.has_apparent_temperature_k())
+      return wrong(path + ".profile", "has a row without radiance or temperature");
+  }
+  if (points.size() != expected.profile_rows) {
+    return wrong(path + ".profile", absl::StrCat("has ", points.size(), " of the sweep's ",
+                                                 expected.profile_rows, " rows"));
   }
   if (expected.thumbnail && *expected.thumbnail != row.has_thumbnail()) {
     return wrong(path + ".thumbnail", row.has_thumbnail() ? "was not asked for" : "is missing");

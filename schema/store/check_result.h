@@ -16,12 +16,13 @@ struct ExpectedResult {
   std::vector<std::uint32_t> condition_index;
   std::vector<std::uint32_t> band_index;
   std::size_t parts;
+  std::size_t profile_rows;       // of each condition and band
   std::optional<bool> thumbnail;  // whether images were asked for
 };
 
 // INVALID_ARGUMENT, naming the field, unless the result is its job's: every condition and band
-// exactly once, every part once, arrays of one length on increasing wavelengths, finite numbers,
-// errors and areas not negative.
+// exactly once, every part and row of a profile once, arrays of one length on increasing
+// wavelengths, finite numbers, errors and areas not negative.
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);
 

@@ -89,7 +89,8 @@ absl::Status encode_definitions(Database& database, Encoder& out, std::int64_t s
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_band_response, band_id).status());
   }
-  return encode(database, out, First::kContent, sql::digest_parts, sweep_id).status();
+  IRSIG_STORE_TRY(encode(database, out, First::kContent, sql::digest_parts, sweep_id).status());
+  return encode(database, out, First::kContent, sql::digest_published, sweep_id).status();
 }
 
 absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sweep_id) {
@@ -103,6 +104,8 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
             .status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_thumbnail, signature_id).status());
+    IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_profile, signature_id).status());
   }
   return absl::OkStatus();
 }
@@ -111,7 +114,7 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
-  out.bytes('t', "irsig digest 1");
+  out.bytes('t', "irsig digest 2");
   const auto sweeps = encode(database, out, First::kKey, sql::digest_sweeps);
   if (!sweeps.ok()) return sweeps.status();
   for (const std::int64_t sweep_id : *sweeps) {

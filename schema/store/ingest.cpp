@@ -112,6 +112,17 @@ absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int6
   }
 }
 
+absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
+                                const schema::ProfileRow& p) {
+  return database.run(sql::insert_profile_row, signature_id, p.profile_index(), p.point_index(),
+                      p.reflections(), p.name(), p.x_m(), p.y_m(), p.z_m(), p.footprint_width_m(),
+                      p.footprint_height_m(), p.radiance_w_m2_sr().value(),
+                      p.radiance_w_m2_sr().stderr(), p.apparent_radiance_w_m2_sr().value(),
+                      p.apparent_radiance_w_m2_sr().stderr(), p.truncation_bound_w_m2_sr(),
+                      p.quadrature_bound_w_m2_sr(), p.apparent_temperature_k().value(),
+                      p.apparent_temperature_k().stderr(), p.target_fraction(), p.samples());
+}
+
 absl::Status insert_row(Database& database, const LeasedJob& job,
                         const std::vector<std::int64_t>& parts, const schema::SignatureRow& row) {
   const absl::StatusOr<std::int64_t> signature_id = insert_signature(database, job, row);
@@ -121,6 +132,9 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
     IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, *signature_id,
                                  parts[part.part_index()], part.intensity_w_sr().value(),
                                  part.intensity_w_sr().stderr()));
+  }
+  for (const schema::ProfileRow& p : row.profile()) {
+    IRSIG_STORE_TRY(insert_profile_row(database, *signature_id, p));
   }
   if (!row.has_thumbnail()) return absl::OkStatus();
   const schema::Thumbnail& thumbnail = row.thumbnail();
@@ -164,11 +178,15 @@ absl::Status store_result(Database& database, const LeasedJob& job, const schema
   const absl::StatusOr<std::int64_t> thumbnail =
       database.integer(sql::wants_thumbnail, job.sweep_id);
   if (!thumbnail.ok() && !absl::IsNotFound(thumbnail.status())) return thumbnail.status();
+  const absl::StatusOr<std::int64_t> profile_rows =
+      database.integer(sql::wanted_profile_rows, job.sweep_id);
+  if (!profile_rows.ok()) return profile_rows.status();
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
                .condition_index = job.condition_index,
                .band_index = job.band_index,
                .parts = parts->size(),
+               .profile_rows = static_cast<std::size_t>(*profile_rows),
                .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt}));
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "schema/store/digest.h"
+#include "schema/store/find_profiles.h"
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
@@ -65,6 +66,14 @@ class SqliteReader final : public StoreReader {
     thumbnail.set_png(row->text());
     thumbnail.set_exr(row->text());
     return thumbnail;
+  }
+
+  absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) override {
+    return find_profile_rows(database_, filter);
+  }
+
+  absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep) override {
+    return find_published(database_, sweep);
   }
 
   absl::StatusOr<std::vector<SweepProgress>> progress() override {

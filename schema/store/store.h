@@ -138,6 +138,43 @@ struct StoredPart {
   double intensity_w_sr, intensity_stderr_w_sr;
 };
 
+// One row of a profile: mean in-band radiance over a footprint, with at most `reflections`
+// reflections.
+struct StoredProfileRow {
+  std::string sweep, season, time_utc, band;
+  double lambda_min_um, lambda_max_um;
+  double aspect_azimuth_deg, aspect_elevation_deg, range_m;
+  std::uint64_t row;  // of the signature that it belongs to
+  std::string profile;
+  std::uint64_t profile_index, point_index;
+  double x_m, y_m, z_m, footprint_width_m, footprint_height_m;
+  std::uint64_t reflections;
+  double radiance_w_m2_sr, radiance_stderr_w_m2_sr;
+  double apparent_radiance_w_m2_sr, apparent_radiance_stderr_w_m2_sr;
+  double truncation_bound_w_m2_sr, quadrature_bound_w_m2_sr;
+  double apparent_temperature_k, apparent_temperature_stderr_k;  // 0: no radiance
+  double target_fraction;
+  std::uint64_t samples, replicates;
+  bool energy_gain;
+  std::string seed_hex;
+  std::uint64_t physics_version;
+  std::string determinism_class, build_id, job_key;
+};
+
+// A number that the sweep file states beside a profile's own.
+struct StoredPublished {
+  std::string sweep, profile;
+  std::uint64_t point_index, reflections;
+  double apparent_temperature_k;
+  std::string relation;  // equal, below, above
+  std::string source, remark;
+};
+
+// An empty string means "any".
+struct ProfileFilter {
+  std::string sweep, season, band, profile;
+};
+
 // Filters of a query; an empty string or vector means "any".
 struct SignatureFilter {
   std::string sweep, season, time_utc, band;
@@ -166,6 +203,9 @@ class StoreReader {
   virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
+  // In the order of sweeps, rows, profiles, points and numbers of reflections.
+  virtual absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) = 0;
+  virtual absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
   // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was
   // computed, in key order: schema/README.md.

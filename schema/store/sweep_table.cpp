@@ -105,6 +105,24 @@ class SweepUpdate {
     return database_.run(sql::delete_unused_assets);
   }
 
+  absl::Status put_profiles() {
+    const schema::Sweep& sweep = sweep_.sweep();
+    std::uint64_t rows = 0;
+    for (const schema::Profile& profile : sweep.profile()) {
+      const std::uint64_t points = profile.at_m_size() > 0 ? 1 : profile.points();
+      rows += points * static_cast<std::uint64_t>(profile.reflections_size());
+    }
+    IRSIG_STORE_TRY(database_.run(sql::set_profile_rows, sweep_id_, rows));
+    IRSIG_STORE_TRY(database_.run(sql::clear_published, sweep_id_));
+    for (int i = 0; i < sweep.published_size(); ++i) {
+      const schema::Published& p = sweep.published(i);
+      IRSIG_STORE_TRY(database_.run(sql::insert_published, sweep_id_, i, p.profile(),
+                                    p.point_index(), p.reflections(), p.apparent_temperature_k(),
+                                    p.relation(), p.source(), p.remark()));
+    }
+    return absl::OkStatus();
+  }
+
   absl::Status put_parts() {
     IRSIG_STORE_TRY(database_.run(sql::supersede_parts, sweep_id_));
     for (int i = 0; i < sweep_.sweep().part_size(); ++i) {
@@ -300,6 +318,7 @@ absl::StatusOr<StoreWriter::Added> store_sweep(Database& database,
   SweepUpdate update(database, sweep);
   IRSIG_STORE_TRY(update.put_sweep(sweep_sha256));
   IRSIG_STORE_TRY(update.put_assets(assets, sweep_sha256));
+  IRSIG_STORE_TRY(update.put_profiles());
   IRSIG_STORE_TRY(update.put_parts());
   IRSIG_STORE_TRY(update.put_conditions());
   IRSIG_STORE_TRY(update.put_bands());

@@ -37,11 +37,11 @@ TEST(GoldenView, NumbersBelongToThePhysicsVersion) {
   r.max_reflections = 8;
   const auto view = simulator->simulate(r);
   ASSERT_TRUE(view.ok()) << view.status();
-  ASSERT_EQ(kPhysicsVersion, 1);
+  ASSERT_EQ(kPhysicsVersion, 2);
   const double expected[2][7] = {
       // intensity, projected area, then emitted, sun, sky, sea, parts
-      {4246.46145, 2384.4683, 3705.07272, 62.0029455, 61.9771904, 303.162184, 114.246412},
-      {87160.1146, 2384.4683, 74735.4853, 3.2916393, 3181.48395, 7039.71335, 2200.1403},
+      {4242.07134, 2382.98881, 3703.52197, 60.7997134, 61.5116147, 300.952602, 115.285442},
+      {87063.9791, 2382.98881, 74688.346, 3.23108546, 3157.81865, 6987.74308, 2226.84029},
   };
   for (std::size_t row = 0; row < 2; ++row) {
     const SignatureResult& s = view->row[row];

@@ -65,6 +65,12 @@ class FakeStoreReader : public StoreReader {
     if (!thumbnails.contains(id)) return std::nullopt;
     return thumbnails.at(id);
   }
+  absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter&) override {
+    return std::vector<StoredProfileRow>();
+  }
+  absl::StatusOr<std::vector<StoredPublished>> published(const std::string&) override {
+    return std::vector<StoredPublished>();
+  }
   absl::StatusOr<std::vector<SweepProgress>> progress() override {
     return std::vector<SweepProgress>();
   }

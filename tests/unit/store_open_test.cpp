@@ -40,7 +40,7 @@ TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
   ASSERT_NO_FATAL_FAILURE(write());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "1");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "2");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA application_id"), absl::StrCat(0x49525347));
 }
 
@@ -206,7 +206,7 @@ TEST_F(StoreOpen, ChangesNeedATransaction) {
   EXPECT_TRUE(absl::IsFailedPrecondition((*writer)->release_all()));
 }
 
-// The mechanism, on steps made for the test: the format itself has one version so far.
+// The mechanism, on steps made for the test.
 TEST_F(StoreOpen, MigrationsRunInOrderOnceAndAllOrNothing) {
   auto opened = Database::open(path_, Database::Mode::kReadWriteCreate);
   ASSERT_OK(opened.status());

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <string>
 
+#include "jobs/material_files.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
@@ -21,6 +22,10 @@ inline std::string text_of(const std::filesystem::path& path) {
 inline absl::StatusOr<schema::ResolvedSweep> resolved_file(const std::filesystem::path& path) {
   absl::StatusOr<SweepFile> file = parse_sweep(text_of(path), path.string());
   if (!file.ok()) return file.status();
+  const auto read = [&](const std::string& name) -> absl::StatusOr<std::string> {
+    return text_of(path.parent_path() / name);
+  };
+  if (const absl::Status status = read_material_files(*file, read); !status.ok()) return status;
   std::string model;
   if (file->sweep.model().has_file())
     model = text_of(path.parent_path() / file->sweep.model().file());

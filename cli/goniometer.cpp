@@ -1,0 +1,377 @@
+#include "core/goniometer/goniometer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "cli/commands.h"
+#include "cli/load_sweep.h"
+#include "core/goniometer/coverage_trend.h"
+#include "core/goniometer/goniometer_tables.h"
+#include "core/scene/generate_particles.h"
+#include "fmt/format.h"
+#include "jobs/expand.h"
+#include "jobs/goniometer_file.h"
+#include "jobs/material_files.h"
+#include "view/atomic_file.h"
+#include "view/plot_curves.h"
+#include "view/plot_hemisphere.h"
+#include "worker/job_runner.h"
+#include "worker/spec_to_request.h"
+
+namespace irsig {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The grains of a file at one coverage; nullopt: a bed of stated layers.
+ParticleBed bed_of(const schema::Goniometer& spec, std::optional<double> coverage) {
+  const schema::Particles& p = spec.particles();
+  ParticleBed bed;
+  for (const schema::GrainSize& s : p.size()) bed.size.push_back({s.diameter_m(), s.fraction()});
+  bed.fractions_by_mass = p.fractions_by() == "mass";
+  bed.width_m = p.width_m();
+  bed.tiles = p.tiles();
+  if (coverage)
+    bed.coverage = *coverage;
+  else
+    bed.layers = p.layers();
+  bed.shape = p.shape() == "sphere" ? GrainShape::kSphere : GrainShape::kIrregular;
+  bed.irregularity = p.irregularity();
+  bed.subdivisions = p.subdivisions();
+  bed.seed = spec.seed();
+  return bed;
+}
+
+GoniometerSpec instrument_of(const schema::Goniometer& s, std::uint32_t threads) {
+  GoniometerSpec out;
+  out.view_zenith_deg.assign(s.view().zenith_deg().begin(), s.view().zenith_deg().end());
+  out.view_azimuth_deg.assign(s.view().azimuth_deg().begin(), s.view().azimuth_deg().end());
+  out.source_zenith_deg.assign(s.source().zenith_deg().begin(), s.source().zenith_deg().end());
+  out.source_distance_m = s.source().distance_m();
+  out.source_angular_radius_deg = s.source().angular_radius_deg();
+  out.sensor_range_m = s.sensor().range_m();
+  out.field =
+      s.sensor().field() == "across_view" ? FieldOfView::kAcrossView : FieldOfView::kOnPlate;
+  out.field_width_m = s.sensor().field_width_m();
+  out.field_height_m = s.sensor().field_height_m();
+  out.reference_height_m = s.sensor().reference_height_m();
+  out.samples_per_replicate = s.accuracy().samples_per_replicate();
+  out.replicates = s.accuracy().replicates();
+  out.max_reflections = s.accuracy().max_reflections();
+  out.seed = s.seed();
+  out.threads = threads;
+  return out;
+}
+
+std::string channel_name(const GoniometerChannel& c) {
+  return c.spectral ? fmt::format("{} {:.4g} um", c.band, c.lambda_um) : c.band;
+}
+
+// Reflectance factors in the source's plane and across it, a curve for each channel.
+std::string plane_curves(const GoniometerResult& r, std::size_t source, const std::string& title) {
+  const GoniometerSpec& s = r.spec;
+  const auto azimuth = [&](double wanted) {
+    std::optional<std::size_t> found;
+    for (std::size_t a = 0; a < s.view_azimuth_deg.size(); ++a)
+      if (std::abs(s.view_azimuth_deg[a] - wanted) < 1e-6) found = a;
+    return found;
+  };
+  std::vector<CurvePanel> panels;
+  for (const double side : {0.0, 90.0}) {
+    const auto low = azimuth(side), high = azimuth(side + 180);
+    if (!low || !high) continue;
+    CurvePanel panel;
+    panel.title = side == 0 ? "The source's plane" : "Across it";
+    panel.x_label = side == 0 ? "View zenith [deg], below 0 on the source's side"
+                              : "View zenith [deg], below 0 at azimuth 90 deg";
+    panel.y_label = "Reflectance factor";
+    for (std::size_t ch = 0; ch < r.channel.size(); ++ch) {
+      Curve curve{channel_name(r.channel[ch]), {}, {}};
+      const auto add = [&](double x, const Estimate& e) {
+        curve.x.push_back(x);
+        curve.y.push_back(std::numbers::pi * e.value);
+        panel.y_high = std::max(panel.y_high, 1.05 * curve.y.back());
+      };
+      for (std::size_t z = s.view_zenith_deg.size(); z-- > 0;)
+        if (s.view_zenith_deg[z] > 0) add(-s.view_zenith_deg[z], r.brdf(ch, source, z, *low));
+      for (std::size_t z = 0; z < s.view_zenith_deg.size(); ++z)
+        add(s.view_zenith_deg[z], r.brdf(ch, source, z, *high));
+      panel.curve.push_back(std::move(curve));
+    }
+    panels.push_back(std::move(panel));
+  }
+  double common = 0;
+  for (const CurvePanel& panel : panels) common = std::max(common, panel.y_high);
+  for (CurvePanel& panel : panels) panel.y_high = common;
+  return plot_curves(title, fmt::format("source zenith {:g}\u00b0", s.source_zenith_deg[source]),
+                     panels, 2);
+}
+
+// The mean of a band's channels: a spectral band has one picture, too.
+HemisphereValues band_values(const GoniometerResult& r, const std::string& band,
+                             std::size_t source) {
+  HemisphereValues out{r.spec.view_zenith_deg, r.spec.view_azimuth_deg, {}};
+  out.value.assign(r.views(), 0.0);
+  double channels = 0;
+  for (const GoniometerChannel& c : r.channel) channels += c.band == band ? 1 : 0;
+  for (std::size_t ch = 0; ch < r.channel.size(); ++ch) {
+    if (r.channel[ch].band != band) continue;
+    for (std::size_t z = 0; z < out.zenith_deg.size(); ++z)
+      for (std::size_t a = 0; a < out.azimuth_deg.size(); ++a)
+        out.value[r.view(z, a)] += std::numbers::pi * r.brdf(ch, source, z, a).value / channels;
+  }
+  return out;
+}
+
+// A name of the user's as a part of a file name.
+std::string file_part(std::string name) {
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '.' && c != '-' && c != '_') c = '_';
+  return name;
+}
+
+class GoniometerCommand {
+ public:
+  std::string spec_path, out;
+  std::uint32_t threads = 0;
+
+  [[nodiscard]] absl::Status run() {
+    const auto text = read_file(spec_path);
+    if (!text.ok())
+      return absl::InvalidArgumentError(absl::StrCat(spec_path, ": ", text.status().message()));
+    auto file = parse_goniometer(*text, spec_path);
+    if (!file.ok()) return file.status();
+    const auto read_beside = [&](const std::string& name) {
+      return read_file((fs::path(spec_path).parent_path() / name).string());
+    };
+    if (const auto status = read_material_files(file->scene, read_beside); !status.ok())
+      return status;
+    std::string model_bytes;
+    if (file->spec.model().has_file()) {
+      auto bytes = read_beside(file->spec.model().file());
+      if (!bytes.ok())
+        return absl::InvalidArgumentError(absl::StrCat(file->scene.location("model.file"),
+                                                       ": model.file \"", file->spec.model().file(),
+                                                       "\": ", bytes.status().message()));
+      model_bytes = *std::move(bytes);
+    }
+    auto resolved = resolve_goniometer(*file, model_bytes);
+    if (!resolved.ok()) return resolved.status();
+    spec_ = resolved->spec;
+    provenance_ = {
+        absl::StrCat("irsig goniometer, build ", build_id(), ", physics version ",
+                     physics_version()),
+        absl::StrCat("spec ", fs::path(spec_path).filename().string(), ", sha256 ",
+                     sha256_hex(*text)),
+        absl::StrCat("name ", spec_.name(), ", seed ", spec_.seed(), ", ",
+                     spec_.accuracy().replicates(), " replicates of ",
+                     spec_.accuracy().samples_per_replicate(), " samples a view"),
+        "angles: zeniths from the plate's normal; azimuth 0 on the source's side, 180 on the "
+        "mirror's"};
+
+    auto scene = scene_from_sweep(resolved->scene, model_bytes);
+    if (!scene.ok()) return located(*file, scene.status());
+    GoniometerScene under;
+    under.mesh = std::move(scene->mesh);
+    under.part = std::move(scene->part);
+    under.material = std::move(scene->material);
+    for (const schema::Material& m : resolved->scene.sweep().material())
+      under.allow_energy_gain.push_back(m.allow_energy_gain());
+    for (int i = 0; i < spec_.band_size(); ++i)
+      under.band.push_back({scene->band[static_cast<std::size_t>(i)], spec_.band(i).spectral()});
+
+    std::error_code error;
+    fs::create_directories(out, error);
+    if (error)
+      return absl::InvalidArgumentError(absl::StrCat("--out ", out, ": ", error.message()));
+    if (!spec_.has_particles() || spec_.particles().coverage_size() == 0)
+      return located(*file, measure(under, std::nullopt, fs::path(out)));
+    for (const double coverage : spec_.particles().coverage()) {
+      const fs::path folder = spec_.particles().coverage_size() == 1
+                                  ? fs::path(out)
+                                  : fs::path(out) / fmt::format("coverage_{:g}", coverage);
+      if (const auto status = measure(under, coverage, folder); !status.ok())
+        return located(*file, status);
+    }
+    return spec_.particles().coverage_size() > 2 ? write_trend() : absl::OkStatus();
+  }
+
+ private:
+  // Errors of the core name keys ("material[1]: ..."); the file knows where they stand.
+  static absl::Status located(const GoniometerFile& file, const absl::Status& status) {
+    if (status.ok() || !absl::IsInvalidArgument(status)) return status;
+    const std::string text(status.message());
+    const std::string path = text.substr(0, text.find(':'));
+    return absl::InvalidArgumentError(absl::StrCat(
+        file.scene.location(path.find(' ') == std::string::npos ? path : ""), ": ", text));
+  }
+
+  absl::Status measure(GoniometerScene& under, std::optional<double> coverage,
+                       const fs::path& folder) {
+    std::string about;
+    double covered = coverage.value_or(0);
+    if (spec_.has_particles()) {
+      auto model = generate_particles(bed_of(spec_, coverage));
+      if (!model.ok())
+        return absl::InvalidArgumentError(absl::StrCat("particles: ", model.status().message()));
+      const ParticleReport& p = model->report;
+      covered = p.coverage;
+      about = fmt::format(
+          "{} grains a cell, {} tiles; coverage {:.4f}, packing fraction {:.4f}, mean height "
+          "{:.4g} m, rms height {:.4g} m, top {:.4g} m, largest overlap {:.2g}",
+          p.grains, spec_.particles().tiles() * spec_.particles().tiles(), p.coverage,
+          p.packing_fraction, p.mean_height_m, p.rms_height_m, p.top_m, p.largest_overlap);
+      under.mesh = std::move(model->mesh);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const std::uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
+    auto result = run_goniometer(under, instrument_of(spec_, threads > 0 ? threads : cores));
+    if (!result.ok()) return result.status();
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error)
+      return absl::InvalidArgumentError(absl::StrCat(folder.string(), ": ", error.message()));
+    std::vector<std::string> provenance = provenance_;
+    if (!about.empty()) provenance.push_back(about);
+    const std::string summary =
+        absl::StrCat(spec_.name(), about.empty() ? "" : "\n", about, "\n", summary_text(*result));
+    std::printf("%s: %.1f s\n%s\n", folder.c_str(), seconds, summary.c_str());
+    std::fflush(stdout);
+    if (const auto status = write(*result, provenance, summary, folder); !status.ok())
+      return status;
+    for (std::size_t ch = 0; ch < result->channel.size(); ++ch)
+      for (std::size_t j = 0; j < result->spec.source_zenith_deg.size(); ++j)
+        if (const auto mean = plane_mean(*result, ch, j); mean.ok())
+          trend_.push_back({covered, ch, j, *mean});
+    channel_ = result->channel;
+    source_zenith_deg_ = result->spec.source_zenith_deg;
+    return absl::OkStatus();
+  }
+
+  absl::Status write(const GoniometerResult& r, const std::vector<std::string>& provenance,
+                     const std::string& summary, const fs::path& folder) const {
+    const auto to = [&](const std::string& name, const std::string& text) {
+      return replace_file((folder / name).string(), text);
+    };
+    if (const auto s = to("brdf.csv", brdf_csv(r, provenance)); !s.ok()) return s;
+    if (const auto s = to("emissivity.csv", emissivity_csv(r, provenance)); !s.ok()) return s;
+    if (const auto s = to("summary.txt", summary); !s.ok()) return s;
+    const auto material = material_csv(r, provenance);
+    if (material.ok()) {
+      if (const auto s = to("material.csv", *material); !s.ok()) return s;
+    } else {
+      std::fprintf(stderr, "irsig: no material.csv: %s\n",
+                   std::string(material.status().message()).c_str());
+    }
+    for (std::size_t j = 0; j < r.spec.source_zenith_deg.size(); ++j) {
+      const double source_deg = r.spec.source_zenith_deg[j];
+      if (const auto s = to(fmt::format("planes_source{:g}.svg", source_deg),
+                            plane_curves(r, j, spec_.name()));
+          !s.ok())
+        return s;
+      for (const schema::GoniometerBand& b : spec_.band())
+        if (const auto s = to(
+                fmt::format("brdf_{}_source{:g}.svg", file_part(b.name()), source_deg),
+                plot_hemisphere(
+                    fmt::format("{}, {}, source at {:g}\u00b0", spec_.name(), b.name(), source_deg),
+                    "pi x BRDF", band_values(r, b.name(), j), source_deg));
+            !s.ok())
+          return s;
+    }
+    return absl::OkStatus();
+  }
+
+  // The mean over the planes against coverage: is it a straight line?
+  [[nodiscard]] absl::Status write_trend() const {
+    std::string csv;
+    for (const std::string& line : provenance_) csv += "# " + line + "\n";
+    csv += fmt::format(
+        "# mean of pi x BRDF over the source's plane and the one across it, zeniths up to {:g}\n"
+        "coverage,source_zenith_deg,band,lambda_um,reflectance_factor,reflectance_factor_stderr\n",
+        kTrendZenithDeg);
+    for (const TrendPoint& p : trend_)
+      csv += fmt::format("{:.5g},{:g},{},{:.6g},{:.7g},{:.3g}\n", p.coverage,
+                         source_zenith_deg_[p.source], channel_[p.channel].band,
+                         channel_[p.channel].lambda_um, p.mean.value, p.mean.stderr_);
+    if (const auto s = replace_file((fs::path(out) / "coverage.csv").string(), csv); !s.ok())
+      return s;
+    std::vector<CurvePanel> panels;
+    std::printf("mean over the planes against coverage: departure from a straight line (rms)\n");
+    for (std::size_t j = 0; j < source_zenith_deg_.size(); ++j) {
+      CurvePanel panel;
+      panel.title = fmt::format("Source at {:g}\u00b0", source_zenith_deg_[j]);
+      panel.x_label = "Coverage";
+      panel.y_label = "Mean reflectance factor";
+      for (std::size_t ch = 0; ch < channel_.size(); ++ch) {
+        Curve curve{channel_name(channel_[ch]), {}, {}};
+        std::vector<Estimate> y;
+        for (const TrendPoint& p : trend_) {
+          if (p.channel != ch || p.source != j) continue;
+          curve.x.push_back(p.coverage);
+          curve.y.push_back(p.mean.value);
+          y.push_back(p.mean);
+          panel.y_high = std::max(panel.y_high, 1.1 * p.mean.value);
+        }
+        if (y.size() < 3) continue;
+        const LineFit fit = fit_line(curve.x, y);
+        double mean = 0;
+        for (const Estimate& e : y) mean += e.value / static_cast<double>(y.size());
+        std::printf(
+            "  source %5.3g deg  %-18s slope %8.4f  departure %5.2f %% of the mean (noise "
+            "%.2f %%)\n",
+            source_zenith_deg_[j], channel_name(channel_[ch]).c_str(), fit.slope,
+            100 * fit.rms_residual / mean, 100 * fit.rms_noise / mean);
+        panel.curve.push_back(std::move(curve));
+      }
+      panels.push_back(std::move(panel));
+    }
+    return replace_file(
+        (fs::path(out) / "coverage.svg").string(),
+        plot_curves(spec_.name(), "mean over the source's plane and the one across it", panels,
+                    std::min<std::size_t>(3, panels.size())));
+  }
+
+  struct TrendPoint {
+    double coverage;
+    std::size_t channel, source;
+    Estimate mean;
+  };
+  schema::Goniometer spec_;
+  std::vector<std::string> provenance_;
+  std::vector<TrendPoint> trend_;
+  std::vector<GoniometerChannel> channel_;
+  std::vector<double> source_zenith_deg_;
+};
+
+}  // namespace
+
+void add_goniometer(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "goniometer", "BRDF and directional emissivity of a scene on a plate, seen from all sides");
+  const auto options = std::make_shared<GoniometerCommand>();
+  command->add_option("spec", options->spec_path, "What is measured: docs/goniometer.md")
+      ->required()
+      ->type_name("SPEC");
+  command->add_option("--out", options->out, "Folder for tables, pictures and the material")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--threads", options->threads, "Default: one for each core")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1024u));
+  command->callback([options, &exit_code] { exit_code = report(options->run()); });
+}
+
+}  // namespace irsig

@@ -1,0 +1,252 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "cli/choose_material.h"
+#include "cli/commands.h"
+#include "cli/material_plot.h"
+#include "core/materials/material_check.h"
+#include "core/materials/optical/angular_table.h"
+#include "view/atomic_file.h"
+#include "view/table.h"
+
+namespace irsig {
+namespace {
+
+std::string range_text(const WavelengthRange& range) {
+  return range.everywhere ? "any" : fmt::format("{:g} to {:g}", range.min_um, range.max_um);
+}
+
+absl::StatusOr<std::unique_ptr<TableWriter>> writer(bool csv, const std::vector<Column>& columns) {
+  return make_table_writer(csv ? "csv" : "table", columns, std::cout);
+}
+
+absl::Status list(bool csv) {
+  const auto table = writer(csv, {{"name"},
+                                  {"kind"},
+                                  {"lambda_um"},
+                                  {"description"},
+                                  {"source", csv},
+                                  {"licence", csv},
+                                  {"provenance", csv}});
+  if (!table.ok()) return table.status();
+  for (const LibraryEntry& e : material_library())
+    (*table)->row({e.spec.name, model_kind(e.spec), range_text(wavelength_range(e.spec)),
+                   e.description, e.source, e.licence, e.provenance});
+  const std::string paper = "X. Zhou et al., Appl. Sci. 16 (2026) 2318, table of the ship's hull";
+  const std::string ours = "that of this project";
+  for (const auto& [name, description, provenance] :
+       std::initializer_list<std::array<std::string, 3>>{
+           {"hull", "the ship paper's hull, emissivity 0.8 at normal incidence",
+            "The paper's n + ik = 1.2 + 5.0i and roughness 0.3, scaled to its emissivity of 0.8."},
+           {"hull_index", "the ship paper's hull, as its optical constants say",
+            "n + ik = 1.2 + 5.0i and roughness 0.3: emissivity 0.165 at normal incidence."},
+           {"hull_paper", "the ship paper's hull as printed: creates energy",
+            "Emissivity 0.8 and the unscaled lobe at once; needs allow_energy_gain = true."}})
+    (*table)->row({name, std::string("cook_torrance"), std::string("any"), description, paper, ours,
+                   provenance});
+  return (*table)->finish();
+}
+
+struct ShowOptions {
+  std::string name;
+  std::vector<double> lambda_um;
+  std::vector<double> theta_i_deg = {0, 15, 30, 45, 60, 70, 75, 80, 85, 89};
+  bool csv = false;
+};
+
+absl::Status print_long(const AngularTable& table, bool csv) {
+  const auto out = writer(csv, {{"lambda_um"}, {"theta_i_deg"}, {"dhr"}, {"emissivity"}});
+  if (!out.ok()) return out.status();
+  for (const AngularValue& v : table.value)
+    (*out)->row({v.lambda_um, v.theta_i_deg, v.dhr, v.emissivity});
+  return (*out)->finish();
+}
+
+// For people: one line an angle, two columns a wavelength.
+absl::Status print_wide(const AngularTable& table, std::size_t wavelengths, std::size_t angles) {
+  std::vector<Column> columns = {{"theta_i_deg"}};
+  for (std::size_t i = 0; i < wavelengths; ++i) {
+    const double um = table.value[i * angles].lambda_um;
+    columns.push_back({fmt::format("dhr {:g} um", um)});
+    columns.push_back({fmt::format("emissivity {:g} um", um)});
+  }
+  const auto out = writer(false, columns);
+  if (!out.ok()) return out.status();
+  for (std::size_t t = 0; t < angles; ++t) {
+    std::vector<Cell> cells = {table.value[t].theta_i_deg};
+    for (std::size_t i = 0; i < wavelengths; ++i) {
+      cells.emplace_back(table.value[i * angles + t].dhr);
+      cells.emplace_back(table.value[i * angles + t].emissivity);
+    }
+    (*out)->row(cells);
+  }
+  return (*out)->finish();
+}
+
+absl::Status show(const ShowOptions& asked) {
+  const auto material = choose_material(asked.name);
+  if (!material.ok()) return material.status();
+  const auto& lambda_um = asked.lambda_um.empty() ? material->lambda_um : asked.lambda_um;
+  const auto table = angular_table(material->spec, lambda_um, asked.theta_i_deg);
+  if (!table.ok())
+    return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", table.status().message()));
+  if (asked.csv) return print_long(*table, true);
+  fmt::print("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
+             range_text(wavelength_range(material->spec)));
+  const LibraryEntry& e = material->entry;
+  if (!e.description.empty())
+    fmt::print("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
+               e.provenance);
+  if (table->creates_energy)
+    fmt::print("It creates energy: dhr + emissivity is above 1 somewhere.\n");
+  fmt::print("\n");
+  std::fflush(stdout);
+  return print_wide(*table, lambda_um.size(), asked.theta_i_deg.size());
+}
+
+struct PlotOptions {
+  std::string name, out;
+  std::vector<double> lambda_um;
+  double min_um = 0, max_um = 0;
+};
+
+absl::Status plot(const PlotOptions& asked) {
+  auto material = choose_material(asked.name);
+  if (!material.ok()) return material.status();
+  if (!asked.lambda_um.empty()) material->lambda_um = asked.lambda_um;
+  if (asked.min_um > 0) material->min_um = asked.min_um;
+  if (asked.max_um > 0) material->max_um = asked.max_um;
+  if (!(material->min_um < material->max_um))
+    return absl::InvalidArgumentError(absl::StrCat("wavelengths from ", material->min_um, " to ",
+                                                   material->max_um,
+                                                   " um, expected an increasing range"));
+  const auto svg = plot_material(*material);
+  if (!svg.ok())
+    return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", svg.status().message()));
+  return replace_file(asked.out, *svg);
+}
+
+// The ends of where it is known, and the usual wavelengths between them.
+std::vector<double> checked_um(const ChosenMaterial& material) {
+  if (wavelength_range(material.spec).everywhere) return {10};
+  std::vector<double> out = material.lambda_um;
+  out.push_back(material.min_um);
+  out.push_back(material.max_um);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+absl::Status check(const std::string& name, const std::string& sweep, bool csv) {
+  std::vector<ChosenMaterial> materials;
+  if (!sweep.empty()) {
+    auto all = materials_of_sweep(sweep);
+    if (!all.ok()) return all.status();
+    materials = *std::move(all);
+    if (materials.empty())
+      return absl::InvalidArgumentError(absl::StrCat(sweep, ": it has no material"));
+  } else {
+    auto one = choose_material(name);
+    if (!one.ok()) return one.status();
+    materials.push_back(*std::move(one));
+  }
+  const auto out =
+      writer(csv, {{"material"}, {"check"}, {"worst"}, {"bound"}, {"passed"}, {"where"}});
+  if (!out.ok()) return out.status();
+  std::size_t rows = 0, failed = 0;
+  for (const ChosenMaterial& material : materials) {
+    const auto found = check_material(material.spec, checked_um(material));
+    if (!found.ok())
+      return absl::InvalidArgumentError(
+          absl::StrCat(material.spec.name, ": ", found.status().message()));
+    for (const MaterialCheckRow& row : *found) {
+      ++rows;
+      failed += row.passed ? 0 : 1;
+      (*out)->row({material.spec.name, row.check, row.worst, row.bound, row.passed, row.where});
+    }
+  }
+  if (const absl::Status status = (*out)->finish(); !status.ok()) return status;
+  if (failed > 0)
+    return absl::FailedPreconditionError(absl::StrCat(failed, " of ", rows, " checks failed"));
+  return absl::OkStatus();
+}
+
+constexpr const char* kNameHelp = "A name that `list` prints, or SWEEP.toml:MATERIAL";
+
+}  // namespace
+
+void add_material(CLI::App& app, int& exit_code) {
+  CLI::App* material = app.add_subcommand(
+      "material", "The material library, and what any material reflects and emits");
+  material->require_subcommand(1);
+
+  const auto list_csv = std::make_shared<bool>(false);
+  CLI::App* list_command =
+      material->add_subcommand("list", "Materials that come with irsig, and where they are from");
+  list_command->add_flag("--csv", *list_csv, "As CSV, with sources, licences and provenance");
+  list_command->callback([list_csv, &exit_code] { exit_code = report(list(*list_csv)); });
+
+  const auto shown = std::make_shared<ShowOptions>();
+  CLI::App* show_command = material->add_subcommand(
+      "show", "Reflectance (DHR) and emissivity against angle and wavelength");
+  show_command->add_option("material", shown->name, kNameHelp)->required()->type_name("NAME");
+  show_command->add_option("--lambda-um", shown->lambda_um, "Wavelengths")
+      ->type_name("UM")
+      ->check(CLI::PositiveNumber);
+  show_command->add_option("--theta-i-deg", shown->theta_i_deg, "Angles from the normal, 0 to 90")
+      ->type_name("DEG")
+      ->check(CLI::Range(0.0, 90.0));
+  show_command->add_flag("--csv", shown->csv, "One line an angle and wavelength, every digit");
+  show_command->callback([shown, &exit_code] { exit_code = report(show(*shown)); });
+
+  const auto plotted = std::make_shared<PlotOptions>();
+  CLI::App* plot_command =
+      material->add_subcommand("plot", "Both against angle and against wavelength, as SVG");
+  plot_command->add_option("material", plotted->name, kNameHelp)->required()->type_name("NAME");
+  plot_command->add_option("--out", plotted->out, "File to write, replaced when complete")
+      ->required()
+      ->type_name("FILE.svg");
+  plot_command
+      ->add_option("--lambda-um", plotted->lambda_um, "Wavelengths of the curves over angle")
+      ->type_name("UM")
+      ->check(CLI::PositiveNumber);
+  plot_command
+      ->add_option("--lambda-min-um", plotted->min_um, "Shortest of the curves over wavelength")
+      ->type_name("UM")
+      ->check(CLI::PositiveNumber);
+  plot_command
+      ->add_option("--lambda-max-um", plotted->max_um, "Longest of the curves over wavelength")
+      ->type_name("UM")
+      ->check(CLI::PositiveNumber);
+  plot_command->callback([plotted, &exit_code] { exit_code = report(plot(*plotted)); });
+
+  struct CheckOptions {
+    std::string name, sweep;
+    bool csv = false;
+  };
+  const auto checked = std::make_shared<CheckOptions>();
+  CLI::App* check_command = material->add_subcommand(
+      "check", "Reciprocity, energy, emissivity + DHR = 1, sampling; exit code 1 if one fails");
+  CLI::Option* name =
+      check_command->add_option("material", checked->name, kNameHelp)->type_name("NAME");
+  CLI::Option* sweep =
+      check_command->add_option("--sweep", checked->sweep, "Every material of a sweep file")
+          ->type_name("FILE");
+  name->excludes(sweep);
+  check_command->add_flag("--csv", checked->csv, "As CSV");
+  check_command->callback([checked, &exit_code] {
+    exit_code =
+        checked->name.empty() && checked->sweep.empty()
+            ? report(absl::InvalidArgumentError("material check: name one, or --sweep FILE"))
+            : report(check(checked->name, checked->sweep, checked->csv));
+  });
+}
+
+}  // namespace irsig

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// The air's own spectral grid: means over bands of 10 cm-1 from 650 to 3400 cm-1 (2.94-15.4 um), in
+// order of increasing wavenumber. Below and above there is no table, and air_band says so.
+inline constexpr double kAirFirstCm1 = 650;
+inline constexpr double kAirLastCm1 = 3400;
+inline constexpr double kAirBandWidthCm1 = 10;
+inline constexpr std::size_t kAirBandCount = 275;
+
+using AirSpectrum = std::vector<double>;  // kAirBandCount band means
+
+[[nodiscard]] double air_band_centre_cm1(std::size_t band);
+[[nodiscard]] double air_band_lambda_um(std::size_t band);  // 1e4 / centre
+
+// OUT_OF_RANGE outside [1e4 / 3400, 1e4 / 650] um.
+[[nodiscard]] absl::StatusOr<std::size_t> air_band(double lambda_um);
+
+// Gases with line structure, in the order of the table.
+enum class Gas { kH2o, kCo2, kO3, kN2o, kCh4, kCfc11, kCfc12, kCo };
+inline constexpr std::size_t kGasCount = 8;
+
+// What takes away radiance without structure inside a band: Beer's law holds for the band mean.
+enum class GreyAbsorber {
+  kWaterContinuum,
+  kNitrogen,    // collision-induced, 4.3 um
+  kOxygen,      // collision-induced, 6.4 um
+  kCo2FarWing,  // 3.9-4.2 um
+  kAerosolAbsorption,
+  kAerosolScattering,
+  kMolecularScattering
+};
+inline constexpr std::size_t kGreyAbsorberCount = 7;
+
+// What a stretch of air holds, per band: ADD the amounts of two stretches to get those of both,
+// whatever lies between them.
+//
+// Inside a band the air's lines make the transmittance a sum over exponentials, for each gas
+//   T_g = sum over terms i of w_i exp(-k_i u_g - k'_i u'_g),   T = product over g of T_g x
+//   exp(-grey depths)
+// with u_g the gas's amount scaled for pressure and temperature (absorption in the wings of lines),
+// u'_g that scaled for temperature only (their centres; weak absorption), the same for all terms of
+// a band. So u and u' add along a path while T of two stretches does NOT multiply. Everything that
+// carries the air's own lines must therefore be a transmittance of SUMMED amounts:
+//   reflected sunlight  E0 T(u_sun + u_sensor), not T(u_sun) T(u_sensor);
+//   sky, background or far air seen through near air  sum over layers of B (T(u_near + u_l) -
+//   T(u_near + u_(l+1))).
+// Only emission of surfaces and grey light are multiplied by T itself.
+struct AbsorberAmounts {
+  AbsorberAmounts();  // nothing: transmittance 1
+
+  // Per gas and band that has lines, in the table's order.
+  std::vector<double> gas_scaled_kg_m2, gas_plain_kg_m2;
+  std::array<AirSpectrum, kGreyAbsorberCount> optical_depth;
+
+  AbsorberAmounts& operator+=(const AbsorberAmounts& other);
+  [[nodiscard]] const AirSpectrum& grey(GreyAbsorber which) const {
+    return optical_depth[static_cast<std::size_t>(which)];
+  }
+};
+[[nodiscard]] AbsorberAmounts operator+(AbsorberAmounts a, const AbsorberAmounts& b);
+
+// Band means of the transmittance, in [0, 1]; exactly 1 for no amounts.
+//
+// Accuracy, against MODTRAN: docs/validation.md, "Atmosphere". Numerics: relative 1e-13 of the sum
+// of exponentials for optical depths up to 700, 0 beyond.
+[[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts);
+
+// One factor of it alone.
+[[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas);
+
+// Sum of the two scattering depths.
+[[nodiscard]] AirSpectrum scattering_optical_depth(const AbsorberAmounts& amounts);
+
+}  // namespace irsig

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/atmosphere/absorber_amounts.h"
+
+namespace irsig {
+
+enum class AerosolKind {
+  kNone,
+  kRural,
+  kUrban,
+  kMaritime,
+  kTropospheric,
+  kNavyMaritime,
+  kAdvectionFog,
+  kRadiationFog
+};
+
+// The particles of the lowest 2 km; above them always the tropospheric model to 10 km, the
+// background stratospheric to 30 km and meteoric dust.              [shettle1979, gathman1983]
+struct AerosolSpec {
+  AerosolKind kind = AerosolKind::kNone;
+
+  // Meteorological range, 3.912 / (extinction at 0.55 um + 0.0116 km-1 of clean air). 100-100,000
+  // m. Required by all but kNone and kNavyMaritime; there 0 means: as the wind and the humidity
+  // have it.
+  double visibility_m = 0;
+
+  // kNavyMaritime only.
+  double air_mass = 3;            // 1 open ocean ... 10 strong continental influence
+  double wind_speed_m_s = 0;      // now, 0-20
+  double wind_speed_24h_m_s = 0;  // mean of the last 24 h, 0-20
+
+  bool summer_troposphere = true;  // spring-summer or fall-winter amounts above 2 km
+};
+
+[[nodiscard]] absl::Status check_aerosol(const AerosolSpec& spec);
+
+// At one height, all per metre of path and per band of the air's grid.
+struct AerosolOptics {
+  AirSpectrum absorption_per_m;
+  AirSpectrum scattering_per_m;
+  AirSpectrum asymmetry;  // mean cosine of the scattering angle, [-1, 1]
+};
+
+// Extinction, absorption and asymmetry are tabulated against wavelength and humidity
+// (log(100 - humidity), logarithms of the coefficients); extinction at 0.55 um against height and
+// visibility. Humidities above 99 % (Navy model: 98 %) are taken as that.
+//   relative_humidity_percent  of the air at that height
+//   surface_humidity_percent   at the surface: the Navy model's visibility refers to it
+// Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.
+[[nodiscard]] AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
+                                           double relative_humidity_percent,
+                                           double surface_humidity_percent);
+
+}  // namespace irsig

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// Volume mixing ratios of one level, 1e-6 each.
+struct GasMix {
+  double h2o_ppmv, co2_ppmv, o3_ppmv, n2o_ppmv, co_ppmv, ch4_ppmv;
+};
+
+struct AirLevel {
+  double height_m;
+  double pressure_pa;
+  double temperature_k;
+  GasMix gas;
+};
+
+// Levels of increasing height, the first at the surface. Between levels ln(pressure), temperature
+// and ln(mixing ratio) are linear in height. The air ends at the last level.
+struct AirProfile {
+  std::vector<AirLevel> level;
+};
+
+// At least two levels, heights increasing and pressures decreasing, all quantities in range and
+// water vapour at most saturated over water (by 1 % of relative humidity, and only up to 20 km).
+[[nodiscard]] absl::Status check_profile(const AirProfile& profile);
+
+// The air at a height inside the profile; outside, the nearest level's.
+[[nodiscard]] AirLevel air_at(const AirProfile& profile, double height_m);
+
+// Saturation over water, also below 0 C, as meteorology defines relative humidity.    [sonntag1990]
+[[nodiscard]] double saturation_pressure_pa(double temperature_k);
+[[nodiscard]] double relative_humidity_percent(const AirLevel& level);
+
+// The six model atmospheres of the Air Force Geophysics Laboratory, 0-120 km.        [anderson1986]
+// Their CO2 is 330 ppmv: AtmosphereSpec::co2_ppmv replaces it.
+enum class AfglProfile {
+  kTropical,
+  kMidlatitudeSummer,
+  kMidlatitudeWinter,
+  kSubarcticSummer,
+  kSubarcticWinter,
+  kUsStandard1976
+};
+[[nodiscard]] const AirProfile& afgl_profile(AfglProfile which);
+[[nodiscard]] absl::StatusOr<AfglProfile> afgl_profile_named(std::string_view name);
+[[nodiscard]] std::string_view name_of(AfglProfile which);
+
+// What stands in for a profile that nobody stated: tropical within 30 deg of the equator,
+// subarctic beyond 55 deg, mid-latitude between; the summer one from April to September in the
+// north, from October to March in the south.
+[[nodiscard]] AfglProfile default_afgl_profile(double latitude_deg, int month);
+
+// A radiosonde or other profile in CSV. Lines that start with # are comments; the first other line
+// names the columns with their units:
+//   height_m | height_km
+//   pressure_pa | pressure_hpa
+//   temperature_k | temperature_c
+//   h2o_ppmv | h2o_g_kg (mixing ratio, g per kg of dry air) | relative_humidity_percent |
+//   dew_point_k
+//     | dew_point_c
+// and one line follows per level. The heights are above mean sea level; the lowest may be up to
+// 100 m. The other gases, and all above the last level, are `base`'s, whose pressures are scaled to
+// join. INVALID_ARGUMENT lists every error as file:line:column: ...
+[[nodiscard]] absl::StatusOr<AirProfile> parse_profile_csv(std::string_view text,
+                                                           std::string_view file,
+                                                           const AirProfile& base);
+
+// The weather at the surface, as a condition of a sweep states it.
+struct SurfaceWeather {
+  double air_temperature_k;
+  double relative_humidity_percent;
+  double pressure_pa;
+};
+
+// The profile whose surface is the weather's: below 2 km temperature and relative humidity are
+// shifted by the difference at the surface times (1 - height / 2 km), and the pressure follows from
+// the surface's by hydrostatic balance; above 2 km only the pressure is scaled to join.
+// INVALID_ARGUMENT: temperatures outside 180-340 K, humidity outside 0-100 %, pressure outside
+// 500-1100 hPa.
+[[nodiscard]] absl::StatusOr<AirProfile> bend_to_surface(const AirProfile& profile,
+                                                         const SurfaceWeather& weather);
+
+}  // namespace irsig

@@ -1,0 +1,126 @@
+#include "core/atmosphere/atmosphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "core/atmosphere/gas_table.h"
+#include "core/atmosphere/path_sums.h"
+#include "core/base/constants.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+
+Atmosphere::Atmosphere(AtmosphereSpec spec)
+    : spec_(std::move(spec)),
+      surface_humidity_percent_(relative_humidity_percent(spec_.profile.level.front())) {}
+
+absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
+  if (const absl::Status status = check_profile(spec.profile); !status.ok()) return status;
+  if (const absl::Status status = check_aerosol(spec.aerosol); !status.ok()) return status;
+  if (!(spec.co2_ppmv >= 0 && spec.co2_ppmv <= 5000)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("co2_ppmv %g: expected 0 to 5000", spec.co2_ppmv));
+  }
+  for (const double cfc : {spec.cfc11_ppmv, spec.cfc12_ppmv}) {
+    if (!(cfc >= 0 && cfc <= 0.01)) {
+      return absl::InvalidArgumentError(absl::StrFormat("cfc ppmv %g: expected 0 to 0.01", cfc));
+    }
+  }
+  for (AirLevel& level : spec.profile.level) level.gas.co2_ppmv = spec.co2_ppmv;
+  return Atmosphere(std::move(spec));
+}
+
+void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
+              double surface_humidity_percent, const LightPath& path, std::size_t step) {
+  const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
+  const double length_m = path.step_m[step];
+  const AirProfile& profile = spec.profile;
+  const AirSpectrum molecular_before =
+      scattering ? out.grey(GreyAbsorber::kMolecularScattering) : AirSpectrum();
+  add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
+            spec.cfc11_ppmv, spec.cfc12_ppmv);
+  if (scattering) {
+    for (std::size_t band = 0; band < kAirBandCount; ++band) {
+      scattering->molecular_depth[band] =
+          out.grey(GreyAbsorber::kMolecularScattering)[band] - molecular_before[band];
+      scattering->aerosol_depth[band] = scattering->asymmetry[band] = 0;
+    }
+  }
+  if (spec.aerosol.kind == AerosolKind::kNone) return;
+
+  // Gauss's two points; one where the optics hardly vary along the step.
+  const double rise_m = b.height_m - a.height_m;
+  const bool level = std::abs(rise_m) < 10;
+  const double offset = level ? 0 : 0.28867513459481287;
+  AirSpectrum& absorption =
+      out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolAbsorption)];
+  AirSpectrum& scatter =
+      out.optical_depth[static_cast<std::size_t>(GreyAbsorber::kAerosolScattering)];
+  for (int i = 0; i < (level ? 1 : 2); ++i) {
+    const double height_m = a.height_m + (0.5 + (2 * i - 1) * offset) * rise_m;
+    const AerosolOptics optics =
+        aerosol_optics(spec.aerosol, height_m, relative_humidity_percent(air_at(profile, height_m)),
+                       surface_humidity_percent);
+    const double share_m = level ? length_m : 0.5 * length_m;
+    for (std::size_t band = 0; band < kAirBandCount; ++band) {
+      absorption[band] += share_m * optics.absorption_per_m[band];
+      const double depth = share_m * optics.scattering_per_m[band];
+      scatter[band] += depth;
+      if (scattering && depth > 0) {
+        const double sum = scattering->aerosol_depth[band] += depth;
+        scattering->asymmetry[band] +=
+            (optics.asymmetry[band] - scattering->asymmetry[band]) * depth / sum;
+      }
+    }
+  }
+}
+
+AbsorberAmounts Atmosphere::amounts(const LightPath& path) const {
+  AbsorberAmounts sum;
+  for (std::size_t i = 0; i < path.step_m.size(); ++i) {
+    add_step(sum, nullptr, spec_, surface_humidity_percent_, path, i);
+  }
+  return sum;
+}
+
+std::optional<AbsorberAmounts> Atmosphere::sun_amounts(double height_m, double zenith_deg) const {
+  const LightPath path =
+      look(spec_.profile, height_m, zenith_deg, std::numeric_limits<double>::infinity());
+  if (path.end == PathEnd::kSurface) return std::nullopt;
+  return amounts(path);
+}
+
+AirSpectrum Atmosphere::sun_irradiance_w_m2_um(double height_m, const SunPlace& sun,
+                                               const AbsorberAmounts* near) const {
+  std::optional<AbsorberAmounts> amounts_to_sun = sun_amounts(height_m, sun.zenith_deg);
+  if (!amounts_to_sun.has_value()) return AirSpectrum(kAirBandCount, 0.0);
+  if (near) *amounts_to_sun += *near;
+  AirSpectrum irradiance = transmittance(*amounts_to_sun);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    irradiance[b] *=
+        solar_irradiance_w_m2_um(air_band_lambda_um(b)) / (sun.distance_au * sun.distance_au);
+  }
+  return irradiance;
+}
+
+PathRadiance Atmosphere::radiance(const LightPath& path, const PathLight& light,
+                                  const AbsorberAmounts* near) const {
+  return PathSums(*this, surface_humidity_percent_, path, light, near).result();
+}
+
+PathRadiance Atmosphere::sky_radiance(double height_m, double zenith_deg, const PathLight& light,
+                                      const AbsorberAmounts* near) const {
+  return radiance(
+      look(spec_.profile, height_m, zenith_deg, std::numeric_limits<double>::infinity()), light,
+      near);
+}
+
+AirSpectrum Atmosphere::sky_irradiance_w_m2_um(double height_m, const PathLight& light,
+                                               int zeniths) const {
+  return downward_irradiance_w_m2_um(*this, height_m, light, zeniths);
+}
+
+}  // namespace irsig

@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/atmosphere/path_sums.h"
+#include "core/base/check.h"
+#include "core/base/constants.h"
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+// Nodes at which the sun's amounts are computed; between them they are interpolated in the node.
+constexpr std::size_t kSunNodes = 9;
+
+// Of a quantity that decays exponentially from a to b.
+double logarithmic_mean(double a, double b) {
+  if (!(a > 0 && b > 0)) return 0.5 * (a + b);
+  const double ratio = b / a;
+  if (std::abs(ratio - 1) < 1e-4) return 0.5 * (a + b);
+  return (b - a) / std::log(ratio);
+}
+
+double henyey_greenstein_per_sr(double g, double cosine) {
+  const double d = 1 + g * g - 2 * g * cosine;
+  return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
+}
+
+double rayleigh_per_sr(double cosine) {
+  return 3 * (1 + cosine * cosine) / (16 * std::numbers::pi);
+}
+
+void interpolate_amounts(AbsorberAmounts& a, const AbsorberAmounts& b, double fraction) {
+  for (std::size_t i = 0; i < a.gas_plain_kg_m2.size(); ++i) {
+    a.gas_scaled_kg_m2[i] += fraction * (b.gas_scaled_kg_m2[i] - a.gas_scaled_kg_m2[i]);
+    a.gas_plain_kg_m2[i] += fraction * (b.gas_plain_kg_m2[i] - a.gas_plain_kg_m2[i]);
+  }
+  for (std::size_t g = 0; g < kGreyAbsorberCount; ++g) {
+    for (std::size_t i = 0; i < kAirBandCount; ++i) {
+      a.optical_depth[g][i] += fraction * (b.optical_depth[g][i] - a.optical_depth[g][i]);
+    }
+  }
+}
+
+}  // namespace
+
+PathSums::PathSums(const Atmosphere& atmosphere, double surface_humidity_percent,
+                   const LightPath& path, const PathLight& light, const AbsorberAmounts* near)
+    : atmosphere_(atmosphere),
+      surface_humidity_percent_(surface_humidity_percent),
+      path_(path),
+      light_(light),
+      near_(near) {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  out_.thermal_w_m2_sr_um = out_.scattered_w_m2_sr_um = out_.total_w_m2_sr_um = dark;
+  out_.model_error_transmittance = out_.model_error_w_m2_sr_um = dark;
+  if (!light.surroundings_w_m2_sr_um.empty()) {
+    IRSIG_CHECK(light.surroundings_w_m2_sr_um.size() == kAirBandCount);
+  }
+}
+
+AirSpectrum PathSums::planck_at(std::size_t node) const {
+  const double temperature_k =
+      air_at(atmosphere_.profile(), path_.node[node].height_m).temperature_k;
+  AirSpectrum b(kAirBandCount);
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    b[i] = planck_radiance_w_m2_sr_um(air_band_lambda_um(i), temperature_k);
+  }
+  return b;
+}
+
+// B linear in optical depth x from node to node, t = exp(-depth):
+//   integral of B exp(-x) dx = B_near (1 - t) + (B_far - B_near) ((1 - t) / depth - t).
+// Of the extinction only the absorbed share emits.
+void PathSums::add_thermal(std::size_t step, const AirSpectrum& t_near, const AirSpectrum& t_far,
+                           const AirSpectrum& planck_near, const AirSpectrum& planck_far) {
+  const StepScattering& scattering = scattering_[step];
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    if (t_near[i] <= 0) continue;
+    const double t = std::min(1.0, t_far[i] / t_near[i]);
+    const double absorbed = 1 - t;
+    if (absorbed <= 0) continue;
+    const double depth = t > 0.5 ? -std::log1p(-absorbed) : -std::log(std::max(t, 1e-300));
+    const double tilt = depth < 1e-3 ? depth * (0.5 - depth / 3) : absorbed / depth - t;
+    const double scattered = scattering.aerosol_depth[i] + scattering.molecular_depth[i];
+    const double share = std::max(0.0, 1 - scattered / depth);
+    out_.thermal_w_m2_sr_um[i] +=
+        t_near[i] * share * (planck_near[i] * absorbed + (planck_far[i] - planck_near[i]) * tilt);
+  }
+}
+
+double PathSums::sun_zenith_deg(std::size_t node) const {
+  const double z = light_.sun->zenith_deg * kRadPerDeg, a = light_.sun->azimuth_deg * kRadPerDeg;
+  const double turn = path_.node[node].central_angle_deg * kRadPerDeg;
+  const double cosine = std::sin(z) * std::cos(a) * std::sin(turn) + std::cos(z) * std::cos(turn);
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) / kRadPerDeg;
+}
+
+// Between the light's direction of travel and the direction to the observer.
+double PathSums::cos_scattering(std::size_t step) const {
+  const double z = light_.sun->zenith_deg * kRadPerDeg, a = light_.sun->azimuth_deg * kRadPerDeg;
+  const LightPath::Node &p = path_.node[step], &q = path_.node[step + 1];
+  const double look_zenith =
+      0.5 * (p.zenith_deg + p.central_angle_deg + q.zenith_deg + q.central_angle_deg) * kRadPerDeg;
+  return std::clamp(
+      std::sin(z) * std::cos(a) * std::sin(look_zenith) + std::cos(z) * std::cos(look_zenith), -1.0,
+      1.0);
+}
+
+void PathSums::prepare_sun() {
+  if (!light_.sun.has_value() || path_.node.empty()) return;
+  const std::size_t last = path_.node.size() - 1;
+  const std::size_t count = std::min(kSunNodes, last + 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t node = count == 1 ? 0 : i * last / (count - 1);
+    std::optional<AbsorberAmounts> amounts =
+        atmosphere_.sun_amounts(path_.node[node].height_m, sun_zenith_deg(node));
+    const bool lit = amounts.has_value();
+    sun_node_.push_back({node, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
+  }
+}
+
+AirSpectrum PathSums::sunlight_by(std::size_t node, const AbsorberAmounts& to_node) const {
+  std::size_t above = 1;
+  while (above + 1 < sun_node_.size() && sun_node_[above].node < node) ++above;
+  const SunNode& a = sun_node_[std::min(above, sun_node_.size()) - 1];
+  const SunNode& b = sun_node_[std::min(above, sun_node_.size() - 1)];
+  const double fraction =
+      b.node == a.node ? 0
+                       : static_cast<double>(node - a.node) / static_cast<double>(b.node - a.node);
+  // Where one of the neighbours is in shadow, the nearer decides.
+  if (!(fraction < 0.5 ? a.lit : b.lit)) return AirSpectrum(kAirBandCount, 0.0);
+  AbsorberAmounts amounts = a.lit ? a.amounts : b.amounts;
+  if (a.lit && b.lit && fraction > 0) interpolate_amounts(amounts, b.amounts, fraction);
+  amounts += to_node;
+  AirSpectrum light = transmittance(amounts);
+  const double au2 = light_.sun->distance_au * light_.sun->distance_au;
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    light[i] *= solar_irradiance_w_m2_um(air_band_lambda_um(i)) / au2;
+  }
+  return light;
+}
+
+void PathSums::add_scattered(std::size_t step, const AirSpectrum& source_near,
+                             const AirSpectrum& source_far) {
+  const double cosine = cos_scattering(step);
+  const double rayleigh = rayleigh_per_sr(cosine);
+  const StepScattering& s = scattering_[step];
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    const double turned = s.aerosol_depth[i] * henyey_greenstein_per_sr(s.asymmetry[i], cosine) +
+                          s.molecular_depth[i] * rayleigh;
+    out_.scattered_w_m2_sr_um[i] += turned * logarithmic_mean(source_near[i], source_far[i]);
+  }
+}
+
+PathRadiance PathSums::result() {
+  const std::size_t steps = path_.step_m.size();
+  scattering_.resize(steps);
+  prepare_sun();
+  AbsorberAmounts behind = near_ ? *near_ : AbsorberAmounts();
+  AirSpectrum t_near = transmittance(behind);
+  AirSpectrum planck_near, sun_near;
+  if (steps > 0) planck_near = planck_at(0);
+  if (!sun_node_.empty()) sun_near = sunlight_by(0, behind);
+  for (std::size_t i = 0; i < steps; ++i) {
+    add_step(behind, &scattering_[i], atmosphere_.spec(), surface_humidity_percent_, path_, i);
+    AirSpectrum t_far = transmittance(behind);
+    AirSpectrum planck_far = planck_at(i + 1);
+    add_thermal(i, t_near, t_far, planck_near, planck_far);
+    if (!sun_node_.empty()) {
+      AirSpectrum sun_far = sunlight_by(i + 1, behind);
+      add_scattered(i, sun_near, sun_far);
+      sun_near = std::move(sun_far);
+    }
+    if (!light_.surroundings_w_m2_sr_um.empty()) {
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        out_.scattered_w_m2_sr_um[b] +=
+            light_.surroundings_w_m2_sr_um[b] *
+            (scattering_[i].aerosol_depth[b] + scattering_[i].molecular_depth[b]) *
+            logarithmic_mean(t_near[b], t_far[b]);
+      }
+    }
+    t_near = std::move(t_far);
+    planck_near = std::move(planck_far);
+  }
+  if (near_) {
+    for (std::size_t i = 0; i < steps; ++i) {
+      add_step(sum_, nullptr, atmosphere_.spec(), surface_humidity_percent_, path_, i);
+    }
+    out_.transmittance = transmittance(sum_);
+  } else {
+    sum_ = std::move(behind);
+    out_.transmittance = std::move(t_near);
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    out_.total_w_m2_sr_um[b] = out_.thermal_w_m2_sr_um[b] + out_.scattered_w_m2_sr_um[b];
+  }
+  add_model_error();
+  return std::move(out_);
+}
+
+void PathSums::add_model_error() {
+  // rms difference per 10 cm-1 band from MODTRAN, largest at half transmittance; tables of aerosol
+  // models describe a given day's particles to perhaps a third (docs/validation.md, "Atmosphere").
+  constexpr double kGasError = 0.025, kAerosolRelativeError = 0.3;
+  const AirSpectrum scattering = scattering_optical_depth(sum_);
+  const AirSpectrum& absorption = sum_.grey(GreyAbsorber::kAerosolAbsorption);
+  const double warmest_k = [&] {
+    double t = 0;
+    for (const LightPath::Node& node : path_.node) {
+      t = std::max(t, air_at(atmosphere_.profile(), node.height_m).temperature_k);
+    }
+    return t;
+  }();
+
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double lambda_um = air_band_lambda_um(b);
+    if (((lambda_um >= 3 && lambda_um <= 5) || (lambda_um >= 8 && lambda_um <= 12))) {
+      out_.scattering_optical_depth = std::max(out_.scattering_optical_depth, scattering[b]);
+    }
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double t = out_.transmittance[b];
+    const double gas = kGasError * std::min(1.0, 4 * t * (1 - t) + (t > 0 && t < 1 ? 0.05 : 0.0));
+    const double aerosol = kAerosolRelativeError * t * (scattering[b] + absorption[b]);
+    const double sigma = std::hypot(gas, std::min(aerosol, 1.0));
+    out_.model_error_transmittance[b] = sigma;
+    if (warmest_k <= 0) continue;
+    const double planck = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), warmest_k);
+    double error = sigma * planck + kAerosolRelativeError * out_.scattered_w_m2_sr_um[b];
+    if (scattering[b] > 0.3) {
+      error +=
+          planck * (1 - std::exp(-scattering[b])) + out_.scattered_w_m2_sr_um[b] * scattering[b];
+    }
+    out_.model_error_w_m2_sr_um[b] = error;
+  }
+}
+
+AirSpectrum downward_irradiance_w_m2_um(const Atmosphere& atmosphere, double height_m,
+                                        const PathLight& light, int zeniths) {
+  IRSIG_CHECK(zeniths >= 1);
+  IRSIG_CHECK(zeniths <= 64);
+  const int azimuths = light.sun.has_value() ? 16 : 1;
+  AirSpectrum sum(kAirBandCount, 0.0);
+  for (int i = 0; i < zeniths; ++i) {
+    // Legendre's node on [0, 1] by Newton's method from Tricomi's approximation.
+    double x = std::cos(std::numbers::pi * (i + 0.75) / (zeniths + 0.5)), slope = 1;
+    for (int n = 0; n < 100; ++n) {
+      double p0 = 1, p1 = x;
+      for (int k = 2; k <= zeniths; ++k) {
+        const double p2 = ((2 * k - 1) * x * p1 - (k - 1) * p0) / k;
+        p0 = p1;
+        p1 = p2;
+      }
+      if (zeniths == 1) p0 = 1;
+      slope = zeniths * (x * p1 - p0) / (x * x - 1);
+      const double change = p1 / slope;
+      x -= change;
+      if (std::abs(change) < 1e-15) break;
+    }
+    const double cosine = 0.5 * (1 + x), weight = 1 / ((1 - x * x) * slope * slope);
+    for (int j = 0; j < azimuths; ++j) {
+      PathLight turned = light;
+      if (turned.sun) turned.sun->azimuth_deg = 180.0 * (j + 0.5) / azimuths;
+      const PathRadiance sky =
+          atmosphere.sky_radiance(height_m, std::acos(cosine) / kRadPerDeg, turned);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        sum[b] += 2 * std::numbers::pi * weight * cosine / azimuths * sky.total_w_m2_sr_um[b];
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace irsig

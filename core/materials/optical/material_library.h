@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/materials/material_spec.h"
+
+namespace irsig {
+
+// A material that comes with the program, and where its numbers come from.
+struct LibraryEntry {
+  MaterialSpec spec;  // its name is the entry's
+  std::string description;
+  std::string source, licence;
+  std::string provenance;  // what was measured, what is generic, what it must not be used for
+};
+
+// All entries, by name. Compiled in from data/*.yml; tests/unit/material_library_test.cpp reads
+// every one.
+[[nodiscard]] const std::vector<LibraryEntry>& material_library();
+
+// One entry; NOT_FOUND if there is none of that name.
+[[nodiscard]] absl::StatusOr<LibraryEntry> library_entry(std::string_view name);
+
+// An entry's file (data/README.md has the format). Errors: file:line:column.
+[[nodiscard]] absl::StatusOr<LibraryEntry> read_library_entry(std::string_view text,
+                                                              std::string_view file_name);
+
+// Where all tables of a material are known. `everywhere`: it has no table.
+struct WavelengthRange {
+  double min_um, max_um;
+  bool everywhere;
+};
+[[nodiscard]] WavelengthRange wavelength_range(const MaterialSpec& spec);
+
+// "cook_torrance", "ward_1992" ...: the kind of a sweep file's [[material]] that this model is.
+[[nodiscard]] std::string model_kind(const MaterialSpec& spec);
+
+}  // namespace irsig

@@ -1,0 +1,56 @@
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "core/materials/optical/csv_columns.h"
+#include "core/materials/optical/optical_files.h"
+
+namespace irsig {
+
+std::optional<double> micrometres_in(std::string_view column) {
+  if (column == "lambda_um" || column == "wavelength_um") return 1.0;
+  if (column == "lambda_nm" || column == "wavelength_nm") return 1e-3;
+  return std::nullopt;
+}
+
+std::optional<double> wavelength_unit(const NumberTable::Name& column, TableErrors& errors) {
+  const auto unit = micrometres_in(column.text);
+  if (!unit)
+    errors.add(
+        column.line, column.column,
+        absl::StrCat("column \"", column.text, "\", expected \"lambda_um\" or \"lambda_nm\""));
+  return unit;
+}
+
+absl::StatusOr<Spectrum> read_spectrum(std::string_view text, std::string_view file_name,
+                                       std::string_view quantity_asked) {
+  const std::string quantity(quantity_asked);
+  TableErrors errors(file_name);
+  const NumberTable table = read_number_table(text, errors);
+  if (!errors.empty()) return errors.status();
+  if (table.column.size() != 2) {
+    errors.add(table.column[0].line, 1,
+               absl::StrCat(table.column.size(), " columns, expected \"lambda_um\" and \"",
+                            quantity, "\""));
+    return errors.status();
+  }
+  const auto unit_um = wavelength_unit(table.column[0], errors);
+  std::string name = table.column[1].text;
+  const bool percent = absl::EndsWith(name, "_percent");
+  if (percent) name.resize(name.size() - std::string_view("_percent").size());
+  if (name != quantity && name != "value")
+    errors.add(table.column[1].line, table.column[1].column,
+               absl::StrCat("column \"", table.column[1].text, "\", expected \"", quantity,
+                            "\" or \"", quantity, "_percent\""));
+  check_wavelengths(table.row, errors);
+  const double most = percent ? 100 : 1;
+  Spectrum spectrum;
+  for (const auto& row : table.row) {
+    if (!(row[1].value >= 0 && row[1].value <= most))
+      errors.add(row[1], absl::StrCat(row[1].value, ", expected a number from 0 to ", most,
+                                      percent ? " (percent)" : ""));
+    spectrum.push_back({row[0].value * unit_um.value_or(0), row[1].value / most});
+  }
+  if (!errors.empty()) return errors.status();
+  return spectrum;
+}
+
+}  // namespace irsig

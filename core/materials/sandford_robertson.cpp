@@ -1,0 +1,207 @@
+#include "core/materials/sandford_robertson.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "absl/strings/str_cat.h"
+#include "core/materials/lobe_mixture.h"
+#include "core/materials/lobe_quadrature.h"
+#include "core/materials/spectra.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// g / G.
+class GrazingFall {
+ public:
+  explicit GrazingFall(double b) : b2_(b * b) {
+    const double kappa = 1 - b2_;
+    // The series about b = 1 where the closed form cancels.
+    mean_ = b2_ == 0       ? 1
+            : kappa < 1e-3 ? 0.5 + kappa / 6 + kappa * kappa / 12
+                           : (1 + b2_ * std::log(b2_) / kappa) / kappa;
+  }
+  [[nodiscard]] double operator()(double cos_theta) const {
+    const double c2 = cos_theta * cos_theta;
+    return c2 / ((c2 + b2_ * (1 - c2)) * mean_);
+  }
+  [[nodiscard]] double mean() const { return mean_; }
+
+ private:
+  double b2_, mean_;
+};
+
+// s(theta) = base(theta) x a cubic through values at equal steps of asinh(cos / e): steps of cos
+// below e, of ln cos above it, where the lobe's width in cos is e.
+class AngleGrid {
+ public:
+  static constexpr std::size_t kPoints = 161;
+
+  explicit AngleGrid(double e) : e_(e), last_(std::asinh(1 / e)) {}
+  [[nodiscard]] double cos_of(std::size_t point) const {
+    return std::min(1.0, e_ * std::sinh(last_ * static_cast<double>(point) / (kPoints - 1)));
+  }
+  // s is about sqrt(rho_S / (H cos)) where cos > e, and finite at grazing.
+  [[nodiscard]] double base(double c) const { return 1 / std::sqrt(c * c + e_ * e_); }
+
+  // Four neighbouring points and their weights at an angle.
+  struct Stencil {
+    std::size_t first;
+    std::array<double, 4> weight;
+  };
+  [[nodiscard]] Stencil stencil(double c) const {
+    const double x = std::asinh(c / e_) / last_ * (kPoints - 1);
+    const auto cell = std::clamp(static_cast<std::size_t>(x), std::size_t{1}, kPoints - 3);
+    const double t = x - static_cast<double>(cell);
+    return {cell - 1,
+            {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
+             -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6}};
+  }
+
+ private:
+  double e_, last_;
+};
+
+class SandfordRobertsonModel final : public LobeModel {
+ public:
+  SandfordRobertsonModel(const SandfordRobertson& spec, std::size_t spectra,
+                         const std::vector<double>& node_um)
+      : LobeModel(spectra),
+        fall_(spec.grazing),
+        e_(spec.lobe_width),
+        grid_(spec.lobe_width),
+        quadrature_({SlopeLaw::kEllipsoid, spec.lobe_width}) {
+    for (std::size_t i = 0; i < spectra; ++i) {
+      diffuse_.push_back(spectrum_at(spec.diffuse, node_um[i]));
+      not_specular_.push_back(diffuse_.back() + spectrum_at(spec.emissivity, node_um[i]));
+    }
+    balance();
+    const double most_diffuse = *std::max_element(diffuse_.begin(), diffuse_.end());
+    const double least = *std::min_element(not_specular_.begin(), not_specular_.end());
+    set_lobes({{SamplingLobe::Kind::kVisibleHalfVectors, {SlopeLaw::kEllipsoid, e_}},
+               {SamplingLobe::Kind::kCosine}},
+              [&](double cos_o, std::span<double> out) {
+                out[0] = std::max(0.0, 1 - least * fall_(cos_o));
+                out[1] = most_diffuse * fall_(cos_o);
+              });
+  }
+
+  void brdf_per_sr(const ReflectionGeometry& g, float* out) const override {
+    const AngleGrid::Stencil i = grid_.stencil(g.cos_i), o = grid_.stencil(g.cos_o);
+    const double lobe = lobe_per_sr(g) * grid_.base(g.cos_i) * grid_.base(g.cos_o);
+    const double diffuse = fall_(g.cos_i) * fall_(g.cos_o) / kPi;
+    for (std::size_t k = 0; k < spectra(); ++k)
+      out[k] = static_cast<float>(diffuse_[k] * diffuse + lobe * scale(k, i) * scale(k, o));
+  }
+
+  void dhr(double cos_o, std::span<double> out) const override {
+    const std::vector<double> row = moments(cos_o);
+    const AngleGrid::Stencil o = grid_.stencil(cos_o);
+    const double base = grid_.base(cos_o), fall = fall_(cos_o);
+    for (std::size_t k = 0; k < spectra(); ++k) {
+      const double sum =
+          std::inner_product(row.begin(), row.end(), scale_.begin() + offset(k), 0.0);
+      out[k] = diffuse_[k] * fall + base * scale(k, o) * sum;
+    }
+  }
+
+  [[nodiscard]] double narrowest_slope() const override { return e_; }
+  [[nodiscard]] double roulette_slope2() const override { return 0; }  // the lobe's tail is heavy
+
+ private:
+  // e^2 h / (4 pi)
+  [[nodiscard]] double lobe_per_sr(const ReflectionGeometry& g) const {
+    const double q = e_ * e_ * g.cos_h * g.cos_h + g.sin2_h;
+    return e_ * e_ / (4 * kPi * q * q);
+  }
+
+  // The lobe's integral over w_i, spread over the grid points between which s(i) is interpolated.
+  [[nodiscard]] std::vector<double> moments(double cos_o) const {
+    std::vector<double> out(AngleGrid::kPoints, 0.0);
+    quadrature_.visit(cos_o, [&](const ReflectionGeometry& g, double, double solid_angle_weight) {
+      const double w = solid_angle_weight * lobe_per_sr(g) * g.cos_i * grid_.base(g.cos_i);
+      const AngleGrid::Stencil s = grid_.stencil(g.cos_i);
+      for (std::size_t j = 0; j < 4; ++j) out[s.first + j] += w * s.weight[j];
+    });
+    return out;
+  }
+
+  static std::ptrdiff_t offset(std::size_t spectrum) {
+    return static_cast<std::ptrdiff_t>(spectrum * AngleGrid::kPoints);
+  }
+  [[nodiscard]] double scale(std::size_t spectrum, const AngleGrid::Stencil& at) const {
+    const double* s = scale_.data() + offset(spectrum) + at.first;
+    return s[0] * at.weight[0] + s[1] * at.weight[1] + s[2] * at.weight[2] + s[3] * at.weight[3];
+  }
+
+  // s <- sqrt(s rho_S / (K s)) until DHR is rho_S at every grid point: 30 rounds reach 1e-9 for all
+  // widths.
+  void balance() {
+    constexpr std::size_t kN = AngleGrid::kPoints;
+    std::vector<std::vector<double>> kernel;
+    std::vector<double> base, fall;
+    for (std::size_t o = 0; o < kN; ++o) {
+      const double c = std::max(grid_.cos_of(o), 1e-8);
+      kernel.push_back(moments(c));
+      base.push_back(grid_.base(c));
+      fall.push_back(fall_(c));
+    }
+    std::vector<double> s(kN, 1.0), next(kN);
+    for (std::size_t k = 0; k < spectra(); ++k) {
+      for (int round = 0; round < 60; ++round) {
+        double change = 0;
+        for (std::size_t o = 0; o < kN; ++o) {
+          const double reflected =
+              base[o] * std::inner_product(s.begin(), s.end(), kernel[o].begin(), 0.0);
+          const double rho = std::max(0.0, 1 - not_specular_[k] * fall[o]);
+          next[o] = reflected > 0 ? std::sqrt(s[o] * rho / reflected) : 0;
+          change = std::max(change, std::abs(next[o] - s[o]));
+        }
+        s = next;
+        if (change < 1e-10) break;
+      }
+      scale_.insert(scale_.end(), s.begin(), s.end());
+      // The next wavelength's start; nothing may stay at 0.
+      for (double& x : s) x = std::max(x, 1e-3);
+    }
+  }
+
+  GrazingFall fall_;
+  double e_;
+  AngleGrid grid_;
+  LobeQuadrature quadrature_;
+  std::vector<double> diffuse_, not_specular_;  // rho_D, rho_D + epsilon
+  std::vector<double> scale_;                   // s / base [spectrum][grid point]
+};
+
+}  // namespace
+
+BrdfModelOr prepare_sandford_robertson(const SandfordRobertson& spec, const PreparedFor& at) {
+  if (auto status = first_failure(
+          {check_fraction(spec.emissivity, "emissivity", at.lambda_min_um, at.lambda_max_um),
+           check_fraction(spec.diffuse, "diffuse reflectance", at.lambda_min_um, at.lambda_max_um),
+           check_between(spec.lobe_width, "lobe width", 1e-4, 1),
+           check_between(spec.grazing, "grazing fall", 0, 0.999999)});
+      !status.ok())
+    return status;
+  const GrazingFall fall(spec.grazing);
+  for (const double lambda_um : at.node_um) {
+    const double sum =
+        spectrum_at(spec.emissivity, lambda_um) + spectrum_at(spec.diffuse, lambda_um);
+    if (sum > fall.mean() * (1 + 1e-12))
+      return absl::InvalidArgumentError(absl::StrCat(
+          "emissivity + diffuse reflectance = ", sum, " at ", lambda_um,
+          " um leaves less than nothing for the lobe at normal incidence: with a grazing fall of ",
+          spec.grazing, " the sum may be ", fall.mean(), " at most"));
+  }
+  const bool grey = spec.emissivity.size() == 1 && spec.diffuse.size() == 1;
+  return std::make_shared<const SandfordRobertsonModel>(spec, grey ? 1 : at.node_um.size(),
+                                                        at.node_um);
+}
+
+}  // namespace irsig

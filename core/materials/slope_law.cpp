@@ -1,0 +1,52 @@
+#include "core/materials/slope_law.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace irsig {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// (1 - w^2) / ln(1/w^2), 1 at w = 1.
+double cauchy_scale(double w2) {
+  const double kappa = 1 - w2;
+  return kappa < 1e-8 ? 1 - 0.5 * kappa : kappa / -std::log1p(-kappa);
+}
+
+}  // namespace
+
+double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h) {
+  const double w2 = lobe.width * lobe.width, cos2 = cos_h * cos_h;
+  switch (lobe.law) {
+    case SlopeLaw::kBeckmann:
+      return std::exp(-sin2_h / (cos2 * w2)) / (kPi * w2 * cos2 * cos_h);
+    case SlopeLaw::kEllipsoid: {
+      const double q = w2 * cos2 + sin2_h;
+      return w2 * cos_h / (kPi * q * q);
+    }
+    case SlopeLaw::kCauchy:
+      return cauchy_scale(w2) / kPi * cos_h / (w2 * cos2 + sin2_h);
+  }
+  return 0;
+}
+
+double slope2_at(const SlopeLobe& lobe, double u) {
+  const double w2 = lobe.width * lobe.width;
+  switch (lobe.law) {
+    case SlopeLaw::kBeckmann:
+      return -w2 * std::log1p(-u);
+    case SlopeLaw::kEllipsoid:
+      return w2 * u / (1 - u);
+    case SlopeLaw::kCauchy: {
+      // v = w^2 cos^2 + sin^2 runs from w^2 to 1, uniform in its logarithm; sin^2 = (v - w^2) / (1
+      // - w^2).
+      const double kappa = 1 - w2, log_w2 = std::log(w2);
+      const double sin2 = kappa < 1e-8 ? u : w2 * std::expm1(-u * log_w2) / kappa;
+      return sin2 / (1 - sin2);
+    }
+  }
+  return 0;
+}
+
+}  // namespace irsig

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/materials/material_spec.h"
+
+namespace irsig {
+
+// Values at a wavelength, linear between a table's points and constant beyond its ends.
+[[nodiscard]] double spectrum_at(const Spectrum& table, double lambda_um);
+[[nodiscard]] OpticalConstant constants_at(const OpticalConstants& table, double lambda_um);
+
+// INVALID_ARGUMENT unless the table has one point or increasing ones that cover the wavelengths.
+[[nodiscard]] absl::Status check_covers(const OpticalConstants& table, double lambda_min_um,
+                                        double lambda_max_um);
+// The same, and that every value is in [0, 1].
+[[nodiscard]] absl::Status check_fraction(const Spectrum& table, const char* what,
+                                          double lambda_min_um, double lambda_max_um);
+// INVALID_ARGUMENT unless least <= value <= most.
+[[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
+
+// The first failure of several, or ok.
+[[nodiscard]] absl::Status first_failure(std::vector<absl::Status> statuses);
+
+}  // namespace irsig

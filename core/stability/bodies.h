@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/scene/mesh.h"
+#include "core/signature/signature.h"
+
+namespace irsig {
+
+// The bodies, worlds and requests that hard cases are made of. Every random number is a function of
+// a seed that stands in the case.
+
+// A prism over a regular polygon of `sides` corners on the circle of radius_m, about the x axis,
+// closed by two fans: with many sides its walls are needles, and all facets of a fan meet in one
+// vertex.
+[[nodiscard]] Mesh needle_drum(std::uint32_t sides, double radius_m, double length_m);
+
+// A flat box of length x 1 x 1 m whose upper face (z = -0.5, facing -z: up) is cut into `needles`
+// strips along x, two triangles each.
+[[nodiscard]] Mesh needle_slab(std::uint32_t needles, double length_m, double width_m);
+
+// A sphere of radius 1 seen from inside: without the cap of the half angle about +x. Rings keep the
+// circle's area.
+[[nodiscard]] Mesh spherical_cavity(double half_angle_deg, std::uint32_t rings,
+                                    std::uint32_t sectors);
+
+// A one-sided rectangle of width x height in the plane x = 0, centred, facing +x, of two triangles
+// or more: cells x cells squares.
+[[nodiscard]] Mesh plate(double width_m, double height_m, std::uint32_t cells = 1);
+
+// What faces +x faces up (-z).
+[[nodiscard]] Mesh lying(Mesh mesh);
+[[nodiscard]] Mesh moved(Mesh mesh, Vec<Body> by);
+// Both meshes; b's groups come after a's, with a prefix.
+[[nodiscard]] Mesh joined(Mesh a, const Mesh& b, const std::string& prefix);
+// Turned about an axis along which no edge of a body above lies, so that no coordinate is round.
+[[nodiscard]] Vec<Body> askew(Vec<Body> v);
+// Every facet turned over.
+[[nodiscard]] Mesh inside_out(Mesh mesh);
+
+[[nodiscard]] MaterialSpec grey_paint(double emissivity);
+[[nodiscard]] Band long_wave();  // 8-12 um
+[[nodiscard]] SceneSpec one_body(Mesh mesh, MaterialSpec material);
+
+// One condition, all bands, no reflections, no sun, in surroundings of 0 K.
+[[nodiscard]] ViewRequest dark_view(const Simulator& simulator, double azimuth_deg,
+                                    double elevation_deg, double range_m,
+                                    std::vector<double> part_temperature_k);
+
+void put_sun(ConditionSpec& condition, Vec<Body> towards);
+
+// In-band radiance of a blackbody as the simulator's quadrature sees it.        [W m^-2 sr^-1]
+[[nodiscard]] double black_radiance_w_m2_sr(const Simulator& simulator, std::size_t band,
+                                            double temperature_k);
+
+// |value - expected| in standard errors, after the part that a stated bias explains. A standard
+// error below rounding (1e-7 of the expected value, floats on the way) counts as that.
+[[nodiscard]] double t_of(const Estimate& e, double expected, double bias = 0);
+
+// Of its area: where a target fills its bounding rectangle, rays are aimed at 0.002 cells of 1/128
+// beyond each side (core/transport/primary_rays.h); a run that happens to put no sample there
+// cannot know it, and states a standard error of 0.
+inline constexpr double kMaskMargin = 4 * 0.002 / 128 + 1e-6;
+
+// Numbers for tests: uniform in [0, 1), a function of seed and index.
+[[nodiscard]] double uniform(std::uint64_t seed, std::uint64_t index);
+// A uniformly distributed unit vector; uses two numbers.
+[[nodiscard]] Vec<Body> uniform_direction(std::uint64_t seed, std::uint64_t index);
+
+}  // namespace irsig

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// How much a case may cost: what runs by default (all of them together take less than 90 s on two
+// cores), or the counts that docs/validation.md quotes (1e8 rays, 1e9 terms).
+enum class Effort { kShort, kFull };
+
+// The worst that a case has seen. An error is never negative; one that is not a number breaks every
+// bound. A case without a single check has proved nothing, and fails.
+struct Finding {
+  double worst_error = 0;
+  double bound = 0;
+  std::uint64_t checks = 0;
+  std::string where;  // the arguments of the worst error, or what was counted
+
+  [[nodiscard]] bool holds() const { return checks > 0 && worst_error <= bound; }
+};
+
+// One hard case: what it compares, and why the bound is what it is. `run` uses the public interface
+// of core alone; an error status means that the case could not be made, which counts as failed.
+struct HardCase {
+  std::string group;
+  std::string name;
+  std::string what;    // the error's definition, its unit in []
+  std::string reason;  // the bound's
+  absl::StatusOr<Finding> (*run)(Effort effort);
+
+  [[nodiscard]] std::string id() const { return group + "/" + name; }
+};
+
+// All of them, by group, in a fixed order.
+[[nodiscard]] std::vector<HardCase> hard_cases();
+
+}  // namespace irsig

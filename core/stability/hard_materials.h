@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/materials/material_spec.h"
+
+namespace irsig {
+
+// From a mirror for every purpose to the roughest that the models take.
+inline constexpr std::array kRoughness = {1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0};
+
+struct HardMaterial {
+  std::string name;
+  MaterialSpec spec;
+  bool bounded = true;  // the form conserves energy for every roughness
+};
+
+// One material of every model and form, as rough as asked for (models without a roughness appear
+// whatever it is; a tabulated BRDF cannot be narrower than its grid).
+[[nodiscard]] std::vector<HardMaterial> every_material(double roughness);
+
+// Those of published forms that create energy at the given parameters, which must say so.
+[[nodiscard]] std::vector<HardMaterial> gaining_materials();
+
+}  // namespace irsig

@@ -1,0 +1,170 @@
+#pragma once
+
+// The working memory of PathTracer::trace, shared by its two sources.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/transport/hot_lights.h"
+#include "core/transport/path_tracer.h"
+#include "core/transport/vector_stages.h"
+
+namespace irsig {
+
+// Pairs of random numbers at each vertex, by what they are for.
+enum VertexPair : std::uint32_t {
+  kSunPoint,   // on the sun's disk
+  kRoulettes,  // x: whether the path goes on, y: whether the sun is followed up, 1 - y: whether
+               // a hot light is, which one and which of its clusters
+  kDirection,
+  kLobe,         // x: which lobe the direction is drawn from
+  kHotPoint,     // on a hot triangle
+  kHotTriangle,  // x: which one
+  kPairsPerVertex
+};
+
+inline Float3 to_float(Vec<Body> v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// An orthonormal pair across a unit vector. [duff2017]
+inline void orthonormal_basis(Float3 n, Float3& b1, Float3& b2) {
+  const float sign = std::copysign(1.0f, n.z);
+  const float a = -1.0f / (sign + n.z);
+  const float b = n.x * n.y * a;
+  b1 = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  b2 = {b, sign + n.y * n.y * a, -n.y};
+}
+
+// A sun (or lamp) as a flat disk across the line from the target's centre.
+struct Sun {
+  Float3 direction, tangent1, tangent2;  // tangents scaled by the disk's radius
+  float sin_radius, tan2_radius;
+  float inverse_distance_per_m;  // 0: at infinity
+  float inverse_area_per_sr;     // 1 / (pi tan^2 radius)
+  // Lobes this narrow (rms slope) find the disk by drawn directions too.
+  float narrow_slope;
+
+  // Towards a point of the disk, (a, b) in the unit circle, or where a direction meets the disk.
+  struct Light {
+    Float3 direction;
+    float irradiance;      // relative to that at the target's centre
+    float density_per_sr;  // of this direction among those towards uniform points of the disk
+  };
+  [[nodiscard]] Light towards(Float3 from, float a, float b) const {
+    const Float3 d{direction.x + a * tangent1.x + b * tangent2.x - from.x * inverse_distance_per_m,
+                   direction.y + a * tangent1.y + b * tangent2.y - from.y * inverse_distance_per_m,
+                   direction.z + a * tangent1.z + b * tangent2.z - from.z * inverse_distance_per_m};
+    const float inverse2 = 1.0f / dot(d, d), inverse = std::sqrt(inverse2);
+    const Float3 wi{d.x * inverse, d.y * inverse, d.z * inverse};
+    const float along = std::abs(dot(wi, direction));
+    return {wi, inverse_distance_per_m > 0 ? inverse2 : 1.0f,
+            inverse_area_per_sr / (inverse2 * along)};
+  }
+  // Whether a ray meets the disk (if nothing is in between).
+  [[nodiscard]] bool met_by(Float3 from, Float3 wi, Light& light) const {
+    const float along = dot(wi, direction);
+    if (along <= 0) return false;
+    const Float3 o{from.x * inverse_distance_per_m, from.y * inverse_distance_per_m,
+                   from.z * inverse_distance_per_m};
+    const float t = (1.0f - dot(o, direction)) / along;
+    if (t <= 0) return false;
+    const Float3 q{o.x + t * wi.x - direction.x, o.y + t * wi.y - direction.y,
+                   o.z + t * wi.z - direction.z};
+    if (dot(q, q) > tan2_radius) return false;
+    light = {wi, inverse_distance_per_m > 0 ? 1.0f / (t * t) : 1.0f,
+             inverse_area_per_sr * t * t / along};
+    return true;
+  }
+};
+
+// Half vector and cosines of a reflection from wi to wo, unit vectors, at a facet of normal n.
+// cos_d is half the length of wi + wo: a product with wo would cancel where wi is nearly -wo
+// (grazing).
+inline Reflection reflection(Float3 n, Float3 wi, Float3 wo, float cos_i, float cos_o) {
+  const Float3 h{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  const float length2 = std::max(dot(h, h), 1e-12f);
+  const float inverse2 = 1.0f / length2, inverse = std::sqrt(inverse2);
+  const float along = dot(n, h);
+  const Float3 tangential{h.x - along * n.x, h.y - along * n.y, h.z - along * n.z};
+  return {std::min(cos_i, 1.0f), cos_o, along * inverse, dot(tangential, tangential) * inverse2,
+          std::min(0.5f * std::sqrt(length2), 1.0f)};
+}
+
+struct PathTracer::Work {
+  const ImagePlan* plan;
+  double* image;
+  PathCounts* counts;
+  std::vector<Sun> sun;
+  std::uint32_t capacity = 0;                 // primary rays of a batch
+  std::uint32_t most = 0;                     // after splitting
+  std::size_t bins = 0;                       // (f, c, node) of one replicate
+  std::vector<double> weight;                 // [replicate][bin], of the current stratum
+  std::vector<double> last;                   // those of the last order alone
+  std::vector<double> area;                   // [replicate]
+  std::vector<std::array<double, 3>> beyond;  // [replicate]: PathWeights::beyond_m2
+  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
+  std::vector<std::uint64_t> stratum_seed;  // [replicate]
+  std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
+  std::vector<SeedPair> late_seeds;         // [replicate][pair], of one later order
+  std::uint32_t stratum = 0;
+  RayBatch batch, next;
+  std::vector<RayBatch> shadow;          // one for each sun
+  RayBatch hot_shadow;                   // to the hot lights
+  std::vector<std::uint32_t> hot_class;  // where they would be added
+  std::vector<float> row;                // a spectrum being made
+  SampleList list;                       // random numbers being drawn
+  std::vector<std::uint32_t> replicate_of_list;
+  std::vector<float> x_m, y_m, ray_weight, inverse_length;
+  VertexList vertex;
+  std::vector<float> roulette_x, roulette_y, lobe;
+  std::vector<float> sun_keep;             // [sun][vertex]: how often it is followed up
+  std::vector<float> hot_rate;             // [light][vertex]: how often it is aimed at
+  std::vector<float> hot_total, hot_pick;  // [vertex]
+  std::vector<std::uint32_t> hot_light;
+  std::vector<std::uint32_t> child_sample;
+  std::vector<float> ones;  // a spectrum
+  std::vector<std::uint32_t> chosen;
+};
+
+template <bool kSpectral>
+inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t order,
+                            std::uint32_t source_class, float weight, const float* spectrum) const {
+  const std::size_t pixel = path.pixel;
+  const std::size_t bin = static_cast<std::size_t>(path.first) * classes_.count() + source_class;
+  const ImagePlan& plan = *work.plan;
+  if constexpr (kSpectral) {
+    double* out = work.weight.data() + path.replicate * work.bins +
+                  (settings_.by_order ? order * bins() : 0) + bin * nodes_;
+    for (std::size_t i = 0; i < nodes_; ++i) out[i] += static_cast<double>(weight * spectrum[i]);
+    if (order == settings_.max_reflections && !work.last.empty()) {
+      double* last = work.last.data() + path.replicate * bins() + bin * nodes_;
+      for (std::size_t i = 0; i < nodes_; ++i) last[i] += static_cast<double>(weight * spectrum[i]);
+    }
+    if (!plan.empty()) {
+      const float* source = plan.source.data() + bin * plan.images * nodes_;
+      double* image = work.image + pixel * plan.padded;
+      for (std::uint32_t k = 0; k < plan.images; ++k, source += nodes_) {
+        float sum = 0;
+        for (std::size_t i = 0; i < nodes_; ++i) sum += spectrum[i] * source[i];
+        image[k] += static_cast<double>(work.area_per_sample * weight * sum);
+      }
+    }
+  } else {
+    work.weight[path.replicate * work.bins + (settings_.by_order ? order * bins() : 0) + bin] +=
+        static_cast<double>(weight);
+    if (order == settings_.max_reflections && !work.last.empty())
+      work.last[path.replicate * bins() + bin] += static_cast<double>(weight);
+    if (!plan.empty()) {
+      const float* source = plan.source.data() + bin * plan.padded;
+      double* image = work.image + pixel * plan.padded;
+      const float w = work.area_per_sample * weight;
+      for (std::uint32_t k = 0; k < plan.padded; ++k)
+        image[k] += static_cast<double>(w * source[k]);
+    }
+  }
+}
+
+}  // namespace irsig

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// StoreReader::profiles and StoreReader::published.
+[[nodiscard]] absl::StatusOr<std::vector<StoredProfileRow>> find_profile_rows(
+    Database& database, const ProfileFilter& filter);
+[[nodiscard]] absl::StatusOr<std::vector<StoredPublished>> find_published(Database& database,
+                                                                          const std::string& sweep);
+
+}  // namespace irsig

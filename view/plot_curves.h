@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace irsig {
+
+struct Curve {
+  std::string name;          // in the legend; curves of the same place have the same colour
+  std::vector<double> x, y;  // as long as each other
+};
+
+// One pair of axes. Without a range the y axis covers the curves.
+struct CurvePanel {
+  std::string title, x_label, y_label;
+  std::vector<Curve> curve;
+  double y_low = 0, y_high = 0;
+};
+
+// Panels side by side, `columns` in a row, as a complete SVG document. Values that are not finite
+// interrupt their curve.
+[[nodiscard]] std::string plot_curves(std::string_view title, std::string_view subtitle,
+                                      const std::vector<CurvePanel>& panels, std::size_t columns);
+
+}  // namespace irsig

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// What a user asks of the profiles of a database; an empty string means "any".
+struct ProfileQuery {
+  ProfileFilter filter;
+  std::optional<std::uint64_t> row{};  // of the signature that the profiles belong to
+};
+
+// The stored rows of profiles. NOT_FOUND: nothing matches; the message lists what there is.
+[[nodiscard]] absl::StatusOr<std::vector<StoredProfileRow>> find_profiles(
+    StoreReader& reader, const ProfileQuery& query);
+
+// One line for each point and number of reflections, in a format of table.h.
+[[nodiscard]] absl::Status write_profiles(const std::vector<StoredProfileRow>& rows,
+                                          std::string_view format, std::ostream& out);
+
+// For people: apparent temperature against the number of reflections of every profile at one point,
+// the extent of those along a line, and published numbers beside ours, with the difference and the
+// remark that explains it.
+[[nodiscard]] std::string profile_summary(const std::vector<StoredProfileRow>& rows,
+                                          const std::vector<StoredPublished>& published);
+
+// Apparent temperature with its 2 sigma error as a complete SVG document: the first profile along
+// a line against the distance from its middle, one curve for each number of reflections; or, if
+// all are at one point, every profile against the number of reflections, with what is published.
+// INVALID_ARGUMENT: the rows are of several viewpoints, conditions or bands.
+[[nodiscard]] absl::StatusOr<std::string> plot_profile(
+    const std::vector<StoredProfileRow>& rows, const std::vector<StoredPublished>& published);
+
+}  // namespace irsig

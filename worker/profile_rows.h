@@ -1,0 +1,17 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "core/signature/signature.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// Measures every [[profile]] of the sweep under the conditions and in the bands of the request, and
+// adds the rows to those of `result`, which has one for each condition and band; rays and guards
+// are added to its counts.
+[[nodiscard]] absl::Status add_profile_rows(const schema::ResolvedSweep& sweep,
+                                            const Simulator& simulator, const ViewRequest& request,
+                                            schema::JobResult& result);
+
+}  // namespace irsig
