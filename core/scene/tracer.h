@@ -30,7 +30,7 @@ enum class TracerIsa { kAvx512, kAvx2, kSse42 };
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
 // What is done beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a
-// view, kVertices 15 to 20 % (docs/performance.md).
+// view, kVertices 17 to 23 % (docs/performance.md).
 enum class TracerGuard {
   kNone = 0,      // Embree alone
   kEdges = 1,     // the facet that a ray meets close to an edge is the true one
