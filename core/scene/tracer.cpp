@@ -9,9 +9,12 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <mutex>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/scene/facet_pairs.h"
+#include "core/scene/reference_tracer.h"
 #include "core/scene/same_corners.h"
 #include "core/scene/vertex_fans.h"
 
@@ -46,12 +49,14 @@ constexpr float kCapReach = 0x1p-20f;
 // passes an edge outside by 2^-23 of its height; the rest is for neighbours of different size.
 constexpr float kNearEdge = 0x1p-14f;
 constexpr double kSameDistance = 0x1p-16;
+constexpr double kNeedle = 256;  // longest side over height
 
 struct Guard {
   Guard(VertexFans of, std::vector<std::array<std::uint32_t, 2>> facets)
       : fans(std::move(of)), pairs(std::move(facets)) {}
   VertexFans fans;
   std::vector<std::array<std::uint32_t, 2>> pairs;  // facets of each
+  std::vector<bool> needle;                         // of each pair; empty where there is none
   mutable std::atomic<std::uint64_t> near_vertex{0}, decided{0};
 };
 
@@ -99,10 +104,13 @@ bool all_miss(const RayPacket& p) {
 
 class EmbreeTracer final : public Tracer {
  public:
-  EmbreeTracer(RTCDevice device, RTCScene scene, std::unique_ptr<Guard> guard,
+  EmbreeTracer(RTCDevice device, RTCScene scene, std::vector<float> vertex,
+               std::vector<std::uint32_t> triangle, std::unique_ptr<Guard> guard,
                SameCorners same_corners)
       : device_(device),
         scene_(scene),
+        vertex_(std::move(vertex)),
+        triangle_(std::move(triangle)),
         guard_(std::move(guard)),
         same_corners_(std::move(same_corners)),
         takes_sixteen_(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) !=
@@ -110,6 +118,29 @@ class EmbreeTracer final : public Tracer {
   ~EmbreeTracer() override {
     rtcReleaseScene(scene_);
     rtcReleaseDevice(device_);
+  }
+
+  bool look_for_front(RayPacket& p, int i, float sheet_m) const override {
+    const Point3 origin = origin_of(p, i), direction = direction_of(p, i);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    ReferenceTracer::Hit hit = exact().nearest(origin, direction, p.tnear[i], kInfinity);
+    if (!hit.met()) return false;
+    if (!hit.front) {
+      // How much farther along the ray the second sheet may be.
+      const Point3 n = normal_of(hit.facet);
+      const double across =
+          std::abs(n[0] * direction[0] + n[1] * direction[1] + n[2] * direction[2]) /
+          std::hypot(n[0], n[1], n[2]);
+      const double first = hit.t, last = first + static_cast<double>(sheet_m) / across;
+      hit = {};
+      for (const ReferenceTracer::Hit& other : exact().all(origin, direction, first, last))
+        if (other.front &&
+            (!hit.met() || other.t < hit.t || (other.t == hit.t && other.facet < hit.facet)))
+          hit = other;
+      if (!hit.met()) return false;
+    }
+    put(p, i, hit);
+    return true;
   }
 
   void intersect(RayPacket& packet, int count, bool coherent) const override {
@@ -123,6 +154,13 @@ class EmbreeTracer final : public Tracer {
     if (guard_ == nullptr || all_miss(packet)) return;
     Sides sides;
     find_sides(packet, sides);
+    if (!guard_->needle.empty()) {
+      for (int i = 0; i < count; ++i) {
+        if (!on_needle(packet.geometry[i], packet.triangle[i])) continue;
+        sides.doubtful[i] = -1;
+        sides.any = true;
+      }
+    }
     if (sides.any) {
       for (int i = 0; i < count; ++i) {
         if (sides.doubtful[i] != 0)
@@ -193,7 +231,14 @@ class EmbreeTracer final : public Tracer {
     one.hit.geomID = p.geometry[i];
     one.hit.u = p.u[i];
     one.hit.v = p.v[i];
-    while (!settle(one, p.tnear[i])) look_behind(one, end);
+    for (;;) {
+      if (on_needle(one.hit.geomID, one.hit.primID)) {
+        put(p, i, exact().nearest(origin_of(p, i), direction_of(p, i), p.tnear[i], end));
+        return;
+      }
+      if (settle(one, p.tnear[i])) break;
+      look_behind(one, end);
+    }
     p.triangle[i] = one.hit.primID;
     p.geometry[i] = one.hit.geomID;
     p.tfar[i] = one.ray.tfar;
@@ -227,18 +272,13 @@ class EmbreeTracer final : public Tracer {
     if (!hit.met() || (!cap && hit.at.t > static_cast<double>(one.ray.tfar) * (1 + kSameDistance)))
       return false;
     if (cap) hit = guard_->fans.nearest_around(hit.facet, origin, direction, t_min);
-    const Point3 a = guard_->fans.corner(hit.facet, 0), b = guard_->fans.corner(hit.facet, 1),
-                 c = guard_->fans.corner(hit.facet, 2);
-    const auto across = [&](std::size_t j) {
-      const std::size_t k = (j + 1) % 3, l = (j + 2) % 3;
-      return static_cast<float>((b[k] - a[k]) * (c[l] - a[l]) - (b[l] - a[l]) * (c[k] - a[k]));
-    };
+    const Point3 n = normal_of(hit.facet);
     one.hit.geomID = kFacets;
     one.hit.primID = hit.facet;
     one.ray.tfar = static_cast<float>(hit.at.t);
-    one.hit.Ng_x = across(0);
-    one.hit.Ng_y = across(1);
-    one.hit.Ng_z = across(2);
+    one.hit.Ng_x = static_cast<float>(n[0]);
+    one.hit.Ng_y = static_cast<float>(n[1]);
+    one.hit.Ng_z = static_cast<float>(n[2]);
     return true;
   }
 
@@ -249,6 +289,53 @@ class EmbreeTracer final : public Tracer {
     one.hit.geomID = one.hit.primID = one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     RTCIntersectContext context = context_for(false);
     rtcIntersect1(scene_, &context, &one);
+  }
+
+  const ReferenceTracer& exact() const {
+    std::call_once(exact_built_, [&] {
+      std::vector<Point3> corner;
+      corner.reserve(vertex_.size() / 3);
+      for (std::size_t k = 0; k + 2 < vertex_.size(); k += 3)
+        corner.push_back({vertex_[k], vertex_[k + 1], vertex_[k + 2]});
+      exact_ = std::make_unique<ReferenceTracer>(std::move(corner), triangle_);
+    });
+    return *exact_;
+  }
+
+  static Point3 origin_of(const RayPacket& p, int i) {
+    return {p.org_x[i], p.org_y[i], p.org_z[i]};
+  }
+  static Point3 direction_of(const RayPacket& p, int i) {
+    return {p.dir_x[i], p.dir_y[i], p.dir_z[i]};
+  }
+
+  void put(RayPacket& p, int i, const ReferenceTracer::Hit& hit) const {
+    p.triangle[i] = hit.facet;
+    p.geometry[i] = hit.met() ? kFacets : RTC_INVALID_GEOMETRY_ID;
+    if (!hit.met()) return;
+    const Point3 n = normal_of(hit.facet);
+    p.tfar[i] = static_cast<float>(hit.t);
+    p.normal_x[i] = static_cast<float>(n[0]);
+    p.normal_y[i] = static_cast<float>(n[1]);
+    p.normal_z[i] = static_cast<float>(n[2]);
+  }
+
+  // `pair`: as the ray tracer reports it.
+  bool on_needle(std::uint32_t geometry, std::uint32_t pair) const {
+    return geometry == kFacets && !guard_->needle.empty() && guard_->needle[pair];
+  }
+
+  // Not normalised.
+  Point3 normal_of(std::uint32_t facet) const {
+    const auto corner = [&](std::size_t k) {
+      return &vertex_[3 * std::size_t{triangle_[3 * std::size_t{facet} + k]}];
+    };
+    const float *a = corner(0), *b = corner(1), *c = corner(2);
+    const auto across = [&](std::size_t k, std::size_t l) {
+      return (static_cast<double>(b[k]) - a[k]) * (static_cast<double>(c[l]) - a[l]) -
+             (static_cast<double>(b[l]) - a[l]) * (static_cast<double>(c[k]) - a[k]);
+    };
+    return {across(1, 2), across(2, 0), across(0, 1)};
   }
 
   void choose_facing(RayPacket& p, int count) const {
@@ -267,6 +354,10 @@ class EmbreeTracer final : public Tracer {
 
   RTCDevice device_;
   RTCScene scene_;
+  std::vector<float> vertex_;
+  std::vector<std::uint32_t> triangle_;
+  mutable std::once_flag exact_built_;
+  mutable std::unique_ptr<ReferenceTracer> exact_;  // made when first asked for
   std::unique_ptr<Guard> guard_;
   SameCorners same_corners_;
   bool takes_sixteen_;
@@ -301,6 +392,31 @@ std::vector<std::uint32_t> cap_indices(std::uint32_t count) {
   out.reserve(8 * std::size_t{count});
   for (std::uint32_t first = 0; first < 4 * count; first += 4)
     for (const std::uint32_t k : {0u, 1u, 2u, 3u, 1u, 2u, 3u, 0u}) out.push_back(first + k);
+  return out;
+}
+
+// Whether a facet of the pair is a needle; empty if none is.
+std::vector<bool> needle_pairs(const VertexFans& fans,
+                               const std::vector<std::array<std::uint32_t, 2>>& pairs) {
+  const auto is_needle = [&](std::uint32_t facet) {
+    double longest2 = 0, twice_area2 = 0;
+    const Point3 a = fans.corner(facet, 0), b = fans.corner(facet, 1), c = fans.corner(facet, 2);
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::size_t k = (j + 1) % 3, l = (j + 2) % 3;
+      const double n = (b[k] - a[k]) * (c[l] - a[l]) - (b[l] - a[l]) * (c[k] - a[k]);
+      twice_area2 += n * n;
+    }
+    for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
+      double length2 = 0;
+      for (std::size_t j = 0; j < 3; ++j) length2 += (p[j] - q[j]) * (p[j] - q[j]);
+      longest2 = std::max(longest2, length2);
+    }
+    return twice_area2 > 0 && longest2 * longest2 > kNeedle * kNeedle * twice_area2;
+  };
+  std::vector<bool> out(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    out[i] = is_needle(pairs[i][0]) || is_needle(pairs[i][1]);
+  if (std::find(out.begin(), out.end(), true) == out.end()) out.clear();
   return out;
 }
 
@@ -355,6 +471,7 @@ absl::StatusOr<std::unique_ptr<Tracer>> Tracer::build(const std::vector<float>& 
     FacetPairs pairs(vertex, traced);
     attach<4>(device, scene, vertex, pairs.corner().front().data(), pairs.corner().size());
     guard = std::make_unique<Guard>(VertexFans(vertex, traced), pairs.take_facets());
+    guard->needle = needle_pairs(guard->fans, guard->pairs);
     if (options.guard == TracerGuard::kVertices) {
       const std::vector<std::uint32_t> cap = cap_indices(guard->fans.count());
       attach<4>(device, scene, guard->fans.cap_corners(kCapReach * radius_of(vertex)), cap.data(),
@@ -364,8 +481,8 @@ absl::StatusOr<std::unique_ptr<Tracer>> Tracer::build(const std::vector<float>& 
     attach<3>(device, scene, vertex, triangle.data(), triangle.size() / 3);
   }
   rtcCommitScene(scene);
-  auto tracer =
-      std::make_unique<EmbreeTracer>(device, scene, std::move(guard), std::move(same_corners));
+  auto tracer = std::make_unique<EmbreeTracer>(device, scene, vertex, triangle, std::move(guard),
+                                               std::move(same_corners));
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return absl::InternalError("Embree: error " + std::to_string(static_cast<int>(error)) +
                                " while building the acceleration structure");

@@ -56,8 +56,10 @@ struct VertexCounts {
 // No ray through a closed surface is lost: ROBUST traversal decides every edge in the same way for
 // the two facets that share it, and a ray that passes a vertex within 2^-21.6 of the mesh's radius
 // is decided by exact arithmetic among the facets that meet there (vertex_fans.h), and so is one
-// whose hit lies close to an edge. Against exact arithmetic an answer may differ by as much as the
-// ray moved sideways by 2^-20 of the radius does (docs/validation.md, lost and invented hits).
+// whose hit lies close to an edge or on a needle (256 times longer than high: along its edges the
+// error of a float edge test grows as the inverse sine of the angle between ray and edge). Against
+// exact arithmetic an answer may differ by as much as the ray moved sideways by 2^-20 of the radius
+// does (docs/validation.md, lost and invented hits).
 //
 // Of facets with the same three corners the one that faces the ray is reported, of several that do
 // the first.
@@ -74,6 +76,13 @@ class Tracer {
   virtual void intersect(RayPacket& packet, int count, bool coherent) const = 0;
   // Whether anything lies between tnear and tfar.
   virtual void occluded(RayPacket& packet, int count, bool coherent) const = 0;
+
+  // For a hit from behind on a surface that has no back: the front that the ray should have met.
+  // Such a hit is an open or inverted surface, or a ray that float arithmetic let through a needle,
+  // or one of two sheets that lie on each other. Exact arithmetic over the whole mesh decides
+  // (2 to 5 us); where a back is the nearest all the same, a front at most `sheet_m` behind it is
+  // taken. False, and the packet as it was, where there is neither.
+  virtual bool look_for_front(RayPacket& packet, int lane, float sheet_m) const = 0;
 
   // Since construction, all threads together.
   [[nodiscard]] virtual VertexCounts vertex_counts() const { return {}; }

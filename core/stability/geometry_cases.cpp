@@ -226,7 +226,8 @@ absl::StatusOr<Finding> grazing_needles(Effort effort) {
                 const double height = dot(Vec<Body>{p.x, p.y, p.z} + centre, up) - 0.5;
                 off += std::abs(height) < 0.5 * target->offset_m() ? 0 : 1;
               }
-            });
+            },
+            static_cast<float>(target->offset_m()));
         worst.see(static_cast<double>(lost + through + off), [&] {
           return absl::StrCat(theta_deg, " deg, offset ", offset, " m",
                               turned ? ", turned: " : ": ", lost, " lost, ", through,

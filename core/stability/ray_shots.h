@@ -23,9 +23,11 @@ struct Shot {
 };
 
 // Traces `count` rays in full packets: aim(i, shot) sets origin and direction of ray i, see(i,
-// shot) gets what it met.
+// shot) gets what it met. `sheet_m`: if not below 0, the body is met on its front alone, as paths
+// meet one-sided parts.
 template <typename Aim, typename See>
-void shoot(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, See&& see) {
+void shoot(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, See&& see,
+           float sheet_m = -1) {
   RayBatch batch;
   batch.resize(RayPacket::kSize, 0);
   for (std::uint64_t first = 0; first < count; first += RayPacket::kSize) {
@@ -41,6 +43,10 @@ void shoot(const Tracer& tracer, std::uint64_t count, bool coherent, Aim&& aim, 
     RayPacket& packet = batch.packet.front();
     tracer.intersect(packet, static_cast<int>(n), coherent);
     for (std::uint32_t lane = 0; lane < n; ++lane) {
+      const Float3 normal{packet.normal_x[lane], packet.normal_y[lane], packet.normal_z[lane]};
+      if (sheet_m >= 0 && packet.triangle[lane] != RayPacket::kMiss &&
+          dot(normal, shot[lane].direction) >= 0)
+        tracer.look_for_front(packet, static_cast<int>(lane), sheet_m);
       shot[lane].triangle = packet.triangle[lane];
       shot[lane].hit = packet.triangle[lane] != RayPacket::kMiss;
       shot[lane].distance = packet.tfar[lane];

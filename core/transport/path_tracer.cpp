@@ -275,17 +275,22 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     }
   };
   for (std::uint32_t i = 0; i < batch.size; ++i) {
-    const RayPacket& packet = batch.packet_of(i);
+    RayPacket& packet = batch.packet_of(i);
     const std::uint32_t lane = RayBatch::lane_of(i);
     PathState& s = batch.state[i];
     const float* spectrum =
         batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
-    const std::uint32_t triangle = packet.triangle[lane];
     const Float3 d{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
-    if (triangle == RayPacket::kMiss) {
+    if (packet.triangle[lane] == RayPacket::kMiss) {
       end_beyond(s, d.z < 0 ? classes_.sky() : classes_.lower(), spectrum);
       continue;
     }
+    const auto from_behind = [&] {
+      const Target::Facet& met = target_.facet[packet.triangle[lane]];
+      return !target_.part[met.part].two_sided && dot({met.nx, met.ny, met.nz}, d) >= 0;
+    };
+    if (from_behind()) target_.tracer->look_for_front(packet, static_cast<int>(lane), offset);
+    const std::uint32_t triangle = packet.triangle[lane];
     const float t = packet.tfar[lane];
     const Float3 p{packet.org_x[lane] + t * d.x, packet.org_y[lane] + t * d.y,
                    packet.org_z[lane] + t * d.z};

@@ -14,11 +14,6 @@ void PrintTo(const HardCase& c, std::ostream* out) { *out << c.id(); }
 
 namespace {
 
-// Cases that do not hold yet (docs/stability.md, "Open"): `irsig selftest --hard` reports them as
-// failed. Here they are skipped while they fail; one that has been mended leaves this list.
-const std::set<std::string> kOpen = {"geometry/grazing_needles", "geometry/exact_arithmetic",
-                                     "geometry/duplicates"};
-
 class Hard : public testing::TestWithParam<HardCase> {};
 
 TEST_P(Hard, Holds) {
@@ -26,9 +21,6 @@ TEST_P(Hard, Holds) {
   const auto finding = c.run(Effort::kShort);
   ASSERT_TRUE(finding.ok()) << finding.status();
   EXPECT_GT(finding->checks, 0u) << "a case that checks nothing";
-  if (finding->worst_error > finding->bound && kOpen.contains(c.id()))
-    GTEST_SKIP() << "open: " << finding->worst_error << " above " << finding->bound << ", "
-                 << finding->where;
   EXPECT_LE(finding->worst_error, finding->bound)
       << c.what << "\nat: " << finding->where << "\nthe bound: " << c.reason;
   std::printf("%s: worst %.3g, bound %.3g, %llu checks, %s\n", c.id().c_str(), finding->worst_error,
