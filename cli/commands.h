@@ -10,6 +10,7 @@ namespace irsig {
 // leaves the exit code in `exit_code`: 0, 2 = the user's input is wrong, 1 = anything else that
 // failed.
 void add_show(CLI::App& app, int& exit_code);
+void add_show_atmosphere(CLI::App& show, int& exit_code);  // irsig show atmosphere, sky, sun
 void add_model(CLI::App& app, int& exit_code);
 void add_model_particles(CLI::App& model, int& exit_code);  // irsig model particles
 void add_model_check(CLI::App& model, int& exit_code);      // irsig model check

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/strings/numbers.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 
 namespace irsig {
@@ -26,7 +27,7 @@ absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text)
 FilterOptions::FilterOptions(CLI::App& command) {
   command.add_option("DB", database_, "Signature database (.sigdb)")->required();
   constexpr const char* kGroup = "Choose signatures (all that match every option given)";
-  const auto add = [&](const char* name, auto& value, const char* what) {
+  const auto add = [&](const char* name, auto& value, const std::string& what) {
     return command.add_option(name, value, what)->group(kGroup);
   };
   add("--sweep", query_.sweep, "Name of the sweep")->type_name("NAME");
@@ -50,12 +51,21 @@ FilterOptions::FilterOptions(CLI::App& command) {
                 "  interpolated between the viewpoints; the error includes the interpolation's")
       ->group(kGroup);
   error_option_ = add("--max-relative-error", max_relative_error_,
-                      "Only where numerical error / intensity is at most X")
+                      "Only where numerical error / value of the quantity is at most X")
                       ->type_name("X");
+  add("--quantity", quantity_,
+      "What is asked about (the errors, people's tables and plots go by it): " +
+          absl::StrJoin(quantity_names(), ", "))
+      ->type_name("QUANTITY")
+      ->check(CLI::IsMember(quantity_names()))
+      ->capture_default_str();
 }
 
 absl::StatusOr<Query> FilterOptions::query() const {
   Query out = query_;
+  const auto quantity = quantity_named(quantity_);
+  if (!quantity.ok()) return quantity.status();
+  out.quantity = *quantity;
   if (*aspect_option_) {
     auto aspect = parse_aspect(aspect_);
     if (!aspect.ok()) return aspect.status();

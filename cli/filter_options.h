@@ -22,7 +22,7 @@ class FilterOptions {
  private:
   std::string database_;
   Query query_;
-  std::string aspect_;
+  std::string aspect_, quantity_ = "intensity";
   double within_deg_ = 0, max_relative_error_ = 0;
   std::uint64_t row_ = 0;
   CLI::Option *aspect_option_, *nearest_option_, *within_option_, *row_option_, *error_option_;

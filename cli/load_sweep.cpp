@@ -1,5 +1,6 @@
 #include "cli/load_sweep.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "jobs/material_files.h"
+#include "jobs/weather_files.h"
 
 namespace irsig {
 namespace {
@@ -26,6 +28,19 @@ absl::Status locate(const SweepFile& file, const absl::Status& status) {
                     text);
   }
   return absl::InvalidArgumentError(located);
+}
+
+// Each once, in the order of the conditions.
+std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
+  std::vector<std::string> lines;
+  for (const schema::Condition& condition : loaded.resolved.condition()) {
+    for (const std::string& warning : condition.warning()) {
+      const std::string line = absl::StrCat(
+          loaded.file.location(warning.substr(0, warning.find(' '))), ": warning: ", warning);
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+  }
+  return lines;
 }
 
 }  // namespace
@@ -53,8 +68,9 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   const auto read_beside = [&](const std::string& name) {
     return read_file((std::filesystem::path(path).parent_path() / name).string());
   };
-  const absl::Status status = read_material_files(*file, read_beside);
-  if (!status.ok()) return status;
+  for (const auto read : {read_material_files, read_weather_files}) {
+    if (const absl::Status status = read(*file, read_beside); !status.ok()) return status;
+  }
   return file;
 }
 
@@ -85,6 +101,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   auto resolved = resolve_sweep(loaded.file, loaded.model_bytes);
   if (!resolved.ok()) return resolved.status();
   loaded.resolved = *std::move(resolved);
+  loaded.warnings = located_warnings(loaded);
   const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
   if (!runner.ok()) return locate(loaded.file, runner.status());
   return loaded;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "jobs/sweep_file.h"
@@ -20,12 +21,13 @@ struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
   std::string model_bytes;
+  std::vector<std::string> warnings;  // what is odd in it (jobs/check_weather.h), one line each
 };
 
 // The content of a file; INVALID_ARGUMENT says why it cannot be had, without the file's name.
 [[nodiscard]] absl::StatusOr<std::string> read_file(const std::string& path);
 
-// A sweep file with the content of the files that its materials name, not yet resolved.
+// A sweep file with the content of the files that it names, not yet resolved.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
 
 // Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as

@@ -38,8 +38,9 @@ struct PlotCommand {
 void add_plot(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "plot",
-      "Draw signatures as SVG: polar (in-band intensity against aspect azimuth), spectrum "
-      "(of one viewpoint) or map (in-band intensity over all aspects)");
+      "Draw signatures as SVG: polar (in-band values against aspect azimuth), spectrum (of one "
+      "viewpoint) or map (in-band values over all aspects); of the source intensity, or of "
+      "--quantity");
   const auto options = std::make_shared<PlotCommand>(*command);
   command->add_option("--kind", options->kind, "polar, spectrum or map")
       ->required()

@@ -3,32 +3,50 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "view/query_table.h"
+#include "view/range_change.h"
 #include "view/thumbnail.h"
+#include "worker/spec_to_request.h"
 
 namespace irsig {
 namespace {
+
+absl::StatusOr<TargetExtent> extent_of(const StoredSweep& sweep) {
+  const auto scene = scene_from_sweep(sweep.resolved, sweep.model_bytes);
+  if (!scene.ok()) return scene.status();
+  return target_extent(scene->mesh.vertex);
+}
 
 struct QueryCommand {
   explicit QueryCommand(CLI::App& command) : filter(command) {}
   FilterOptions filter;
   QueryContent content;
-  std::string format = "table", thumbnail;
+  std::string format = "table", thumbnail, sort;
+  bool descending = false;
+  std::optional<double> range_m;
 
   [[nodiscard]] absl::Status run() const {
     auto query = filter.query();
     if (!query.ok()) return query.status();
+    query->range_m = range_m;
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
-    auto rows = run_query(**reader, *query);
+    auto rows = run_query(**reader, *query, extent_of);
     if (!rows.ok()) return rows.status();
     if (!thumbnail.empty()) return write_thumbnail(**reader, *rows, thumbnail);
+    if (!sort.empty())
+      if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
     if (rows->empty()) std::fputs("irsig: no signature matches\n", stderr);
-    return write_rows(**reader, *rows, content, format, std::cout);
+    for (const std::string& note : notes_on(*rows))
+      std::fprintf(stderr, "irsig: note: %s\n", note.c_str());
+    QueryContent shown = content;
+    shown.quantity = query->quantity;
+    return write_rows(**reader, *rows, shown, format, std::cout);
   }
 };
 
@@ -37,7 +55,8 @@ struct QueryCommand {
 void add_query(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "query",
-      "Print signatures: in-band intensity [W/sr] with its standard error, projected area [m2] and "
+      "Print signatures: in-band intensity, apparent intensity or contrast [W/sr] or background "
+      "[W/(m2 sr)] with its standard error, projected area [m2] and "
       "apparent temperature [K], per season, time, band and viewpoint");
   const auto options = std::make_shared<QueryCommand>(*command);
   command->add_flag("--spectrum", options->content.spectrum,
@@ -47,6 +66,15 @@ void add_query(CLI::App& app, int& exit_code) {
   parts->excludes("--spectrum");
   command->add_flag("--causes", options->content.causes,
                     "Split by cause: emitted; sun, sky, sea and other parts reflected");
+  command
+      ->add_option("--range-m", options->range_m,
+                   "As seen from another range on the same aspect, without tracing: apparent "
+                   "intensity, contrast, background and the path anew, their errors with what "
+                   "that adds; 20 target lengths or more")
+      ->type_name("R");
+  command->add_option("--sort", options->sort, "Order the rows by a column of the csv format")
+      ->type_name("COLUMN");
+  command->add_flag("--descending", options->descending, "  the largest first")->needs("--sort");
   command
       ->add_option("--thumbnail", options->thumbnail,
                    "Write the image of the one signature chosen (.png for people, .exr: float32 "

@@ -206,6 +206,7 @@ absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
+  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
   NewDatabase database(asked.db_path);
   if (asked.resume && !database.existed()) {

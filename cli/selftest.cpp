@@ -22,7 +22,7 @@ int selftest(const SelftestOptions& given) {
     return report(absl::InvalidArgumentError(
         absl::StrCat("selftest: --filter \"", given.filter,
                      "\" matches no case (groups: planck, geometry, "
-                     "materials, transport, sun_and_frames, sums, determinism)")));
+                     "materials, transport, sun_and_frames, atmosphere, sums, determinism)")));
   if (!given.csv) std::printf("determinism class: %s\n", determinism_class().c_str());
   std::printf("%s\n", (given.csv ? csv_header() : table_header()).c_str());
   std::size_t failed = 0;

@@ -17,7 +17,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
-#include "core/geo/sun.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
@@ -105,6 +104,12 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
                      planck_radiance_w_m2_sr_um(*given.lambda_um, *given.temperature_k));
   }
   if (given.spectral_radiance_w_m2_sr_um) {
+    const double most = planck_radiance_w_m2_sr_um(*given.lambda_um, kPlanckTemperatureMaxK);
+    if (absl::Status status =
+            in_range("--spectral-radiance-w-m2-sr-um", given.spectral_radiance_w_m2_sr_um, 0, most);
+        !status.ok()) {
+      return status;
+    }
     out.emplace_back(
         "apparent_temperature_k",
         monochromatic_temperature_k(*given.lambda_um, *given.spectral_radiance_w_m2_sr_um));
@@ -121,24 +126,6 @@ absl::StatusOr<Columns> planck(const PlanckOptions& given) {
                                             *given.radiance_w_m2_sr));
   }
   return out;
-}
-
-// ---- show sun
-
-struct SunOptions {
-  double latitude_deg = 0, longitude_deg = 0, height_m = 0;
-  std::string time;
-};
-
-absl::StatusOr<Columns> sun(const SunOptions& given) {
-  const absl::StatusOr<UtcTime> utc = parse_rfc3339(given.time);
-  if (!utc.ok()) return utc.status();
-  const absl::StatusOr<SunPosition> position =
-      sun_position(*utc, given.latitude_deg, given.longitude_deg, given.height_m);
-  if (!position.ok()) return position.status();
-  return Columns{{"sun_azimuth_deg", position->azimuth_deg},
-                 {"sun_zenith_deg", position->zenith_deg},
-                 {"sun_distance_au", position->distance_au}};
 }
 
 // ---- show precompute
@@ -272,7 +259,7 @@ int finish(const absl::StatusOr<Columns>& columns) {
 
 void add_show(CLI::App& app, int& exit_code) {
   CLI::App* show = app.add_subcommand(
-      "show", "Single values: blackbody radiation, the sun, the precomputation model");
+      "show", "Blackbody radiation, the air, the sky, the sun, the precomputation model");
   show->require_subcommand(1);
 
   const auto planck_given = std::make_shared<PlanckOptions>();
@@ -293,16 +280,7 @@ void add_show(CLI::App& app, int& exit_code) {
   planck_command->callback(
       [planck_given, &exit_code] { exit_code = finish(planck(*planck_given)); });
 
-  const auto sun_given = std::make_shared<SunOptions>();
-  CLI::App* sun_command = show->add_subcommand("sun", "Where the sun is, without refraction");
-  sun_command->add_option("--latitude-deg", sun_given->latitude_deg, "North positive")->required();
-  sun_command->add_option("--longitude-deg", sun_given->longitude_deg, "East positive")->required();
-  sun_command->add_option("--height-m", sun_given->height_m, "Above the WGS 84 ellipsoid")
-      ->required();
-  sun_command
-      ->add_option("--time", sun_given->time, "RFC 3339 with offset: 2025-12-21T10:30:00+09:00")
-      ->required();
-  sun_command->callback([sun_given, &exit_code] { exit_code = finish(sun(*sun_given)); });
+  add_show_atmosphere(*show, exit_code);
 
   const auto sweep_file = std::make_shared<std::string>();
   CLI::App* precompute_command = show->add_subcommand(

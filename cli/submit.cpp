@@ -16,6 +16,7 @@ absl::Status submit_sweep(const std::string& sweep_path, const std::string& coor
   if (const auto there = farm_status(*address); !there.ok()) return there.status();
   auto loaded = load_sweep(sweep_path, {});
   if (!loaded.ok()) return loaded.status();
+  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
   if (has_time_budget(loaded->resolved)) {
     return absl::InvalidArgumentError(
         fmt::format("{}: a time budget is for `irsig run`, which knows how many workers of which "

@@ -151,7 +151,20 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   asked.clear_season();
   asked.clear_time();
   asked.clear_surroundings();
+  schema::Air& air = *asked.mutable_air();
+  air.clear_profile();
+  air.clear_aerosol();
+  air.clear_visibility_m();
+  air.clear_air_mass();
+  air.clear_co2_ppmv();
+  air.clear_refraction();
   for (schema::Part& part : *asked.mutable_part()) part.clear_temperature_k();
+  for (schema::Condition& condition : *sweep.mutable_condition()) {
+    condition.clear_warning();
+    if (!condition.has_weather()) continue;
+    condition.mutable_weather()->clear_profile_file_name();
+    condition.mutable_weather()->clear_modtran_file_name();
+  }
   return canonical_encoding(sweep);
 }
 

@@ -29,8 +29,18 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
                            Findings& findings);
 
 // [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
-// if nothing was found so far.
-void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings);
+// if nothing was found so far. `file` has the text of the files that air and seasons name.
+void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);
+
+// [air], and what a season says about the air; `surroundings`: the season's, complete.
+void check_air(const schema::Sweep& sweep, Findings& findings);
+void check_season_air(const schema::Sweep& sweep, int season_index,
+                      const schema::Surroundings& surroundings, Findings& findings);
+
+// The weather of a season's conditions, if nothing was found so far.
+[[nodiscard]] schema::Weather resolve_weather(const SweepFile& file, int season_index, int month,
+                                              Findings& findings);
+void write_air_defaults(schema::Air& air);
 
 // [surroundings] and [season.surroundings]: the complete one of each season, in the order of the
 // seasons.

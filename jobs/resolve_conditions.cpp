@@ -1,4 +1,5 @@
 #include <cctype>
+#include <cstdlib>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -32,28 +33,6 @@ void check_place(const schema::Sweep& sweep, Findings& findings) {
   check.within("heading_deg", -360, 360);
 }
 
-void check_air(const schema::Sweep& sweep, Findings& findings) {
-  if (!sweep.has_air()) {
-    findings.add("air", "[air] is missing, expected model = \"vacuum\" or \"homogeneous\"");
-    return;
-  }
-  const SectionCheck check(sweep.air(), "air", findings);
-  check.require({"model"}, "expected \"vacuum\" or \"homogeneous\"");
-  if (!check.one_of("model", {"vacuum", "homogeneous"})) return;
-  if (sweep.air().model() == "vacuum") {
-    check.only({"model"}, "to model \"vacuum\"");
-    return;
-  }
-  check.require({"absorption_m2_kg"}, "expected the mass absorption coefficient in m2/kg");
-  check.require({"pressure_pa"}, "expected the air pressure in Pa (101325 at sea level)");
-  check.require({"gas_constant_j_kg_k"},
-                "expected the specific gas constant in J/(kg K) (287 for dry air)");
-  check.require({"path_emission"}, "expected true or false: whether the air itself radiates");
-  check.within("absorption_m2_kg", 0, 1e6);
-  check.within("pressure_pa", 0, 1e9);
-  check.above("gas_constant_j_kg_k", 0);
-}
-
 bool all_digits(std::string_view text) {
   for (const char c : text) {
     if (!std::isdigit(static_cast<unsigned char>(c))) return false;
@@ -74,7 +53,6 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
     return;
   }
   (void)check_names(sweep.season(), "season", findings);
-  const bool homogeneous_air = sweep.air().model() == "homogeneous";
   for (int i = 0; i < sweep.season_size(); ++i) {
     const schema::Season& season = sweep.season(i);
     const SectionCheck check(season, absl::StrCat("season[", i, "]"), findings);
@@ -84,16 +62,10 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
                                        "\", expected a date of the calendar: 2025-12-21"));
     }
     check.within("sun_irradiance_w_m2", 0, 1e9);
-    if (homogeneous_air)
-      check.require({"air_temperature_k"},
-                    "expected the air's temperature: the air is homogeneous");
-    check.within("air_temperature_k", 0, kHottestK);
-    if (season.has_air_temperature_k() && season.air_temperature_k() == 0 && homogeneous_air) {
-      check.error("air_temperature_k",
-                  "= 0, expected a temperature above 0: the air's density depends on it");
-    }
   }
 }
+
+int month_of(const std::string& date) { return std::atoi(date.substr(5, 2).c_str()); }
 
 // The time of day in full, "10:30:00+09:00", from "10:30+09:00"; an empty string and what is wrong
 // if it is no time of day or has no offset.
@@ -180,13 +152,16 @@ void resolve_sun(const schema::Sweep& sweep, int season_index, const UtcTime& ut
 
 }  // namespace
 
-void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings) {
+void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
+                        Findings& findings) {
   const schema::Sweep& sweep = resolved.sweep();
   check_place(sweep, findings);
   check_air(sweep, findings);
   check_seasons(sweep, findings);
   const auto instants = check_times(sweep, findings);
   const auto surroundings = resolve_surroundings(sweep, findings);
+  for (int s = 0; s < sweep.season_size(); ++s)
+    check_season_air(sweep, s, surroundings[static_cast<std::size_t>(s)], findings);
   const double count = static_cast<double>(sweep.season_size()) * sweep.time_size();
   if (count > kMostConditions) {
     findings.add("time", absl::StrCat("time and season make ", count,
@@ -196,6 +171,9 @@ void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings) {
 
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
+    schema::Weather weather;
+    if (sweep.air().model() == "atmosphere")
+      weather = resolve_weather(file, s, month_of(season.date()), findings);
     for (int t = 0; t < sweep.time_size(); ++t) {
       const UtcTime& utc = *instants[static_cast<std::size_t>(s)][static_cast<std::size_t>(t)];
       schema::Condition& condition = *resolved.add_condition();
@@ -212,6 +190,10 @@ void resolve_conditions(schema::ResolvedSweep& resolved, Findings& findings) {
       resolve_sun(sweep, s, utc, condition, findings);
       if (sweep.air().model() == "homogeneous")
         condition.set_air_temperature_k(season.air_temperature_k());
+      if (sweep.air().model() == "atmosphere") {
+        condition.set_air_temperature_k(weather.air_temperature_k());
+        *condition.mutable_weather() = weather;
+      }
     }
   }
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "core/atmosphere/absorber_amounts.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
 
@@ -55,6 +56,15 @@ void check_response(const schema::Band& band, const std::string& path, Findings&
   }
 }
 
+// The atmosphere's table ends.
+void check_air_limit(const SectionCheck& check, const char* key, double lambda_um) {
+  const double least_um = 1e4 / kAirLastCm1, most_um = 1e4 / kAirFirstCm1;
+  if (!check.has(key) || (lambda_um >= least_um && lambda_um <= most_um)) return;
+  check.error(key, absl::StrCat("= ", lambda_um, ", expected ", absl::SixDigits(least_um), " to ",
+                                absl::SixDigits(most_um),
+                                " um: air.model = \"atmosphere\" has no absorption outside"));
+}
+
 void check_bands(const schema::Sweep& sweep, Findings& findings) {
   if (sweep.band_size() == 0) {
     findings.add("band",
@@ -68,6 +78,10 @@ void check_bands(const schema::Sweep& sweep, Findings& findings) {
     const std::string path = absl::StrCat("band[", i, "]");
     const SectionCheck check(band, path, findings);
     check_limits(check, band.lambda_min_um(), band.lambda_max_um());
+    if (sweep.air().model() == "atmosphere") {
+      check_air_limit(check, "lambda_min_um", band.lambda_min_um());
+      check_air_limit(check, "lambda_max_um", band.lambda_max_um());
+    }
     check_step(check, band.lambda_min_um(), band.lambda_max_um(), band.step_um());
     check_response(band, path, findings);
     for (int j = 0; j < i; ++j) {

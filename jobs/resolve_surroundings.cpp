@@ -14,50 +14,103 @@ bool states_sky(const Surroundings& s) {
 }
 
 // The sweep's own surroundings with what the season says in their place, field by field. The two
-// ways to state the sky are one field; what the other kind of surroundings would need is not
-// inherited.
+// ways to state the sky are one field; what the other kind of surroundings, or another sea, would
+// need is not inherited.
 Surroundings overridden(Surroundings base, const Surroundings& season) {
   if (states_sky(season)) {
     base.clear_sky_temperature_k();
     base.clear_sky_radiance_w_m2_sr_um();
   }
   if (season.has_kind() && season.kind() != base.kind()) {
-    if (season.kind() == "sea") {
-      base.clear_lower_radiance_w_m2_sr_um();
-    } else {
+    if (season.kind() != "none") base.clear_lower_radiance_w_m2_sr_um();
+    if (season.kind() != "sea") {
+      base.clear_sea_model();
       base.clear_sea_temperature_k();
       base.clear_sea_emissivity();
     }
+    if (season.kind() != "ground") {
+      base.clear_ground_temperature_k();
+      base.clear_ground_emissivity();
+    }
   }
+  if (season.has_sea_model() && season.sea_model() != "grey") base.clear_sea_emissivity();
   base.MergeFrom(season);
   return base;
 }
 
-// One table as it is written; `kind` is the kind that it takes part in.
-void check_table(const Surroundings& table, const std::string& kind, const std::string& path,
+// What the keys of a table mean: the kind that it takes part in, and the air above it.
+struct Role {
+  std::string kind;
+  bool atmosphere;
+  bool grey_sea;  // with the atmosphere
+};
+
+void check_keys_under_atmosphere(const SectionCheck& check, const Role& role) {
+  if (role.kind == "ground") {
+    check.only({"kind", "ground_temperature_k", "ground_emissivity"},
+               "to kind \"ground\" with air.model \"atmosphere\"");
+  } else if (role.kind == "sea" && role.grey_sea) {
+    check.only({"kind", "sea_model", "sea_temperature_k", "sea_emissivity"},
+               "to kind \"sea\" with air.model \"atmosphere\"");
+  } else if (role.kind == "sea") {
+    check.only({"kind", "sea_model", "sea_temperature_k"},
+               "to kind \"sea\" with air.model \"atmosphere\" and no sea_model \"grey\"");
+  }
+  (void)check.one_of("sea_model", {"cox_munk", "flat", "grey"});
+}
+
+// One table as it is written.
+void check_table(const Surroundings& table, const Role& role, const std::string& path,
                  Findings& findings) {
   const SectionCheck check(table, path, findings);
-  if (!check.one_of("kind", {"sea", "none"}) && table.has_kind()) return;
-  if (kind == "sea") {
+  const SectionCheck::Names kinds =
+      role.atmosphere ? SectionCheck::Names{"sea", "ground"} : SectionCheck::Names{"sea", "none"};
+  if (!check.one_of("kind", kinds) && table.has_kind()) return;
+  if (role.atmosphere) {
+    check_keys_under_atmosphere(check, role);
+  } else if (role.kind == "sea") {
     check.only({"kind", "sky_temperature_k", "sky_radiance_w_m2_sr_um", "sea_temperature_k",
                 "sea_emissivity"},
                "to kind \"sea\"");
-  } else if (kind == "none") {
+  } else if (role.kind == "none") {
     check.only(
         {"kind", "sky_temperature_k", "sky_radiance_w_m2_sr_um", "lower_radiance_w_m2_sr_um"},
         "to kind \"none\"");
   }
-  if (!kind.empty()) (void)check.at_most_one({"sky_temperature_k", "sky_radiance_w_m2_sr_um"});
+  if (!role.kind.empty() && !role.atmosphere)
+    (void)check.at_most_one({"sky_temperature_k", "sky_radiance_w_m2_sr_um"});
   check.within("sky_temperature_k", 0, kHottestK);
   check.within("sky_radiance_w_m2_sr_um", 0, 1e12);
   check.within("sea_temperature_k", 0, kHottestK);
   check.within("sea_emissivity", 0, 1);
   check.within("lower_radiance_w_m2_sr_um", 0, 1e12);
+  check.within("ground_temperature_k", 0, kHottestK);
+  check.within("ground_emissivity", 0, 1);
+}
+
+using Missing = std::vector<std::pair<const char*, const char*>>;
+
+Missing missing_under_atmosphere(const Surroundings& complete) {
+  Missing missing;
+  if (!complete.has_kind()) missing.emplace_back("kind", "expected \"sea\" or \"ground\"");
+  if (complete.kind() == "sea") {
+    if (!complete.has_sea_temperature_k())
+      missing.emplace_back("sea_temperature_k", "expected the sea's temperature");
+    if (complete.sea_model() == "grey" && !complete.has_sea_emissivity())
+      missing.emplace_back("sea_emissivity", "expected the grey sea's emissivity, 0 to 1");
+  } else if (complete.kind() == "ground") {
+    if (!complete.has_ground_temperature_k())
+      missing.emplace_back("ground_temperature_k", "expected the ground's temperature");
+    if (!complete.has_ground_emissivity())
+      missing.emplace_back("ground_emissivity", "expected the ground's emissivity, 0 to 1");
+  }
+  return missing;
 }
 
 // What the complete surroundings of one season lack, as "key, expected what".
-std::vector<std::pair<const char*, const char*>> missing_from(const Surroundings& complete) {
-  std::vector<std::pair<const char*, const char*>> missing;
+Missing missing_from(const Surroundings& complete, bool atmosphere) {
+  if (atmosphere) return missing_under_atmosphere(complete);
+  Missing missing;
   if (!complete.has_kind()) {
     missing.emplace_back("kind", "expected \"sea\" or \"none\"");
   } else if (complete.kind() == "sea") {
@@ -87,16 +140,28 @@ std::vector<std::pair<const char*, const char*>> missing_from(const Surroundings
 
 std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findings& findings) {
   const Surroundings& base = sweep.surroundings();
-  if (sweep.has_surroundings()) check_table(base, base.kind(), "surroundings", findings);
-
+  const bool atmosphere = sweep.air().model() == "atmosphere";
   std::vector<Surroundings> complete;
   for (int i = 0; i < sweep.season_size(); ++i) {
     const Surroundings& season = sweep.season(i).surroundings();
     complete.push_back(overridden(base, season));
     if (sweep.season(i).has_surroundings()) {
-      check_table(season, complete.back().kind(), absl::StrCat("season[", i, "].surroundings"),
-                  findings);
+      check_table(season,
+                  {.kind = complete.back().kind(),
+                   .atmosphere = atmosphere,
+                   .grey_sea = complete.back().sea_model() == "grey"},
+                  absl::StrCat("season[", i, "].surroundings"), findings);
     }
+    if (atmosphere && complete.back().kind() == "sea" && !complete.back().has_sea_model())
+      complete.back().set_sea_model("cox_munk");
+  }
+  if (sweep.has_surroundings()) {
+    const bool grey_sea = base.sea_model() == "grey" ||
+                          std::any_of(complete.begin(), complete.end(), [](const Surroundings& s) {
+                            return s.sea_model() == "grey";
+                          });
+    check_table(base, {.kind = base.kind(), .atmosphere = atmosphere, .grey_sea = grey_sea},
+                "surroundings", findings);
   }
 
   // Paths are traced once for all seasons, and whether there is a sea decides where they end.
@@ -115,18 +180,18 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
   for (const Surroundings& s : complete) any.MergeFrom(s);
   std::vector<std::string> said;
   if (!sweep.has_surroundings() && !any.has_kind()) {
-    findings.add(
-        "surroundings",
-        "[surroundings] is missing, expected kind = \"sea\" or \"none\" and what belongs to it");
+    findings.add("surroundings",
+                 absl::StrCat("[surroundings] is missing, expected kind = \"sea\" or \"",
+                              atmosphere ? "ground" : "none", "\" and what belongs to it"));
     return complete;
   }
-  for (const auto& [key, expected] : missing_from(any)) {
+  for (const auto& [key, expected] : missing_from(any, atmosphere)) {
     const std::string path = absl::StrCat("surroundings.", key);
     findings.add(path, absl::StrCat(path, " is missing, ", expected));
     said.emplace_back(key);
   }
   for (std::size_t i = 0; i < complete.size(); ++i) {
-    for (const auto& [key, expected] : missing_from(complete[i])) {
+    for (const auto& [key, expected] : missing_from(complete[i], atmosphere)) {
       if (std::find(said.begin(), said.end(), key) != said.end()) continue;
       const std::string path = absl::StrCat("season[", i, "].surroundings.", key);
       findings.add(path,

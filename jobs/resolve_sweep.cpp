@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "jobs/check_weather.h"
 #include "jobs/resolve.h"
 #include "jobs/sweep_file.h"
 
@@ -59,6 +60,8 @@ void write_defaults(schema::Sweep& sweep) {
     if (!viewpoints.has_elevation_max_deg()) viewpoints.set_elevation_max_deg(90);
   }
 
+  write_air_defaults(*sweep.mutable_air());
+
   schema::Transport& transport = *sweep.mutable_transport();
   if (!transport.has_max_reflections()) transport.set_max_reflections(16);
   if (!transport.has_job_size_vertices()) transport.set_job_size_vertices(2e9);
@@ -100,6 +103,15 @@ void mark_hot_parts(schema::ResolvedSweep& resolved) {
   }
 }
 
+// Their text is in the conditions, with their names.
+void forget_files(schema::Sweep& sweep) {
+  sweep.mutable_air()->clear_profile_file();
+  for (schema::Season& season : *sweep.mutable_season()) {
+    season.clear_profile_file();
+    season.clear_modtran_file();
+  }
+}
+
 void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
   if (!sweep.has_name()) sweep.set_name(stem(file.file_name));
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
@@ -119,12 +131,15 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
   resolve_target(model_bytes, resolved, findings);
   check_run(resolved.sweep(), findings);
   resolve_viewpoints(resolved, findings);
-  resolve_conditions(resolved, findings);
+  resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);
   if (!findings.empty()) return findings.status();
   write_defaults(*resolved.mutable_sweep());
   write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
+  check_weather(resolved, findings);
+  if (!findings.empty()) return findings.status();
+  forget_files(*resolved.mutable_sweep());
   return resolved;
 }
 

@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/constants.h"
 #include "core/geo/viewpoint.h"
 #include "jobs/resolve.h"
 
@@ -105,21 +106,19 @@ std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
   return list;
 }
 
-bool over_the_sea_anywhere(const schema::Sweep& sweep) {
-  if (sweep.surroundings().kind() == "sea") return true;
+// Whether some season has surroundings of this kind.
+bool anywhere(const schema::Sweep& sweep, const char* kind) {
+  if (sweep.surroundings().kind() == kind) return true;
   for (const schema::Season& season : sweep.season()) {
-    if (season.surroundings().kind() == "sea") return true;
+    if (season.surroundings().kind() == kind) return true;
   }
   return false;
 }
 
-// Height of the sensor above a spherical sea. z = 0 of the target is the waterline.
-double height_above_sea_m(const Viewpoint& view) {
-  constexpr double kEarthRadiusM =
-      6371008.8;  // IUGG mean radius R1; a height to 0.3 % is enough here
-  constexpr double kDegree = 3.14159265358979323846 / 180;
-  const double up_m = view.range_m * std::sin(view.aspect_elevation_deg * kDegree);
-  const double along_m = view.range_m * std::cos(view.aspect_elevation_deg * kDegree);
+// Height of the sensor above a spherical sea or ground. z = 0 of the target is that surface.
+double height_above_surface_m(const Viewpoint& view) {
+  const double up_m = view.range_m * std::sin(view.aspect_elevation_deg * kRadPerDeg);
+  const double along_m = view.range_m * std::cos(view.aspect_elevation_deg * kRadPerDeg);
   return std::hypot(kEarthRadiusM + up_m, along_m) - kEarthRadiusM;
 }
 
@@ -145,7 +144,7 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   }
   if (findings.count() != before) return;
 
-  const bool sea = over_the_sea_anywhere(sweep);
+  const bool sea = anywhere(sweep, "sea"), ground = anywhere(sweep, "ground");
   std::map<std::tuple<double, double, double>, std::size_t> seen;
   const std::vector<Viewpoint> views = expanded(set);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -164,8 +163,11 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
                                       ", expected different ones"));
     }
     // A millimetre of tolerance: elevation 0 is at the sea's height at any range.
-    if (sea && height_above_sea_m(view) < -1e-3) {
+    if (sea && height_above_surface_m(view) < -1e-3) {
       findings.add(path, absl::StrCat(what, " lies under water, expected a sensor above the sea"));
+    }
+    if (ground && height_above_surface_m(view) < -1e-3) {
+      findings.add(path, absl::StrCat(what, " lies under the ground, expected a sensor above it"));
     }
     schema::Viewpoint& out = *resolved.add_viewpoint();
     out.set_aspect_azimuth_deg(view.aspect_azimuth_deg);

@@ -16,6 +16,8 @@ struct SweepFile {
   schema::Sweep sweep;
   std::map<std::string, std::string> where;
   std::string file_name;
+  // Text of the files that [air] and [[season]] name, by the path of the key (read_weather_files).
+  std::map<std::string, std::string> content;
 
   // "file:line:column" of a path, or of its nearest enclosing table; line 1 if there is none.
   [[nodiscard]] std::string location(std::string_view path) const;

@@ -85,6 +85,18 @@ constexpr ScalarColumn kScalars[] = {
     {"apparent_intensity_w_sr", &S::apparent_intensity_w_sr},
     {"apparent_intensity_stderr_w_sr", &S::apparent_intensity_stderr_w_sr},
     {"apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr},
+    {"unseen_bound_w_sr", &S::unseen_bound_w_sr},
+    {"basis_bound_w_sr", &S::basis_bound_w_sr},
+    {"sky_bound_w_sr", &S::sky_bound_w_sr},
+    {"contrast_intensity_w_sr", &S::contrast_intensity_w_sr},
+    {"contrast_intensity_stderr_w_sr", &S::contrast_intensity_stderr_w_sr},
+    {"contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr},
+    {"background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr},
+    {"background_radiance_stderr_w_m2_sr", &S::background_radiance_stderr_w_m2_sr},
+    {"model_error_w_sr", &S::model_error_w_sr},
+    {"apparent_model_error_w_sr", &S::apparent_model_error_w_sr},
+    {"path_transmittance", &S::path_transmittance},
+    {"path_radiance_w_m2_sr", &S::path_radiance_w_m2_sr},
     {"projected_area_m2", &S::projected_area_m2},
     {"projected_area_stderr_m2", &S::projected_area_stderr_m2},
     {"apparent_temperature_k", &S::apparent_temperature_k},
@@ -120,6 +132,12 @@ constexpr SpectralColumn kSpectra[] = {
     {"spectral_parts_reflected_stderr_w_sr_um", &Sp::parts_reflected_stderr_w_sr_um},
     {"apparent_spectral_intensity_w_sr_um", &Sp::apparent_spectral_intensity_w_sr_um},
     {"apparent_spectral_intensity_stderr_w_sr_um", &Sp::apparent_spectral_intensity_stderr_w_sr_um},
+    {"contrast_spectral_intensity_w_sr_um", &Sp::contrast_spectral_intensity_w_sr_um},
+    {"contrast_spectral_intensity_stderr_w_sr_um", &Sp::contrast_spectral_intensity_stderr_w_sr_um},
+    {"background_radiance_w_m2_sr_um", &Sp::background_radiance_w_m2_sr_um},
+    {"background_radiance_stderr_w_m2_sr_um", &Sp::background_radiance_stderr_w_m2_sr_um},
+    {"path_transmittance", &Sp::path_transmittance},
+    {"path_radiance_w_m2_sr_um", &Sp::path_radiance_w_m2_sr_um},
 };
 
 struct Dimensions {
@@ -279,10 +297,12 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
   file.attribute("source", fmt::format("irsig build {}, physics version {}", any.build_id,
                                        any.physics_version));
   file.attribute("determinism_class", any.determinism_class);
-  file.attribute(
-      "comment",
-      "Intensities are at the target unless a name starts with apparent (at the sensor's "
-      "aperture). Standard errors and numerical errors are one sigma.");
+  file.attribute("comment",
+                 "Intensities are at the target unless a name starts with apparent or contrast (at "
+                 "the sensor's "
+                 "aperture; contrast is the target less its background). Standard errors, "
+                 "numerical errors and "
+                 "model errors are one sigma. NaN: not computed.");
   Dimensions d{};
   d.viewpoint = file.dimension("viewpoint", layout.viewpoint.size());
   d.condition = file.dimension("condition", layout.condition.size());

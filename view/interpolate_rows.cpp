@@ -33,8 +33,11 @@ double propagated_bias(const SphereFit& fit, const std::vector<StoredSignature>&
                        Getter numerical_error, Getter value_stderr) {
   double sum = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const double total = from[i].*numerical_error, noise = from[i].*value_stderr;
-    sum += std::abs(fit.weight()[i]) * std::sqrt(std::max(0.0, total * total - noise * noise));
+    const double total = from[i].*numerical_error;
+    const double noise = value_stderr ? from[i].*value_stderr : 0.0;
+    const double squared = total * total - noise * noise;
+    // Not std::max: an error that was not computed (NaN) stays so.
+    sum += std::abs(fit.weight()[i]) * std::sqrt(squared < 0 ? 0.0 : squared);
   }
   return sum;
 }
@@ -56,7 +59,7 @@ double interpolated_temperature_k(const SphereFit& fit, const std::vector<Stored
 absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
                                            SignatureFilter::Direction aspect) {
   const Vec<Body> where = body_from_aspect(aspect.aspect_azimuth_deg, aspect.aspect_elevation_deg);
-  auto fit = SphereFit::at(field.intensity, where);
+  auto fit = SphereFit::at(field.samples, where);
   if (!fit.ok()) return fit.status();
   Interpolation made{std::move(*fit), {}, 0};
   for (std::size_t i : made.fit.used()) made.from.push_back(field.signature[i]);
@@ -80,20 +83,29 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   out.numerical_error_w_sr = std::hypot(
       source.value_stderr, source.interpolation_error,
       propagated_bias(made.fit, made.from, &S::numerical_error_w_sr, &S::intensity_stderr_w_sr));
-  const SphereEstimate apparent =
-      at(&S::apparent_intensity_w_sr, &S::apparent_intensity_stderr_w_sr);
-  out.apparent_intensity_w_sr = apparent.value;
-  out.apparent_intensity_stderr_w_sr = apparent.value_stderr;
-  out.apparent_numerical_error_w_sr =
-      std::hypot(apparent.value_stderr, apparent.interpolation_error,
-                 propagated_bias(made.fit, made.from, &S::apparent_numerical_error_w_sr,
-                                 &S::apparent_intensity_stderr_w_sr));
+  for (const auto quantity :
+       {SignatureQuantity::kApparentIntensity, SignatureQuantity::kContrastIntensity}) {
+    const QuantityColumns& q = columns_of(quantity);
+    const auto [values, stderrs] = picked(made.from, q.value, q.value_stderr);
+    const SphereEstimate e = estimate_of(q, made.fit, values, stderrs);
+    out.*q.value = e.value;
+    out.*q.value_stderr = e.value_stderr;
+    out.*q.numerical_error =
+        std::hypot(e.value_stderr, e.interpolation_error,
+                   propagated_bias(made.fit, made.from, q.numerical_error, q.value_stderr));
+  }
+  // The models err alike at all viewpoints.
+  for (const Getter error : {&S::model_error_w_sr, &S::apparent_model_error_w_sr})
+    out.*error = propagated_bias(made.fit, made.from, error, nullptr);
+  for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
+    out.*value = at(value, nullptr).value;
 
   const auto set = [&](Getter value, Getter value_stderr) {
     const SphereEstimate e = at(value, value_stderr);
     out.*value = e.value;
     out.*value_stderr = e.value_stderr;
   };
+  set(&S::background_radiance_w_m2_sr, &S::background_radiance_stderr_w_m2_sr);
   set(&S::projected_area_m2, &S::projected_area_stderr_m2);
   set(&S::emitted_w_sr, &S::emitted_stderr_w_sr);
   set(&S::sun_reflected_w_sr, &S::sun_reflected_stderr_w_sr);
@@ -118,7 +130,16 @@ SphereEstimate nonnegative_estimate(const SphereFit& fit, const std::vector<doub
   return out;
 }
 
-std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signatures) {
+SphereEstimate estimate_of(const QuantityColumns& quantity, const SphereFit& fit,
+                           const std::vector<double>& value,
+                           const std::vector<double>& value_stderr) {
+  return quantity.is_signed() ? fit.estimate(value, value_stderr)
+                              : nonnegative_estimate(fit, value, value_stderr);
+}
+
+std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signatures,
+                                      SignatureQuantity quantity) {
+  const QuantityColumns& q = columns_of(quantity);
   std::map<std::tuple<std::string, std::string, std::string, std::string, double>, std::size_t>
       index;
   std::vector<SignatureField> fields;
@@ -127,7 +148,7 @@ std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signat
         index.try_emplace({s.sweep, s.season, s.time_utc, s.band, s.range_m}, fields.size());
     if (fresh) fields.emplace_back();
     SignatureField& field = fields[at->second];
-    auto& [direction, value, value_stderr] = field.intensity;
+    auto& [direction, value, value_stderr] = field.samples;
     const Vec<Body> d = direction_of(s);
     const bool seen = std::any_of(direction.begin(), direction.end(), [&](Vec<Body> other) {
       return length(d - other) < kSameDirection;
@@ -135,8 +156,8 @@ std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signat
     if (seen) continue;
     field.signature.push_back(s);
     direction.push_back(d);
-    value.push_back(s.intensity_w_sr);
-    value_stderr.push_back(s.intensity_stderr_w_sr);
+    value.push_back(s.*q.value);
+    value_stderr.push_back(s.*q.value_stderr);
   }
   return fields;
 }

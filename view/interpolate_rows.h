@@ -9,19 +9,24 @@ namespace irsig {
 // The signatures of the same sweep, season, time, band and range, seen from one aspect.
 struct SignatureField {
   std::vector<StoredSignature> signature;  // one for each direction
-  SphereSamples intensity;                 // in the same order
+  SphereSamples samples;                   // of one quantity, in the same order
 };
 
 // Signatures sorted into fields, in order of appearance. Of viewpoints that share a direction (the
 // zenith of a grid) the first one stands for all.
-[[nodiscard]] std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signatures);
+[[nodiscard]] std::vector<SignatureField> fields_of(
+    const std::vector<StoredSignature>& signatures,
+    SignatureQuantity quantity = SignatureQuantity::kIntensity);
 
 // One row for each field, at an aspect.
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> interpolate_rows(
     const std::vector<StoredSignature>& signatures, SignatureFilter::Direction aspect);
 
-// Intensity of a field at a fit: never negative where no sample is (what is cut off is added to the
-// error).
+// A quantity at a fit: never negative where no sample is (what is cut off is added to the error),
+// unless it is signed.
+[[nodiscard]] SphereEstimate estimate_of(const QuantityColumns& quantity, const SphereFit& fit,
+                                         const std::vector<double>& value,
+                                         const std::vector<double>& value_stderr);
 [[nodiscard]] SphereEstimate nonnegative_estimate(const SphereFit& fit,
                                                   const std::vector<double>& value,
                                                   const std::vector<double>& value_stderr);

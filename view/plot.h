@@ -9,9 +9,10 @@
 
 namespace irsig {
 
-// Each plot draws what a query selects, as a complete SVG document. NOT_FOUND: nothing matches.
+// Each plot draws query.quantity of what a query selects, as a complete SVG document. NOT_FOUND:
+// nothing matches; FAILED_PRECONDITION: an older irsig stored some of it without that quantity.
 
-// In-band intensity against aspect azimuth at one elevation, one panel per band, one curve per
+// In-band values against aspect azimuth at one elevation, one panel per band, one curve per
 // season and time. If viewpoints stand on that elevation, they are the curve, with error bars (2
 // sigma); otherwise the curve is interpolated, with its 2 sigma band, and the viewpoints within
 // half a spacing of the ring are marked. Without elevation_deg: the lowest elevation that the
@@ -19,11 +20,11 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
                                                      std::optional<double> elevation_deg);
 
-// Spectral intensity against wavelength from one viewpoint (row, nearest 1 or interpolate), one
+// The spectrum against wavelength from one viewpoint (row, nearest 1 or interpolate), one
 // curve per season and time, all bands on one axis, each with its 2 sigma band.
 [[nodiscard]] absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query);
 
-// In-band intensity over all aspects: one Lambert azimuthal equal-area map per season and time
+// In-band values over all aspects: one Lambert azimuthal equal-area map per season and time
 // (columns) and band (rows), seen from above the target, bow up; one colour bar per band.
 // Interpolated between viewpoints, which are dots.
 [[nodiscard]] absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query);

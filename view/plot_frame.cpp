@@ -77,6 +77,7 @@ absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& rea
     return absl::InvalidArgumentError(fmt::format(
         "a plot shows one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
   }
+  if (absl::Status status = check_computed(out, query.quantity); !status.ok()) return status;
   if (ranges.size() > 1) {
     return absl::InvalidArgumentError(
         fmt::format("a plot shows one range, and these signatures have {}: {} m", ranges.size(),

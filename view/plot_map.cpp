@@ -134,7 +134,8 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query) {
   auto signatures = signatures_to_plot(reader, query);
   if (!signatures.ok()) return signatures.status();
   const CurveNames names(*signatures);
-  const std::vector<SignatureField> fields = fields_of(*signatures);
+  const std::vector<SignatureField> fields = fields_of(*signatures, query.quantity);
+  const QuantityColumns& quantity = columns_of(query.quantity);
   std::vector<std::string> bands;
   std::vector<MapPanel> panels;
   double lowest_deg = 0;
@@ -142,7 +143,7 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query) {
     const StoredSignature& s = field.signature.front();
     auto band = std::find(bands.begin(), bands.end(), s.band);
     if (band == bands.end()) band = bands.insert(band, s.band);
-    auto surface = SphereSurface::create(field.intensity);
+    auto surface = SphereSurface::create(field.samples);
     if (!surface.ok()) return surface.status();
     for (const auto& v : field.signature) lowest_deg = std::min(lowest_deg, v.aspect_elevation_deg);
     panels.push_back({static_cast<std::size_t>(band - bands.begin()), names.index(s), &field,
@@ -174,7 +175,7 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query) {
     for (const MapPanel& p : panels) {
       if (p.line != line) continue;
       of_band = &p.field->signature.front();
-      for (double v : p.field->intensity.value) {
+      for (double v : p.field->samples.value) {
         least = first ? v : std::min(least, v);
         most = first ? v : std::max(most, v);
         first = false;
@@ -182,17 +183,17 @@ absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query) {
     }
     // From 0 unless that would waste half of the colours.
     if (least > 0 && least < 0.5 * most) least = 0;
-    const DisplayUnit unit = display_unit(most, "W/sr");
+    const DisplayUnit unit = display_unit(std::max(most, -least), quantity.unit);
     const Axis scale = round_axis(least, most, 6, unit.factor);
     const double y = 56 + line_height * static_cast<double>(line);
     svg.text({450, y + 14},
-             fmt::format("In-band intensity, {}, in {}", band_title(*of_band), unit.name),
+             fmt::format("{}, {}, in {}", quantity.title, band_title(*of_band), unit.name),
              {.size = 15, .anchor = Anchor::kMiddle});
     for (const MapPanel& p : panels) {
       if (p.line != line) continue;
       const Point center{left + pitch * (static_cast<double>(p.column) + 0.5), y + radius + 54};
       const Disk disk(center, radius, rim_zenith_deg);
-      draw_surface(svg, disk, p.surface, p.field->intensity, scale);
+      draw_surface(svg, disk, p.surface, p.field->samples, scale);
       draw_graticule(svg, disk, rim_zenith_deg, columns == 1);
       for (const auto& v : p.field->signature) {
         svg.circle(disk.at(v.aspect_azimuth_deg, v.aspect_elevation_deg), radius > 200 ? 1.6 : 1,

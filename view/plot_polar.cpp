@@ -52,18 +52,19 @@ absl::StatusOr<double> lowest_elevation_deg(const SignatureField& field) {
   for (const auto& s : field.signature) low = std::min(low, s.aspect_elevation_deg);
   if (count_on_ring(field, low) >= kFewestOnRing) return low;
   for (double at = std::ceil(low); at <= 60; ++at) {
-    if (covered_all_around(field.intensity, at)) return at;
+    if (covered_all_around(field.samples, at)) return at;
   }
   return absl::OutOfRangeError(
       "no elevation is covered by viewpoints all around the target: name one with --elevation");
 }
 
-absl::StatusOr<Curve> curve_of(const SignatureField& field, double elevation_deg) {
+absl::StatusOr<Curve> curve_of(const QuantityColumns& quantity, const SignatureField& field,
+                               double elevation_deg) {
   Curve out{0, {}, count_on_ring(field, elevation_deg) < kFewestOnRing, {}};
   const double tolerance_deg = out.interpolated ? kNearRingDeg : kOnRingDeg;
   for (const auto& s : field.signature) {
     if (on_ring(s, elevation_deg, tolerance_deg)) {
-      out.mark.push_back({s.aspect_azimuth_deg, s.intensity_w_sr, s.numerical_error_w_sr});
+      out.mark.push_back({s.aspect_azimuth_deg, s.*quantity.value, s.*quantity.numerical_error});
     }
   }
   std::sort(out.mark.begin(), out.mark.end(),
@@ -72,10 +73,10 @@ absl::StatusOr<Curve> curve_of(const SignatureField& field, double elevation_deg
     out.point = out.mark;
     return out;
   }
-  auto kernel = SphereFit::choose_kernel(field.intensity);
+  auto kernel = SphereFit::choose_kernel(field.samples);
   if (!kernel.ok()) return kernel.status();
   for (int azimuth = 0; azimuth < 360; azimuth += kAzimuthStepDeg) {
-    auto fit = SphereFit::at(field.intensity, body_from_aspect(azimuth, elevation_deg), *kernel);
+    auto fit = SphereFit::at(field.samples, body_from_aspect(azimuth, elevation_deg), *kernel);
     if (!fit.ok()) {
       return absl::Status(fit.status().code(),
                           fmt::format("cannot draw elevation {:g} deg at azimuth {} deg: {}",
@@ -83,10 +84,10 @@ absl::StatusOr<Curve> curve_of(const SignatureField& field, double elevation_deg
     }
     std::vector<double> value, value_stderr;
     for (std::size_t i : fit->used()) {
-      value.push_back(field.intensity.value[i]);
-      value_stderr.push_back(field.intensity.value_stderr[i]);
+      value.push_back(field.samples.value[i]);
+      value_stderr.push_back(field.samples.value_stderr[i]);
     }
-    const SphereEstimate e = nonnegative_estimate(*fit, value, value_stderr);
+    const SphereEstimate e = estimate_of(quantity, *fit, value, value_stderr);
     out.point.push_back(
         {static_cast<double>(azimuth), e.value, std::hypot(e.value_stderr, e.interpolation_error)});
   }
@@ -107,10 +108,13 @@ class PolarPanel {
   void grid() {
     for (double tick : axis_.tick) {
       if (tick <= axis_.low) continue;
-      const bool rim = tick >= axis_.high * (1 - 1e-9);
+      const bool rim = tick >= axis_.high - 1e-9 * (axis_.high - axis_.low);
       svg_.circle(center_, radius_ * axis_.fraction(tick), "none",
                   {rim ? "#555555" : "#d4d4d4", rim ? 1.2 : 0.8, ""});
     }
+    // Where values lie on both sides of 0, its circle is the one to look for.
+    if (axis_.low < 0 && axis_.high > 0)
+      svg_.circle(center_, radius_ * axis_.fraction(0), "none", {"#333333", 1.2, "5 3"});
     for (int azimuth = 0; azimuth < 360; azimuth += 30) {
       svg_.line(center_, at(azimuth, axis_.high), {"#d4d4d4", 0.8, ""});
       const Point p{center_.x + (radius_ + 20) * std::sin(rad(azimuth)),
@@ -153,7 +157,7 @@ class PolarPanel {
     edge.push_back(edge.front());
     for (std::size_t i = curve.point.size() + 1; i-- > 0;) {
       const auto& p = curve.point[i % curve.point.size()];
-      edge.push_back(at(p.azimuth_deg, std::max(0.0, p.value - 2 * p.error)));
+      edge.push_back(at(p.azimuth_deg, p.value - 2 * p.error));
     }
     svg_.polygon(edge, stroke.color, 0.16);
   }
@@ -165,8 +169,8 @@ class PolarPanel {
     svg_.polyline(line, stroke);
     const double r = curve.mark.size() > 90 ? 2 : 3.2;
     for (const auto& m : curve.mark) {
-      svg_.line(at(m.azimuth_deg, std::max(0.0, m.value - 2 * m.error)),
-                at(m.azimuth_deg, m.value + 2 * m.error), {stroke.color, 1.2, ""});
+      svg_.line(at(m.azimuth_deg, m.value - 2 * m.error), at(m.azimuth_deg, m.value + 2 * m.error),
+                {stroke.color, 1.2, ""});
       svg_.circle(at(m.azimuth_deg, m.value), r, "#ffffff", {stroke.color, 1.4, ""});
     }
   }
@@ -194,7 +198,8 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   auto signatures = signatures_to_plot(reader, query);
   if (!signatures.ok()) return signatures.status();
   const CurveNames names(*signatures);
-  const std::vector<SignatureField> fields = fields_of(*signatures);
+  const std::vector<SignatureField> fields = fields_of(*signatures, query.quantity);
+  const QuantityColumns& quantity = columns_of(query.quantity);
   if (!elevation_deg) {
     auto lowest = lowest_elevation_deg(fields.front());
     if (!lowest.ok()) return lowest.status();
@@ -207,7 +212,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   std::vector<Panel> panels;
   bool interpolated = false;
   for (const SignatureField& field : fields) {
-    auto curve = curve_of(field, *elevation_deg);
+    auto curve = curve_of(quantity, field, *elevation_deg);
     if (!curve.ok()) return curve.status();
     const StoredSignature& s = field.signature.front();
     curve->place = names.index(s);
@@ -236,19 +241,27 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
   draw_legend(svg, {450, 62}, legend, 5);
 
+  bool both_sides_of_0 = false;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double left = panel_width * static_cast<double>(i % columns);
     const double y = top + panel_height * static_cast<double>(i / columns);
-    double most = 0;
+    // The centre is 0, or below everything where something lies below 0.
+    double most = 0, least = 0;
     for (const Curve& c : panels[i].curve) {
-      for (const auto& p : c.point) most = std::max(most, p.value + 2 * p.error);
-      for (const auto& p : c.mark) most = std::max(most, p.value + 2 * p.error);
+      for (const auto* points : {&c.point, &c.mark}) {
+        for (const CurvePoint& p : *points) {
+          most = std::max(most, p.value + 2 * p.error);
+          if (p.value < 0) least = std::min(least, p.value - 2 * p.error);
+        }
+      }
     }
-    const DisplayUnit unit = display_unit(most > 0 ? most : 1, "W/sr");
-    const Axis axis = round_axis(0, most > 0 ? most : 1, 5, unit.factor);
+    if (most <= least) most = least + 1;
+    const DisplayUnit unit = display_unit(std::max(most, -least), quantity.unit);
+    const Axis axis = round_axis(least, most, 5, unit.factor);
+    both_sides_of_0 |= axis.low < 0 && axis.high > 0;
     PolarPanel panel(svg, {left + panel_width / 2, y + radius + 62}, radius, axis);
     svg.text({left + panel_width / 2, y + 8},
-             fmt::format("In-band intensity, {}, in {}", band_title(*panels[i].first), unit.name),
+             fmt::format("{}, {}, in {}", quantity.title, band_title(*panels[i].first), unit.name),
              {.size = 15, .anchor = Anchor::kMiddle});
     panel.grid();
     for (const Curve& c : panels[i].curve) {
@@ -257,15 +270,17 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     for (const Curve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
     panel.radial_labels(panels[i].curve);
   }
-  svg.text(
-      {450, svg.height_px() - 16},
+  std::string caption =
       interpolated
-          ? fmt::format("Aspect azimuth clockwise from the bow. Curves: interpolated between "
-                        "viewpoints, band \u00b12\u03c3. Circles: viewpoints within {:g}\u00b0 "
-                        "of the elevation, \u00b12\u03c3.",
-                        kNearRingDeg)
-          : "Aspect azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.",
-      {.size = 12, .anchor = Anchor::kMiddle, .color = "#555555"});
+          ? fmt::format(
+                "Aspect azimuth clockwise from the bow. Curves: interpolated between "
+                "viewpoints, band \u00b12\u03c3. Circles: viewpoints within {:g}\u00b0 "
+                "of the elevation, \u00b12\u03c3.",
+                kNearRingDeg)
+          : "Aspect azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.";
+  if (both_sides_of_0) caption += " Dashed: 0.";
+  svg.text({450, svg.height_px() - 16}, caption,
+           {.size = 12, .anchor = Anchor::kMiddle, .color = "#555555"});
   return svg.finish();
 }
 

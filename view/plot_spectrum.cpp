@@ -18,18 +18,21 @@ struct SpectralCurve {
 constexpr double kLeft = 92, kRight = 26, kBottom = 70, kWidth = 900;
 
 absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
-                                       std::size_t place) {
+                                       const QuantityColumns& quantity, std::size_t place) {
   auto got = spectrum_of(reader, row);
   if (!got.ok()) return got.status();
   const schema::Spectrum& s = got->spectrum;
   SpectralCurve out{place, {s.lambda_um().begin(), s.lambda_um().end()}, {}, {}};
+  const auto &values = (s.*quantity.spectral_value)(), &stderrs = (s.*quantity.spectral_stderr)();
+  // The interpolation error is known for the source spectrum alone.
+  const bool source = quantity.quantity == SignatureQuantity::kIntensity;
   for (int k = 0; k < s.lambda_um_size(); ++k) {
-    out.value.push_back(s.spectral_intensity_w_sr_um(k));
+    out.value.push_back(values.Get(k));
     const double between =
-        got->spectral_interpolation_error_w_sr_um.empty()
+        !source || got->spectral_interpolation_error_w_sr_um.empty()
             ? 0
             : got->spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)];
-    out.error.push_back(std::hypot(s.spectral_intensity_stderr_w_sr_um(k), between));
+    out.error.push_back(std::hypot(stderrs.Get(k), between));
   }
   return out;
 }
@@ -57,12 +60,12 @@ class Frame {
     }
   }
 
-  void box(const std::string& unit) {
+  void box(const std::string& title, const std::string& unit) {
     const Point corner = at(x_.low, y_.high);
     svg_.rect(corner, kWidth - kLeft - kRight, height_, "none", {"#333333", 1.2, ""});
     svg_.text({(kLeft + kWidth - kRight) / 2, top_ + height_ + 46}, "Wavelength in \u00b5m",
               {.size = 15, .anchor = Anchor::kMiddle});
-    svg_.text({26, top_ + height_ / 2}, "Spectral intensity in " + unit,
+    svg_.text({26, top_ + height_ / 2}, title + " in " + unit,
               {.size = 15, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
@@ -123,18 +126,20 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
 
   std::vector<StoredSignature> signatures;
   for (const QueryRow& r : *rows) signatures.push_back(r.signature);
+  const QuantityColumns& quantity = columns_of(query.quantity);
+  if (absl::Status status = check_computed(signatures, query.quantity); !status.ok()) return status;
   const CurveNames names(signatures);
   std::vector<SpectralCurve> curves;
   double low_um = signatures.front().lambda_min_um, high_um = signatures.front().lambda_max_um;
   double least = 0, most = 0;
   for (const QueryRow& r : *rows) {
-    auto curve = curve_of(reader, r, names.index(r.signature));
+    auto curve = curve_of(reader, r, quantity, names.index(r.signature));
     if (!curve.ok()) return curve.status();
     low_um = std::min(low_um, r.signature.lambda_min_um);
     high_um = std::max(high_um, r.signature.lambda_max_um);
     for (std::size_t k = 0; k < curve->value.size(); ++k) {
       most = std::max(most, curve->value[k] + 2 * curve->error[k]);
-      least = std::min(least, curve->value[k]);
+      least = std::min(least, curve->value[k] < 0 ? curve->value[k] - 2 * curve->error[k] : 0.0);
     }
     curves.push_back(std::move(*curve));
   }
@@ -152,7 +157,8 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
   draw_legend(svg, {kWidth / 2, 62}, legend, 5);
   const double margin = 0.03 * (high_um - low_um);
   const Axis x = tight_axis(low_um - margin, high_um + margin, 10);
-  const DisplayUnit unit = display_unit(most > least ? most : 1, "W/(sr \u00b5m)");
+  const DisplayUnit unit =
+      display_unit(most > least ? std::max(most, -least) : 1, quantity.spectral_unit);
   const Axis y = round_axis(least, most > least ? most : least + 1, 6, unit.factor);
   Frame frame(svg, 62 + 22 * static_cast<double>((names.size() + 4) / 5), x, y);
   std::vector<std::string> drawn;
@@ -163,7 +169,7 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
   }
   frame.grid();
   for (const SpectralCurve& c : curves) frame.curve(c);
-  frame.box(unit.name);
+  frame.box(quantity.spectral_title, unit.name);
   return svg.finish();
 }
 

@@ -7,8 +7,10 @@
 #include <set>
 
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "core/geo/sun.h"
 #include "view/interpolate_rows.h"
+#include "view/range_change.h"
 
 namespace irsig {
 namespace {
@@ -39,10 +41,24 @@ absl::Status check(const Query& query) {
     return absl::InvalidArgumentError(
         fmt::format("max relative error {}: expected more than 0", *query.max_relative_error));
   }
+  if (query.range_m && query.interpolate) {
+    return absl::InvalidArgumentError(
+        "an interpolated row cannot be moved to another range: give one of the two");
+  }
   if (query.row && query.interpolate) {
     return absl::InvalidArgumentError("a row cannot be interpolated: give the row or an aspect");
   }
   return absl::OkStatus();
+}
+
+// Rows whose error the query accepts.
+void keep_exact(std::vector<QueryRow>& rows, const Query& query) {
+  if (!query.max_relative_error) return;
+  const QuantityColumns& q = columns_of(query.quantity);
+  std::erase_if(rows, [&](const QueryRow& r) {
+    return !(r.signature.*q.numerical_error <=
+             *query.max_relative_error * std::abs(r.signature.*q.value));
+  });
 }
 
 std::string listed(const std::set<std::string>& names) { return absl::StrJoin(names, ", "); }
@@ -81,7 +97,28 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
 
 }  // namespace
 
-absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query) {
+std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
+  std::vector<std::string> out;
+  std::size_t old = 0;
+  for (const QueryRow& row : rows) {
+    const StoredSignature& s = row.signature;
+    if (std::isnan(s.contrast_intensity_w_sr)) ++old;
+    if (s.warning.empty()) continue;
+    for (const std::string& line : std::vector<std::string>(absl::StrSplit(s.warning, '\n'))) {
+      std::string note = fmt::format("{} {}: {}", s.season, s.time_utc, line);
+      if (std::find(out.begin(), out.end(), note) == out.end()) out.push_back(std::move(note));
+    }
+  }
+  if (old > 0)
+    out.push_back(
+        fmt::format("{} of {} rows were stored by an older irsig, which did not compute "
+                    "contrast, background and path (run the sweep again to have them)",
+                    old, rows.size()));
+  return out;
+}
+
+absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,
+                                                const ExtentOf& extent_of) {
   if (absl::Status status = check(query); !status.ok()) return status;
   SignatureFilter filter;
   filter.sweep = query.sweep;
@@ -97,7 +134,9 @@ absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query
     filter.direction = query.aspect;
     filter.nearest = query.nearest;
     filter.within_deg = query.within_deg;
-    filter.max_relative_error = query.max_relative_error;
+    // Moving to another range changes the errors.
+    if (!query.range_m) filter.max_relative_error = query.max_relative_error;
+    filter.error_of = query.quantity;
   }
   auto found = reader.find(filter);
   if (!found.ok()) return found.status();
@@ -107,17 +146,15 @@ absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query
   }
   if (query.interpolate) {
     auto rows = interpolate_rows(*found, *query.aspect);
-    if (rows.ok() && query.max_relative_error) {
-      std::erase_if(*rows, [&](const QueryRow& r) {
-        return r.signature.numerical_error_w_sr >
-               *query.max_relative_error * std::abs(r.signature.intensity_w_sr);
-      });
-    }
+    if (rows.ok()) keep_exact(*rows, query);
     return rows;
   }
   std::vector<QueryRow> rows;
   for (auto& s : *found) rows.push_back({std::move(s), std::nullopt});
-  return rows;
+  if (!query.range_m) return rows;
+  auto moved = at_range(reader, std::move(rows), *query.range_m, extent_of);
+  if (moved.ok()) keep_exact(*moved, query);
+  return moved;
 }
 
 }  // namespace irsig

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +10,7 @@
 #include "absl/status/statusor.h"
 #include "schema/store/store.h"
 #include "view/interpolate.h"
+#include "view/signature_quantity.h"
 
 namespace irsig {
 
@@ -21,8 +24,18 @@ struct Query {
   std::optional<double> within_deg{};
   bool interpolate = false;
   std::optional<std::uint64_t> row{};
+  // What is asked about: max_relative_error, people's tables and plots go by it.
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;
   std::optional<double> max_relative_error{};  // of the numerical error, interpolation included
+  std::optional<double> range_m{};             // as seen from there: range_change.h
 };
+
+// How far a target reaches.
+struct TargetExtent {
+  double length_m;  // longest side of its bounding box, along the axes of the body
+  double reach_m;   // from the reference point to its farthest point
+};
+using ExtentOf = std::function<absl::StatusOr<TargetExtent>(const StoredSweep&)>;
 
 // Where an interpolated row comes from.
 struct Interpolation {
@@ -31,18 +44,32 @@ struct Interpolation {
   double interpolation_error_w_sr;    // part of numerical_error_w_sr
 };
 
+// Where a row that was moved to another range comes from (range_change.h).
+struct RangeChange {
+  double stored_range_m;
+  double range_bound_w_sr;  // part of apparent_numerical_error_w_sr
+  std::shared_ptr<const schema::Spectrum> spectrum;
+};
+
 struct QueryRow {
   // Interpolated: row and signature_id are 0, the fields that are not a function of the aspect are
   // those of the nearest viewpoint, numerical errors include the interpolation error.
   StoredSignature signature;
   std::optional<Interpolation> interpolation;
+  std::optional<RangeChange> range_change{};
 };
 
 // Errors: INVALID_ARGUMENT for contradictory or malformed questions, NOT_FOUND for a sweep, season,
 // band or row that does not exist (the message lists the known ones), OUT_OF_RANGE for an aspect
-// that the viewpoints do not cover. No match: no rows.
+// that the viewpoints do not cover; those of at_range. No match: no rows.
+//   extent_of  needed for query.range_m alone
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader,
-                                                              const Query& query);
+                                                              const Query& query,
+                                                              const ExtentOf& extent_of = {});
+
+// What a person should know beside the numbers: warnings of the rows' conditions, rows that an
+// older irsig stored without contrast and background.
+[[nodiscard]] std::vector<std::string> notes_on(const std::vector<QueryRow>& rows);
 
 struct RowSpectrum {
   schema::Spectrum spectrum;

@@ -1,5 +1,9 @@
 #include "view/query_table.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 namespace irsig {
@@ -15,6 +19,12 @@ RowColumn stored(const char* name, T StoredSignature::*field, bool brief) {
   return {{name, brief}, [field](const QueryRow& row) -> Cell {
             if constexpr (std::is_same_v<T, std::uint32_t>) {
               return static_cast<std::uint64_t>(row.signature.*field);
+            } else if constexpr (std::is_same_v<T, double>) {
+              // What was not computed is no number.
+              const double value = row.signature.*field;
+              return std::isnan(value) ? Cell() : Cell(value);
+            } else if constexpr (std::is_same_v<T, std::optional<std::uint64_t>>) {
+              return row.signature.*field ? Cell(*(row.signature.*field)) : Cell();
             } else {
               return row.signature.*field;
             }
@@ -71,6 +81,17 @@ std::vector<RowColumn> interpolation_columns() {
            }}};
 }
 
+// The range that a moved row was computed at, and what moving it added to its error.
+std::vector<RowColumn> range_columns() {
+  return {{{"stored_range_m", true},
+           [](const QueryRow& row) -> Cell {
+             return row.range_change ? Cell(row.range_change->stored_range_m) : Cell();
+           }},
+          {{"range_bound_w_sr", true}, [](const QueryRow& row) -> Cell {
+             return row.range_change ? Cell(row.range_change->range_bound_w_sr) : Cell();
+           }}};
+}
+
 std::vector<RowColumn> cause_columns() {
   return {
       stored("emitted_w_sr", &S::emitted_w_sr, true),
@@ -91,13 +112,26 @@ std::vector<RowColumn> further_columns() {
       stored("apparent_intensity_w_sr", &S::apparent_intensity_w_sr, false),
       stored("apparent_intensity_stderr_w_sr", &S::apparent_intensity_stderr_w_sr, false),
       stored("apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr, false),
+      stored("contrast_intensity_w_sr", &S::contrast_intensity_w_sr, false),
+      stored("contrast_intensity_stderr_w_sr", &S::contrast_intensity_stderr_w_sr, false),
+      stored("contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr, false),
+      stored("background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr, false),
+      stored("background_radiance_stderr_w_m2_sr", &S::background_radiance_stderr_w_m2_sr, false),
+      stored("model_error_w_sr", &S::model_error_w_sr, false),
+      stored("apparent_model_error_w_sr", &S::apparent_model_error_w_sr, false),
+      stored("path_transmittance", &S::path_transmittance, false),
+      stored("path_radiance_w_m2_sr", &S::path_radiance_w_m2_sr, false),
       stored("lambda_min_um", &S::lambda_min_um, false),
       stored("lambda_max_um", &S::lambda_max_um, false),
       stored("sun_azimuth_deg", &S::sun_azimuth_deg, false),
       stored("sun_zenith_deg", &S::sun_zenith_deg, false),
       computed("truncation_bound_w_sr", &S::truncation_bound_w_sr, false),
       computed("quadrature_bound_w_sr", &S::quadrature_bound_w_sr, false),
+      computed("unseen_bound_w_sr", &S::unseen_bound_w_sr, false),
+      computed("basis_bound_w_sr", &S::basis_bound_w_sr, false),
+      computed("sky_bound_w_sr", &S::sky_bound_w_sr, false),
       computed("stop_reason", &S::stop_reason, false),
+      stored("warning", &S::warning, false),
       stored("energy_gain", &S::energy_gain, false),
       computed("samples", &S::samples, false),
       computed("replicates", &S::replicates, false),
@@ -107,12 +141,35 @@ std::vector<RowColumn> further_columns() {
       computed("guarded_backface_hits", &S::guarded_backface_hits, false),
       computed("guarded_nonfinite", &S::guarded_nonfinite, false),
       computed("guarded_path_limit", &S::guarded_path_limit, false),
+      computed("guarded_negative", &S::guarded_negative, false),
       computed("job_key", &S::job_key, false),
       computed("seed_hex", &S::seed_hex, false),
       stored("physics_version", &S::physics_version, false),
       stored("determinism_class", &S::determinism_class, false),
       stored("build_id", &S::build_id, false),
   };
+}
+
+// People see the quantity that they asked about, and beside another than the source intensity only
+// the value of that.
+void show_quantity(std::vector<RowColumn>& columns, const QuantityColumns& asked) {
+  if (asked.quantity == SignatureQuantity::kIntensity) return;
+  const QuantityColumns& source = columns_of(SignatureQuantity::kIntensity);
+  for (RowColumn& c : columns) {
+    if (c.column.name == source.stderr_name || c.column.name == source.error_name)
+      c.column.brief = false;
+    if (c.column.name == asked.value_name || c.column.name == asked.stderr_name ||
+        c.column.name == asked.error_name)
+      c.column.brief = true;
+  }
+}
+
+// Empty cells come last, whichever way round.
+bool before(const Cell& a, const Cell& b, bool descending) {
+  const bool a_empty = std::holds_alternative<std::monostate>(a);
+  const bool b_empty = std::holds_alternative<std::monostate>(b);
+  if (a_empty || b_empty) return b_empty && !a_empty;
+  return descending ? b < a : a < b;
 }
 
 std::vector<Cell> cells_of(const std::vector<RowColumn>& columns, const QueryRow& row) {
@@ -132,6 +189,12 @@ constexpr SpectralColumn kSpectral[] = {
     {"spectral_intensity_stderr_w_sr_um", &Sp::spectral_intensity_stderr_w_sr_um},
     {"apparent_spectral_intensity_w_sr_um", &Sp::apparent_spectral_intensity_w_sr_um},
     {"apparent_spectral_intensity_stderr_w_sr_um", &Sp::apparent_spectral_intensity_stderr_w_sr_um},
+    {"contrast_spectral_intensity_w_sr_um", &Sp::contrast_spectral_intensity_w_sr_um},
+    {"contrast_spectral_intensity_stderr_w_sr_um", &Sp::contrast_spectral_intensity_stderr_w_sr_um},
+    {"background_radiance_w_m2_sr_um", &Sp::background_radiance_w_m2_sr_um},
+    {"background_radiance_stderr_w_m2_sr_um", &Sp::background_radiance_stderr_w_m2_sr_um},
+    {"path_transmittance", &Sp::path_transmittance},
+    {"path_radiance_w_m2_sr_um", &Sp::path_radiance_w_m2_sr_um},
 };
 constexpr SpectralColumn kSpectralCauses[] = {
     {"spectral_emitted_w_sr_um", &Sp::emitted_w_sr_um},
@@ -151,13 +214,16 @@ Cell value_at(const google::protobuf::RepeatedField<float>& values, int k) {
 }
 
 absl::Status write_spectra(StoreReader& reader, const std::vector<QueryRow>& rows,
-                           std::vector<RowColumn> base, bool causes, std::string_view format,
-                           std::ostream& out) {
+                           std::vector<RowColumn> base, const QueryContent& content,
+                           std::string_view format, std::ostream& out) {
+  const bool causes = content.causes;
+  const QuantityColumns& asked = columns_of(content.quantity);
   std::vector<Column> columns;
   for (const RowColumn& c : base) columns.push_back(c.column);
   columns.push_back({"lambda_um"});
   for (const auto& c : kSpectral) {
-    columns.push_back({c.name, !std::string_view(c.name).starts_with("apparent")});
+    columns.push_back(
+        {c.name, c.values == asked.spectral_value || c.values == asked.spectral_stderr});
   }
   if (causes) {
     for (const auto& c : kSpectralCauses) {
@@ -219,6 +285,24 @@ absl::Status write_parts(StoreReader& reader, const std::vector<QueryRow>& rows,
 
 }  // namespace
 
+absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column, bool descending) {
+  std::vector<RowColumn> columns = fixed_columns(true);
+  for (auto&& more : {cause_columns(), further_columns()})
+    columns.insert(columns.end(), more.begin(), more.end());
+  const auto by = std::find_if(columns.begin(), columns.end(),
+                               [&](const RowColumn& c) { return c.column.name == column; });
+  if (by == columns.end()) {
+    std::vector<std::string_view> names;
+    for (const RowColumn& c : columns) names.push_back(c.column.name);
+    return absl::InvalidArgumentError(fmt::format("no column \"{}\" to sort by: expected one of {}",
+                                                  column, fmt::join(names, ", ")));
+  }
+  std::stable_sort(rows.begin(), rows.end(), [&](const QueryRow& a, const QueryRow& b) {
+    return before(by->cell(a), by->cell(b), descending);
+  });
+  return absl::OkStatus();
+}
+
 absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                         const QueryContent& content, std::string_view format, std::ostream& out) {
   if (content.spectrum && content.parts) {
@@ -230,14 +314,16 @@ absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
     columns.insert(columns.end(), std::make_move_iterator(more.begin()),
                    std::make_move_iterator(more.end()));
   };
+  if (!rows.empty() && rows.front().range_change) append(range_columns());
   if (content.spectrum) {
-    return write_spectra(reader, rows, std::move(columns), content.causes, format, out);
+    return write_spectra(reader, rows, std::move(columns), content, format, out);
   }
   if (!content.parts && !rows.empty() && rows.front().interpolation)
     append(interpolation_columns());
   if (content.causes) append(cause_columns());
   if (content.parts) return write_parts(reader, rows, std::move(columns), format, out);
   append(further_columns());
+  show_quantity(columns, columns_of(content.quantity));
 
   std::vector<Column> heads;
   for (const RowColumn& c : columns) heads.push_back(c.column);

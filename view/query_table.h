@@ -14,7 +14,13 @@ struct QueryContent {
   bool spectrum = false;  // one line per wavelength
   bool parts = false;     // one line per part; not together with spectrum
   bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
 };
+
+// Into the order of a column's values; rows without one come last. INVALID_ARGUMENT: no such
+// column.
+[[nodiscard]] absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column,
+                                     bool descending);
 
 // Writes rows in a format of table.h. The columns start with those that scripts rely on (docs:
 // `irsig query --help`).

@@ -11,21 +11,29 @@ namespace {
 
 using Values = google::protobuf::RepeatedField<float>;
 
-// Interpolates one pair of arrays of the spectra; arrays that the spectra do not have stay empty.
+bool all_have(const std::vector<schema::Spectrum>& from,
+              const Values& (schema::Spectrum::*value)() const) {
+  return std::all_of(from.begin(), from.end(),
+                     [&](const schema::Spectrum& s) { return !(s.*value)().empty(); });
+}
+
+// Interpolates one pair of arrays of the spectra; arrays that some spectra do not have stay empty.
 void interpolate_array(const SphereFit& fit, const std::vector<schema::Spectrum>& from,
                        const Values& (schema::Spectrum::*value)() const,
                        const Values& (schema::Spectrum::*value_stderr)() const, Values* out,
-                       Values* out_stderr, std::vector<double>* error) {
+                       Values* out_stderr, std::vector<double>* error, bool is_signed) {
+  if (!all_have(from, value)) return;
   const int n = (from.front().*value)().size();
   std::vector<double> values(from.size()), stderrs(from.size());
   for (int k = 0; k < n; ++k) {
     for (std::size_t i = 0; i < from.size(); ++i) {
       values[i] = (from[i].*value)().Get(k);
-      stderrs[i] = (from[i].*value_stderr)().Get(k);
+      stderrs[i] = value_stderr ? (from[i].*value_stderr)().Get(k) : 0.0;
     }
-    const SphereEstimate e = nonnegative_estimate(fit, values, stderrs);
+    const SphereEstimate e =
+        is_signed ? fit.estimate(values, stderrs) : nonnegative_estimate(fit, values, stderrs);
     out->Add(static_cast<float>(e.value));
-    out_stderr->Add(static_cast<float>(e.value_stderr));
+    if (out_stderr) out_stderr->Add(static_cast<float>(e.value_stderr));
     if (error) error->push_back(e.interpolation_error);
   }
 }
@@ -38,6 +46,7 @@ bool same_axis(const schema::Spectrum& a, const schema::Spectrum& b) {
 }  // namespace
 
 absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row) {
+  if (row.range_change) return RowSpectrum{*row.range_change->spectrum, {}};
   if (!row.interpolation) {
     auto stored = reader.spectrum(row.signature.signature_id);
     if (!stored.ok()) return stored.status();
@@ -61,7 +70,7 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
   interpolate_array(fit, from, &schema::Spectrum::name##_w_sr_um, \
                     &schema::Spectrum::name##_stderr_w_sr_um,     \
                     out.spectrum.mutable_##name##_w_sr_um(),      \
-                    out.spectrum.mutable_##name##_stderr_w_sr_um(), error)
+                    out.spectrum.mutable_##name##_stderr_w_sr_um(), error, false)
   IRSIG_INTERPOLATE(spectral_intensity, &out.spectral_interpolation_error_w_sr_um);
   IRSIG_INTERPOLATE(emitted, nullptr);
   IRSIG_INTERPOLATE(sun_reflected, nullptr);
@@ -70,6 +79,20 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
   IRSIG_INTERPOLATE(parts_reflected, nullptr);
   IRSIG_INTERPOLATE(apparent_spectral_intensity, nullptr);
 #undef IRSIG_INTERPOLATE
+  using Sp = schema::Spectrum;
+  Sp& s = out.spectrum;
+  interpolate_array(fit, from, &Sp::contrast_spectral_intensity_w_sr_um,
+                    &Sp::contrast_spectral_intensity_stderr_w_sr_um,
+                    s.mutable_contrast_spectral_intensity_w_sr_um(),
+                    s.mutable_contrast_spectral_intensity_stderr_w_sr_um(), nullptr, true);
+  interpolate_array(fit, from, &Sp::background_radiance_w_m2_sr_um,
+                    &Sp::background_radiance_stderr_w_m2_sr_um,
+                    s.mutable_background_radiance_w_m2_sr_um(),
+                    s.mutable_background_radiance_stderr_w_m2_sr_um(), nullptr, false);
+  interpolate_array(fit, from, &Sp::path_transmittance, nullptr, s.mutable_path_transmittance(),
+                    nullptr, nullptr, false);
+  interpolate_array(fit, from, &Sp::path_radiance_w_m2_sr_um, nullptr,
+                    s.mutable_path_radiance_w_m2_sr_um(), nullptr, nullptr, false);
   return out;
 }
 

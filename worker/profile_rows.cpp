@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/signature/profile.h"
+#include "worker/check_numbers.h"
 
 namespace irsig {
 namespace {
@@ -64,6 +65,8 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     if (!measured.ok())
       return {measured.status().code(),
               absl::StrCat("profile[", i, "]: ", measured.status().message())};
+    if (auto status = check_numbers(absl::StrCat("profile[", i, "]"), *measured); !status.ok())
+      return status;
     for (const ProfileRow& row : measured->row)
       for (schema::SignatureRow& signature : *result.mutable_row()) {
         if (signature.condition_index() != row.condition || signature.band_index() != row.band)
@@ -76,7 +79,6 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     const PathCounts& counts = measured->counts;
     result.set_rays(result.rays() + counts.rays);
     result.set_guarded_backface_hits(result.guarded_backface_hits() + counts.guarded_backface_hits);
-    result.set_guarded_nonfinite(result.guarded_nonfinite() + counts.guarded_nonfinite);
     result.set_guarded_path_limit(result.guarded_path_limit() + counts.truncated_paths);
   }
   return absl::OkStatus();

@@ -49,6 +49,12 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   copy(cause(Cause::kPartsReflected).stderr_, out->mutable_parts_reflected_stderr_w_sr_um());
   copy(r.apparent_spectral.value, out->mutable_apparent_spectral_intensity_w_sr_um());
   copy(r.apparent_spectral.stderr_, out->mutable_apparent_spectral_intensity_stderr_w_sr_um());
+  copy(r.contrast_spectral.value, out->mutable_contrast_spectral_intensity_w_sr_um());
+  copy(r.contrast_spectral.stderr_, out->mutable_contrast_spectral_intensity_stderr_w_sr_um());
+  copy(r.background_spectral.value, out->mutable_background_radiance_w_m2_sr_um());
+  copy(r.background_spectral.stderr_, out->mutable_background_radiance_stderr_w_m2_sr_um());
+  copy(r.path_transmittance_spectral, out->mutable_path_transmittance());
+  copy(r.path_radiance_spectral, out->mutable_path_radiance_w_m2_sr_um());
 }
 
 absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, const ViewResult& view,
@@ -85,6 +91,16 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     row->set_quadrature_bound_w_sr(r.quadrature_bound_w_sr);
     set(row->mutable_apparent_intensity_w_sr(), r.apparent_intensity_w_sr);
     row->set_apparent_numerical_error_w_sr(r.apparent_numerical_error_w_sr);
+    row->set_unseen_bound_w_sr(r.unseen_bound_w_sr);
+    row->set_basis_bound_w_sr(r.basis_bound_w_sr);
+    row->set_sky_bound_w_sr(r.sky_bound_w_sr);
+    set(row->mutable_contrast_intensity_w_sr(), r.contrast_intensity_w_sr);
+    row->set_contrast_numerical_error_w_sr(r.contrast_numerical_error_w_sr);
+    set(row->mutable_background_radiance_w_m2_sr(), r.background_radiance_w_m2_sr);
+    row->set_model_error_w_sr(r.model_error_w_sr);
+    row->set_apparent_model_error_w_sr(r.apparent_model_error_w_sr);
+    row->set_path_transmittance(r.path_transmittance);
+    row->set_path_radiance_w_m2_sr(r.path_radiance_w_m2_sr);
     set(row->mutable_projected_area_m2(), r.projected_area_m2);
     row->set_apparent_temperature_k(r.apparent_temperature_k);
     const auto cause = [&](Cause c) { return r.cause_w_sr[static_cast<std::size_t>(c)]; };
@@ -118,6 +134,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
   result.set_guarded_backface_hits(view.guarded_backface_hits);
   result.set_guarded_nonfinite(view.guarded_nonfinite);
   result.set_guarded_path_limit(view.guarded_path_limit);
+  result.set_guarded_negative(view.guarded_negative);
   result.set_seed_hex(absl::StrFormat("%016x", view.seed));
   return result;
 }

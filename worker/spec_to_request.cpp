@@ -1,12 +1,15 @@
 #include "worker/spec_to_request.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
+#include "jobs/environment/sweep_environment.h"
 #include "worker/material_from_message.h"
 
 namespace irsig {
@@ -49,7 +52,9 @@ absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
 
 Surroundings surroundings_of(const schema::Surroundings& s) {
   Surroundings out;
-  out.kind = s.kind() == "sea" ? SurroundingsKind::kSea : SurroundingsKind::kNone;
+  // The target stands on the ground as it floats on the sea.
+  const bool below = s.kind() == "sea" || s.kind() == "ground";
+  out.kind = below ? SurroundingsKind::kSea : SurroundingsKind::kNone;
   out.sky_temperature_k = s.has_sky_temperature_k() ? s.sky_temperature_k() : -1;
   out.sky_radiance_w_m2_sr_um = s.sky_radiance_w_m2_sr_um();
   out.sea_temperature_k = s.sea_temperature_k();
@@ -96,6 +101,7 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
       band.response.push_back({p.lambda_um(), p.value()});
     scene.band.push_back(std::move(band));
   }
+  scene.spectral_breaks_um = spectral_breaks_um(resolved);
   return scene;
 }
 
@@ -112,8 +118,20 @@ absl::Status check_energy(const schema::Sweep& sweep, const std::vector<Material
   return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
 }
 
+absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
+    const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids) {
+  if (!has_atmosphere(sweep)) return nullptr;
+  std::vector<double> node_um;
+  for (const BandGrid& grid : grids)
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  auto environment = environment_of(sweep, node_um);
+  if (!environment.ok()) return at("air.model", environment.status());
+  return std::shared_ptr<const Environment>(*std::move(environment));
+}
+
 absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
-                                             const schema::JobSpec& job) {
+                                             const schema::JobSpec& job,
+                                             std::shared_ptr<const Environment> environment) {
   const schema::Sweep& sweep = resolved.sweep();
   if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
     return absl::InvalidArgumentError(absl::StrCat(
@@ -127,6 +145,10 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
                                         c.part_temperature_k().end());
     condition.surroundings = surroundings_of(c.surroundings());
     condition.air_temperature_k = c.air_temperature_k();
+    // A calm sea has slopes too (sea_slope_variance).
+    constexpr double kCalmMS = 1e-6;
+    if (c.has_weather() && c.surroundings().sea_model() == "cox_munk")
+      condition.sea_wind_m_s = std::max(c.weather().wind_speed_m_s(), kCalmMS);
     if (sweep.transport().sun()) {
       const auto sun = sun_of(resolved, c);
       if (!sun.ok()) return sun.status();
@@ -140,6 +162,9 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     }
     request.condition.push_back(std::move(condition));
   }
+  if (has_atmosphere(resolved) && environment == nullptr)
+    return absl::InternalError("a job of a sweep with the embedded atmosphere has no environment");
+  request.environment = std::move(environment);
   const schema::Air& air = sweep.air();
   request.air.model = air.model() == "homogeneous" ? AirModel::kHomogeneous : AirModel::kVacuum;
   request.air.absorption_m2_kg = air.absorption_m2_kg();

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/signature/signature.h"
@@ -8,7 +10,8 @@
 
 namespace irsig {
 
-// Messages -> core: with result_to_proto the only bridge between the two. Errors name the key's
+// Messages -> core: with result_to_proto (and jobs/environment for the air) the only bridge between
+// the two. Errors name the key's
 // path in the sweep.
 
 // Geometry, parts, materials and bands. model_bytes: the model file's content; ignored for a
@@ -21,9 +24,16 @@ namespace irsig {
 [[nodiscard]] absl::Status check_energy(const schema::Sweep& sweep,
                                         const std::vector<Material>& materials);
 
-// Everything of one job but the scene: the sun's position is computed here.
-[[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& sweep,
-                                                           const schema::JobSpec& job);
+// The air of a sweep with the embedded atmosphere, for all its jobs, at the wavelengths that the
+// scene is computed at; null for other sweeps.
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
+    const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
+
+// Everything of one job but the scene: the sun's position is computed here. `environment`: of
+// environment_from_sweep.
+[[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
+    const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
+    std::shared_ptr<const Environment> environment);
 
 // Where the sun stands in one condition.
 struct SunAngles {

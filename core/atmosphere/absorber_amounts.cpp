@@ -24,10 +24,11 @@ double sum_of_exponentials(const GasTable& table, const GasTable::Entry& entry, 
   return std::min(1.0, sum[0] + sum[1]);
 }
 
-void multiply_gas(AirSpectrum& t, const AbsorberAmounts& amounts, std::size_t gas) {
+void multiply_gas(AirSpectrum& t, const AbsorberAmounts& amounts, std::size_t gas,
+                  const BandChoice& bands = {}) {
   const GasTable& table = gas_table();
   for (std::size_t i = table.gas_begin[gas]; i < table.gas_begin[gas + 1]; ++i) {
-    if (amounts.gas_plain_kg_m2[i] > 0) {
+    if (amounts.gas_plain_kg_m2[i] > 0 && chosen(bands, table.entry[i].band)) {
       t[table.entry[i].band] *= sum_of_exponentials(
           table, table.entry[i], amounts.gas_scaled_kg_m2[i], amounts.gas_plain_kg_m2[i]);
     }
@@ -73,7 +74,12 @@ AbsorberAmounts& AbsorberAmounts::operator+=(const AbsorberAmounts& other) {
 AbsorberAmounts operator+(AbsorberAmounts a, const AbsorberAmounts& b) { return a += b; }
 
 AirSpectrum transmittance(const AbsorberAmounts& amounts) {
+  return transmittance(amounts, BandChoice());
+}
+
+AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands) {
   IRSIG_CHECK(amounts.gas_plain_kg_m2.size() == gas_table().entry.size());
+  if (!bands.empty()) IRSIG_CHECK(bands.size() == kAirBandCount);
   AirSpectrum t(kAirBandCount);
   for (std::size_t b = 0; b < kAirBandCount; b += 2) {
     double sum[2] = {0, 0};
@@ -84,7 +90,10 @@ AirSpectrum transmittance(const AbsorberAmounts& amounts) {
     t[b] = grey[0];
     if (b + 1 < kAirBandCount) t[b + 1] = grey[1];
   }
-  for (std::size_t gas = 0; gas < kGasCount; ++gas) multiply_gas(t, amounts, gas);
+  for (std::size_t gas = 0; gas < kGasCount; ++gas) multiply_gas(t, amounts, gas, bands);
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    if (bands[b] == 0) t[b] = 0;
+  }
   return t;
 }
 

@@ -73,6 +73,14 @@ struct AbsorberAmounts {
 // of exponentials for optical depths up to 700, 0 beyond.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts);
 
+// Bands that are wanted (1) and not (0): to leave some out saves their time. Empty: all.
+using BandChoice = std::vector<unsigned char>;
+[[nodiscard]] inline bool chosen(const BandChoice& bands, std::size_t band) {
+  return bands.empty() || bands[band] != 0;
+}
+// The same, but 0 in bands that are not wanted.
+[[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands);
+
 // One factor of it alone.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas);
 

@@ -229,7 +229,10 @@ NavyMix navy_mix(const AerosolSpec& spec, double humidity_percent) {
   NavyMix mix{};
   for (std::size_t m = 0; m < 3; ++m) {
     mix.per_km[m] = 3.141592653589793e-3 / growth * amount[m];
-    mix.at[m] = humidity_position(navy_modes()[m].humidity_percent, rh);
+    // Linear in humidity, unlike the other models: so LOWTRAN7 has it, and so the visibility that
+    // MODTRAN prints for a wind comes out (66.33 km; linear in log(100 - humidity) it would be 74).
+    const std::vector<double>& tabulated = navy_modes()[m].humidity_percent;
+    mix.at[m] = locate(tabulated, std::clamp(rh, tabulated.front(), tabulated.back()));
   }
   return mix;
 }

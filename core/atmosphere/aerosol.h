@@ -46,8 +46,9 @@ struct AerosolOptics {
 };
 
 // Extinction, absorption and asymmetry are tabulated against wavelength and humidity
-// (log(100 - humidity), logarithms of the coefficients); extinction at 0.55 um against height and
-// visibility. Humidities above 99 % (Navy model: 98 %) are taken as that.
+// (log(100 - humidity), the Navy model's in humidity; logarithms of the coefficients); extinction
+// at 0.55 um against height and visibility. Humidities above 99 % (Navy model: 98 %) are taken as
+// that.
 //   relative_humidity_percent  of the air at that height
 //   surface_humidity_percent   at the surface: the Navy model's visibility refers to it
 // Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.

@@ -33,22 +33,21 @@ absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
   return Atmosphere(std::move(spec));
 }
 
-void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-              double surface_humidity_percent, const LightPath& path, std::size_t step) {
+namespace {
+
+AirSpectrum grey_depth(const AbsorberAmounts& amounts) {
+  AirSpectrum sum(kAirBandCount, 0.0);
+  for (const AirSpectrum& depth : amounts.optical_depth) {
+    for (std::size_t band = 0; band < kAirBandCount; ++band) sum[band] += depth[band];
+  }
+  return sum;
+}
+
+void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
+                 double surface_humidity_percent, const LightPath& path, std::size_t step) {
   const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
   const double length_m = path.step_m[step];
   const AirProfile& profile = spec.profile;
-  const AirSpectrum molecular_before =
-      scattering ? out.grey(GreyAbsorber::kMolecularScattering) : AirSpectrum();
-  add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
-            spec.cfc11_ppmv, spec.cfc12_ppmv);
-  if (scattering) {
-    for (std::size_t band = 0; band < kAirBandCount; ++band) {
-      scattering->molecular_depth[band] =
-          out.grey(GreyAbsorber::kMolecularScattering)[band] - molecular_before[band];
-      scattering->aerosol_depth[band] = scattering->asymmetry[band] = 0;
-    }
-  }
   if (spec.aerosol.kind == AerosolKind::kNone) return;
 
   // Gauss's two points; one where the optics hardly vary along the step.
@@ -75,6 +74,33 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
             (optics.asymmetry[band] - scattering->asymmetry[band]) * depth / sum;
       }
     }
+  }
+}
+
+}  // namespace
+
+void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
+              double surface_humidity_percent, const LightPath& path, std::size_t step) {
+  const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
+  const double length_m = path.step_m[step];
+  const AirProfile& profile = spec.profile;
+  const AirSpectrum molecular_before =
+      scattering ? out.grey(GreyAbsorber::kMolecularScattering) : AirSpectrum();
+  const AirSpectrum grey_before = scattering ? grey_depth(out) : AirSpectrum();
+  add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
+            spec.cfc11_ppmv, spec.cfc12_ppmv);
+  if (scattering) {
+    for (std::size_t band = 0; band < kAirBandCount; ++band) {
+      scattering->molecular_depth[band] =
+          out.grey(GreyAbsorber::kMolecularScattering)[band] - molecular_before[band];
+      scattering->aerosol_depth[band] = scattering->asymmetry[band] = 0;
+    }
+  }
+  add_aerosol(out, scattering, spec, surface_humidity_percent, path, step);
+  if (!scattering) return;
+  scattering->grey_depth = grey_depth(out);
+  for (std::size_t band = 0; band < kAirBandCount; ++band) {
+    scattering->grey_depth[band] -= grey_before[band];
   }
 }
 

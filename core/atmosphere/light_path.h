@@ -4,10 +4,9 @@
 
 #include "absl/status/statusor.h"
 #include "core/atmosphere/air_profile.h"
+#include "core/base/constants.h"
 
 namespace irsig {
-
-inline constexpr double kEarthRadiusM = 6371230;  // a sphere of MODTRAN's mid-latitude radius
 
 enum class PathEnd { kRange, kSurface, kSpace };
 

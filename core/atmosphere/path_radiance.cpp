@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <numbers>
 
@@ -14,23 +15,6 @@ namespace {
 // Nodes at which the sun's amounts are computed; between them they are interpolated in the node.
 constexpr std::size_t kSunNodes = 9;
 
-// Of a quantity that decays exponentially from a to b.
-double logarithmic_mean(double a, double b) {
-  if (!(a > 0 && b > 0)) return 0.5 * (a + b);
-  const double ratio = b / a;
-  if (std::abs(ratio - 1) < 1e-4) return 0.5 * (a + b);
-  return (b - a) / std::log(ratio);
-}
-
-double henyey_greenstein_per_sr(double g, double cosine) {
-  const double d = 1 + g * g - 2 * g * cosine;
-  return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
-}
-
-double rayleigh_per_sr(double cosine) {
-  return 3 * (1 + cosine * cosine) / (16 * std::numbers::pi);
-}
-
 void interpolate_amounts(AbsorberAmounts& a, const AbsorberAmounts& b, double fraction) {
   for (std::size_t i = 0; i < a.gas_plain_kg_m2.size(); ++i) {
     a.gas_scaled_kg_m2[i] += fraction * (b.gas_scaled_kg_m2[i] - a.gas_scaled_kg_m2[i]);
@@ -43,7 +27,84 @@ void interpolate_amounts(AbsorberAmounts& a, const AbsorberAmounts& b, double fr
   }
 }
 
+// Where between two heights a third lies, for amounts that thin out over 3 km (core/atmosphere/
+// path_layers.cpp); between nodes of one height: `level`. Linear instead, sunlight scattered down
+// to the sea would be 4 to 15 % too weak.
+double decay_fraction(double from_m, double to_m, double at_m, double level) {
+  constexpr double kScaleM = 3000;
+  if (std::abs(to_m - from_m) < 1 || (at_m - from_m) * (at_m - to_m) > 0) return level;
+  return std::expm1((from_m - at_m) / kScaleM) / std::expm1((from_m - to_m) / kScaleM);
+}
+
 }  // namespace
+
+double logarithmic_mean(double a, double b) {
+  if (!(a > 0 && b > 0)) return 0.5 * (a + b);
+  const double ratio = b / a;
+  if (std::abs(ratio - 1) < 1e-4) return 0.5 * (a + b);
+  return (b - a) / std::log(ratio);
+}
+
+double mean_of_decay(double a, double b, double grey_depth) {
+  if (!(a > 0)) return 0;
+  if (!(b > 0)) return a / std::max(grey_depth, std::log(a) - std::log(DBL_MIN));
+  return logarithmic_mean(a, b);
+}
+
+double mean_of_sunlight(double a, double b, double grey_depth) {
+  if (a > 0 && b > 0) return mean_of_decay(a, b, grey_depth);
+  // Half of the stretch is lit, if its air lets so much through.
+  const double lit = std::max(a, b);
+  return grey_depth > 1e-4 ? lit * std::min(0.5, -std::expm1(-grey_depth) / grey_depth) : 0.5 * lit;
+}
+
+double henyey_greenstein_per_sr(double g, double cosine) {
+  const double d = 1 + g * g - 2 * g * cosine;
+  return (1 - g * g) / (4 * std::numbers::pi * d * std::sqrt(d));
+}
+
+double rayleigh_per_sr(double cosine) {
+  return 3 * (1 + cosine * cosine) / (16 * std::numbers::pi);
+}
+
+void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
+                  const AirSpectrum& t_far, const AirSpectrum& planck_near,
+                  const AirSpectrum& planck_far) {
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    if (t_near[i] <= 0) continue;
+    const double t = std::min(1.0, t_far[i] / t_near[i]);
+    const double absorbed = 1 - t;
+    if (absorbed <= 0) continue;
+    const double seen = t > 0.5 ? -std::log1p(-absorbed)
+                                : std::log(t_near[i]) - std::log(std::max(t_far[i], DBL_MIN));
+    const double depth = std::max(seen, scattering.grey_depth[i]);
+    const double tilt = depth < 1e-3 ? depth * (0.5 - depth / 3) : absorbed / depth - t;
+    const double scattered = scattering.aerosol_depth[i] + scattering.molecular_depth[i];
+    const double share = std::max(0.0, 1 - scattered / depth);
+    out[i] +=
+        t_near[i] * share * (planck_near[i] * absorbed + (planck_far[i] - planck_near[i]) * tilt);
+  }
+}
+
+void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
+                      const AirSpectrum& t_far) {
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    if (t_near[i] <= 0) continue;
+    out[i] += (scattering.aerosol_depth[i] + scattering.molecular_depth[i]) *
+              mean_of_decay(t_near[i], t_far[i], scattering.grey_depth[i]);
+  }
+}
+
+void merge(StepScattering& sum, const StepScattering& step) {
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    sum.molecular_depth[i] += step.molecular_depth[i];
+    sum.grey_depth[i] += step.grey_depth[i];
+    if (step.aerosol_depth[i] <= 0) continue;
+    sum.aerosol_depth[i] += step.aerosol_depth[i];
+    sum.asymmetry[i] +=
+        (step.asymmetry[i] - sum.asymmetry[i]) * step.aerosol_depth[i] / sum.aerosol_depth[i];
+  }
+}
 
 PathSums::PathSums(const Atmosphere& atmosphere, double surface_humidity_percent,
                    const LightPath& path, const PathLight& light, const AbsorberAmounts* near)
@@ -68,26 +129,6 @@ AirSpectrum PathSums::planck_at(std::size_t node) const {
     b[i] = planck_radiance_w_m2_sr_um(air_band_lambda_um(i), temperature_k);
   }
   return b;
-}
-
-// B linear in optical depth x from node to node, t = exp(-depth):
-//   integral of B exp(-x) dx = B_near (1 - t) + (B_far - B_near) ((1 - t) / depth - t).
-// Of the extinction only the absorbed share emits.
-void PathSums::add_thermal(std::size_t step, const AirSpectrum& t_near, const AirSpectrum& t_far,
-                           const AirSpectrum& planck_near, const AirSpectrum& planck_far) {
-  const StepScattering& scattering = scattering_[step];
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    if (t_near[i] <= 0) continue;
-    const double t = std::min(1.0, t_far[i] / t_near[i]);
-    const double absorbed = 1 - t;
-    if (absorbed <= 0) continue;
-    const double depth = t > 0.5 ? -std::log1p(-absorbed) : -std::log(std::max(t, 1e-300));
-    const double tilt = depth < 1e-3 ? depth * (0.5 - depth / 3) : absorbed / depth - t;
-    const double scattered = scattering.aerosol_depth[i] + scattering.molecular_depth[i];
-    const double share = std::max(0.0, 1 - scattered / depth);
-    out_.thermal_w_m2_sr_um[i] +=
-        t_near[i] * share * (planck_near[i] * absorbed + (planck_far[i] - planck_near[i]) * tilt);
-  }
 }
 
 double PathSums::sun_zenith_deg(std::size_t node) const {
@@ -127,8 +168,11 @@ AirSpectrum PathSums::sunlight_by(std::size_t node, const AbsorberAmounts& to_no
   const SunNode& a = sun_node_[std::min(above, sun_node_.size()) - 1];
   const SunNode& b = sun_node_[std::min(above, sun_node_.size() - 1)];
   const double fraction =
-      b.node == a.node ? 0
-                       : static_cast<double>(node - a.node) / static_cast<double>(b.node - a.node);
+      b.node == a.node
+          ? 0
+          : decay_fraction(
+                path_.node[a.node].height_m, path_.node[b.node].height_m, path_.node[node].height_m,
+                static_cast<double>(node - a.node) / static_cast<double>(b.node - a.node));
   // Where one of the neighbours is in shadow, the nearer decides.
   if (!(fraction < 0.5 ? a.lit : b.lit)) return AirSpectrum(kAirBandCount, 0.0);
   AbsorberAmounts amounts = a.lit ? a.amounts : b.amounts;
@@ -150,7 +194,8 @@ void PathSums::add_scattered(std::size_t step, const AirSpectrum& source_near,
   for (std::size_t i = 0; i < kAirBandCount; ++i) {
     const double turned = s.aerosol_depth[i] * henyey_greenstein_per_sr(s.asymmetry[i], cosine) +
                           s.molecular_depth[i] * rayleigh;
-    out_.scattered_w_m2_sr_um[i] += turned * logarithmic_mean(source_near[i], source_far[i]);
+    out_.scattered_w_m2_sr_um[i] +=
+        turned * mean_of_sunlight(source_near[i], source_far[i], s.grey_depth[i]);
   }
 }
 
@@ -167,18 +212,17 @@ PathRadiance PathSums::result() {
     add_step(behind, &scattering_[i], atmosphere_.spec(), surface_humidity_percent_, path_, i);
     AirSpectrum t_far = transmittance(behind);
     AirSpectrum planck_far = planck_at(i + 1);
-    add_thermal(i, t_near, t_far, planck_near, planck_far);
+    add_emission(out_.thermal_w_m2_sr_um, scattering_[i], t_near, t_far, planck_near, planck_far);
     if (!sun_node_.empty()) {
       AirSpectrum sun_far = sunlight_by(i + 1, behind);
       add_scattered(i, sun_near, sun_far);
       sun_near = std::move(sun_far);
     }
     if (!light_.surroundings_w_m2_sr_um.empty()) {
+      AirSpectrum share(kAirBandCount, 0.0);
+      add_surroundings(share, scattering_[i], t_near, t_far);
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
-        out_.scattered_w_m2_sr_um[b] +=
-            light_.surroundings_w_m2_sr_um[b] *
-            (scattering_[i].aerosol_depth[b] + scattering_[i].molecular_depth[b]) *
-            logarithmic_mean(t_near[b], t_far[b]);
+        out_.scattered_w_m2_sr_um[b] += light_.surroundings_w_m2_sr_um[b] * share[b];
       }
     }
     t_near = std::move(t_far);
@@ -200,41 +244,51 @@ PathRadiance PathSums::result() {
   return std::move(out_);
 }
 
-void PathSums::add_model_error() {
-  // rms difference per 10 cm-1 band from MODTRAN, largest at half transmittance; tables of aerosol
-  // models describe a given day's particles to perhaps a third (docs/validation.md, "Atmosphere").
-  constexpr double kGasError = 0.025, kAerosolRelativeError = 0.3;
-  const AirSpectrum scattering = scattering_optical_depth(sum_);
-  const AirSpectrum& absorption = sum_.grey(GreyAbsorber::kAerosolAbsorption);
-  const double warmest_k = [&] {
-    double t = 0;
-    for (const LightPath::Node& node : path_.node) {
-      t = std::max(t, air_at(atmosphere_.profile(), node.height_m).temperature_k);
+ModelError model_error(const AbsorberAmounts& amounts, const AirSpectrum& transmittance,
+                       const AirSpectrum& scattered, double warmest_k, const BandChoice& bands,
+                       const AirSpectrum* surroundings) {
+  // rms difference per 10 cm-1 band from MODTRAN, largest at half transmittance
+  // (docs/validation.md, "Atmosphere").
+  constexpr double kGasError = 0.025;
+  const AirSpectrum scattering = scattering_optical_depth(amounts);
+  const AirSpectrum& absorption = amounts.grey(GreyAbsorber::kAerosolAbsorption);
+  ModelError out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (!chosen(bands, b)) continue;
+    const double t = transmittance[b];
+    const double gas = kGasError * std::min(1.0, 4 * t * (1 - t) + (t > 0 && t < 1 ? 0.05 : 0.0));
+    const double aerosol = kAerosolRelativeError * t * (scattering[b] + absorption[b]);
+    const double sigma = std::hypot(gas, std::min(aerosol, 1.0));
+    out.transmittance[b] = sigma;
+    if (warmest_k <= 0) continue;
+    const double planck = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), warmest_k);
+    double error = sigma * planck + kAerosolRelativeError * scattered[b];
+    if (scattering[b] > 0.3) {
+      error += surroundings
+                   ? std::abs(planck - (*surroundings)[b]) * (1 - std::exp(-scattering[b]))
+                   : planck * (1 - std::exp(-scattering[b])) + scattered[b] * scattering[b];
     }
-    return t;
-  }();
+    out.radiance_w_m2_sr_um[b] = error;
+  }
+  return out;
+}
 
+void PathSums::add_model_error() {
+  double warmest_k = 0;
+  for (const LightPath::Node& node : path_.node) {
+    if (node.height_m > kThermosphereM) continue;
+    warmest_k = std::max(warmest_k, air_at(atmosphere_.profile(), node.height_m).temperature_k);
+  }
+  const AirSpectrum scattering = scattering_optical_depth(sum_);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     const double lambda_um = air_band_lambda_um(b);
     if (((lambda_um >= 3 && lambda_um <= 5) || (lambda_um >= 8 && lambda_um <= 12))) {
       out_.scattering_optical_depth = std::max(out_.scattering_optical_depth, scattering[b]);
     }
   }
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    const double t = out_.transmittance[b];
-    const double gas = kGasError * std::min(1.0, 4 * t * (1 - t) + (t > 0 && t < 1 ? 0.05 : 0.0));
-    const double aerosol = kAerosolRelativeError * t * (scattering[b] + absorption[b]);
-    const double sigma = std::hypot(gas, std::min(aerosol, 1.0));
-    out_.model_error_transmittance[b] = sigma;
-    if (warmest_k <= 0) continue;
-    const double planck = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), warmest_k);
-    double error = sigma * planck + kAerosolRelativeError * out_.scattered_w_m2_sr_um[b];
-    if (scattering[b] > 0.3) {
-      error +=
-          planck * (1 - std::exp(-scattering[b])) + out_.scattered_w_m2_sr_um[b] * scattering[b];
-    }
-    out_.model_error_w_m2_sr_um[b] = error;
-  }
+  ModelError error = model_error(sum_, out_.transmittance, out_.scattered_w_m2_sr_um, warmest_k);
+  out_.model_error_transmittance = std::move(error.transmittance);
+  out_.model_error_w_m2_sr_um = std::move(error.radiance_w_m2_sr_um);
 }
 
 AirSpectrum downward_irradiance_w_m2_um(const Atmosphere& atmosphere, double height_m,

@@ -4,18 +4,30 @@
 #include <vector>
 
 #include "core/atmosphere/atmosphere.h"
+#include "core/atmosphere/path_layers.h"
 
 namespace irsig {
 
-// What one step scatters, apart from how the amounts sum it.
-struct StepScattering {
-  AirSpectrum aerosol_depth = AirSpectrum(kAirBandCount, 0.0);
-  AirSpectrum molecular_depth = AirSpectrum(kAirBandCount, 0.0);
-  AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);
-};
-
 void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
               double surface_humidity_percent, const LightPath& path, std::size_t step);
+
+// What a step adds to the thermal radiance behind it. t: transmittance from the observer to its
+// ends, planck: of the air there.
+//   B linear in optical depth x from node to node, t = exp(-depth):
+//   integral of B exp(-x) dx = B_near (1 - t) + (B_far - B_near) ((1 - t) / depth - t).
+// Of the extinction only the absorbed share emits.
+void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
+                  const AirSpectrum& t_far, const AirSpectrum& planck_near,
+                  const AirSpectrum& planck_far);
+// The share of the surroundings' mean radiance that the step scatters to the observer.
+void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
+                      const AirSpectrum& t_far);
+// Of two steps, one behind the other.
+void merge(StepScattering& sum, const StepScattering& step);
+
+// Phase functions: their integral over all directions is 1.
+[[nodiscard]] double henyey_greenstein_per_sr(double asymmetry, double cosine);
+[[nodiscard]] double rayleigh_per_sr(double cosine);
 
 // The sums along one path that Atmosphere::radiance returns.
 class PathSums {
@@ -26,8 +38,6 @@ class PathSums {
   [[nodiscard]] PathRadiance result();
 
  private:
-  void add_thermal(std::size_t step, const AirSpectrum& t_near, const AirSpectrum& t_far,
-                   const AirSpectrum& planck_near, const AirSpectrum& planck_far);
   void add_scattered(std::size_t step, const AirSpectrum& source_near,
                      const AirSpectrum& source_far);
   [[nodiscard]] AirSpectrum planck_at(std::size_t node) const;

@@ -18,6 +18,9 @@ inline constexpr double kC2UmK = 1.4387768775039338e4;        // h c / k      [u
 inline constexpr double kAstronomicalUnitM = 149597870700.0;  // exact       [iau2012_b2]
 inline constexpr double kSolarRadiusM = 6.957e8;              // nominal     [iau2015_b3]
 
+// The Earth as a sphere: mean radius of GRS 80.                             [moritz2000]
+inline constexpr double kEarthRadiusM = 6371008.8;
+
 inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 }  // namespace irsig

@@ -220,9 +220,12 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
     lambda_max_um = std::max(lambda_max_um, b.band.lambda_max_um);
     if (b.spectral) {
       for (std::size_t k = 0; k < grid->lambda_um.size(); ++k) {
-        const auto first = grid->bin_weight.begin() + static_cast<std::ptrdiff_t>(4 * k);
-        channel.push_back(
-            {{b.band.name, grid->lambda_um[k], true}, node_um.size() + 4 * k, {first, first + 4}});
+        const std::size_t begin = grid->bin_first[k], end = grid->bin_first[k + 1];
+        const auto weight = grid->bin_weight.begin();
+        channel.push_back({{b.band.name, grid->lambda_um[k], true},
+                           node_um.size() + begin,
+                           {weight + static_cast<std::ptrdiff_t>(begin),
+                            weight + static_cast<std::ptrdiff_t>(end)}});
       }
     } else {
       ChannelWeights c{{b.band.name, 0, false}, node_um.size(), grid->band_weight};

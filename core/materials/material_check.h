@@ -22,9 +22,13 @@ struct MaterialCheckRow {
 // - p there, so that `passed` is worst <= bound as everywhere); the DHR that sampling finds against
 // the table; finiteness at grazing. Where a row compares with a sampled mean, `worst` is in units
 // of what 5 standard errors and the table's error allow. A tabulated BRDF has two more rows that
-// state how reciprocal and how complete the user's table was; they always pass. A material that
-// creates energy fails "energy"; it fails "emissivity + DHR = 1" only if its emissivity is forced
-// (where DHR > 1, emissivity 0 is expected). Seeds are fixed: the same rows for the same material.
+// state how reciprocal and how complete the user's table was; they always pass. Seeds are fixed:
+// the same rows for the same material.
+//
+// A material creates energy in one of two ways, and the rows say which. "energy" looks at the BRDF
+// alone: DHR <= 1 at every angle and wavelength. "emissivity + DHR = 1" means it literally: what
+// fails is an emissivity that is not 1 - DHR, be it stated (hull_paper: 0.8 beside a DHR of 0.835)
+// or clamped at 0 because DHR > 1 - then "energy" fails as well.
 //
 // Errors: what Material::prepare refuses; no wavelength.
 [[nodiscard]] absl::StatusOr<std::vector<MaterialCheckRow>> check_material(

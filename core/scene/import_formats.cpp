@@ -11,12 +11,13 @@ namespace irsig {
 bool coordinate_of(const Token& word, FileErrors& errors, double& out) {
   const std::optional<double> value = number_of(word.text);
   if (!value) {
-    errors.add(word, word ? fmt::format("\"{}\" is not a number that a double can hold", word.text)
-                          : std::string("a number is missing"));
+    add_at(errors, word,
+           word ? fmt::format("\"{}\" is not a number that a double can hold", word.text)
+                : std::string("a number is missing"));
     return false;
   }
   if (!std::isfinite(*value)) {
-    errors.add(word, fmt::format("the coordinate \"{}\" is not finite", word.text));
+    add_at(errors, word, fmt::format("the coordinate \"{}\" is not finite", word.text));
     return false;
   }
   out = *value;

@@ -41,9 +41,10 @@ class ObjReader {
           group_names_.emplace_back(name.text);
         named_ = false;
       } else if (!is_ignored(word.text)) {
-        errors_.add(word, fmt::format("\"{}\" is not understood, expected v, f, g, o, usemtl, vt, "
-                                      "vn, s, mtllib or a comment",
-                                      word.text));
+        add_at(errors_, word,
+               fmt::format("\"{}\" is not understood, expected v, f, g, o, usemtl, vt, "
+                           "vn, s, mtllib or a comment",
+                           word.text));
       }
     } while (!errors_.full() && cursor_.next_line());
     if (!errors_.any()) triangulate();
@@ -68,10 +69,9 @@ class ObjReader {
       ++count;
     }
     if (count != 3 && count != 4 && count != 6 && count != 7) {
-      errors_.add(
-          keyword,
-          fmt::format("a vertex with {} numbers, expected x y z, with or without w or r g b",
-                      count));
+      add_at(errors_, keyword,
+             fmt::format("a vertex with {} numbers, expected x y z, with or without w or r g b",
+                         count));
     }
     mesh_.vertex.push_back({value[0], value[1], value[2]});
   }
@@ -91,16 +91,17 @@ class ObjReader {
       text.remove_prefix(slash + 1);
     }
     if (!well_formed || !index) {
-      errors_.add(
-          word, fmt::format("\"{}\" is no corner, expected v, v/vt, v//vn or v/vt/vn", word.text));
+      add_at(errors_, word,
+             fmt::format("\"{}\" is no corner, expected v, v/vt, v//vn or v/vt/vn", word.text));
       corner_.push_back(0);
       return;
     }
     const std::int64_t count = static_cast<std::int64_t>(mesh_.vertex.size());
     const std::int64_t at = *index < 0 ? count + *index : *index - 1;
     if (*index == 0 || at < 0 || at >= std::int64_t{std::numeric_limits<std::uint32_t>::max()}) {
-      errors_.add(word, fmt::format("vertex {} does not exist: {} vertices so far, counted from 1",
-                                    *index, count));
+      add_at(errors_, word,
+             fmt::format("vertex {} does not exist: {} vertices so far, counted from 1", *index,
+                         count));
       corner_.push_back(0);
       return;
     }
@@ -115,7 +116,7 @@ class ObjReader {
       read_corner(word);
     const std::size_t corners = corner_.size() - first;
     if (corners < 3) {
-      errors_.add(keyword, fmt::format("a face with {} corners, expected at least 3", corners));
+      add_at(errors_, keyword, fmt::format("a face with {} corners, expected at least 3", corners));
       return;
     }
     if (!named_) {
@@ -131,8 +132,9 @@ class ObjReader {
   void triangulate() {
     for (const Ahead& ahead : ahead_) {
       if (ahead.index < static_cast<std::int64_t>(mesh_.vertex.size())) continue;
-      errors_.add(ahead.where, fmt::format("vertex {} does not exist: the file has {} vertices",
-                                           ahead.index + 1, mesh_.vertex.size()));
+      add_at(errors_, ahead.where,
+             fmt::format("vertex {} does not exist: the file has {} vertices", ahead.index + 1,
+                         mesh_.vertex.size()));
     }
     if (errors_.any()) return;
     std::vector<std::uint32_t> corner;
@@ -142,10 +144,10 @@ class ObjReader {
       const auto begin = corner_.begin() + static_cast<std::ptrdiff_t>(polygon.first);
       corner.assign(begin, begin + polygon.corners);
       if (add_polygon(corner, polygon.group, mesh_)) continue;
-      errors_.add({{}, polygon.line, 1},
-                  fmt::format("this face cannot be cut into triangles: it crosses itself, or is "
-                              "concave with more than {} corners",
-                              max_concave_corners));
+      add_at(errors_, {{}, polygon.line, 1},
+             fmt::format("this face cannot be cut into triangles: it crosses itself, or is "
+                         "concave with more than {} corners",
+                         max_concave_corners));
     }
   }
 

@@ -43,9 +43,9 @@ class PlyReader {
         if (&value != &ignored) {
           (void)coordinate_of(word, errors_, value);
         } else if (!number_of(word.text)) {
-          errors_.add(word, fmt::format("{}, expected {}.{}",
-                                        word ? "this is not a number" : "the file ends",
-                                        element.name, property.name));
+          add_at(errors_, word,
+                 fmt::format("{}, expected {}.{}", word ? "this is not a number" : "the file ends",
+                             element.name, property.name));
         }
       }
       if (errors_.any()) return;  // the following rows would be out of step
@@ -56,8 +56,9 @@ class PlyReader {
   void read_list(const Token& count_word, bool corners) {
     const std::optional<std::int64_t> count = integer_of(count_word.text);
     if (!count || *count < 0 || (corners && *count < 3)) {
-      errors_.add(count_word, corners ? "expected the number of the face's corners, at least 3"
-                                      : "expected the length of a list");
+      add_at(errors_, count_word,
+             corners ? "expected the number of the face's corners, at least 3"
+                     : "expected the length of a list");
       return;
     }
     Polygon polygon{count_word, {}};
@@ -65,11 +66,11 @@ class PlyReader {
       const Token word = cursor_.word();
       const std::optional<std::int64_t> index = integer_of(word.text);
       if (corners && (!index || *index < 0 || *index > std::int64_t{0xfffffffe})) {
-        errors_.add(word, "expected the number of a vertex, counted from 0");
+        add_at(errors_, word, "expected the number of a vertex, counted from 0");
         return;
       }
       if (!word) {
-        errors_.add(word, "the file ends in the middle of a list");
+        add_at(errors_, word, "the file ends in the middle of a list");
         return;
       }
       if (corners) polygon.corner.push_back(static_cast<std::uint32_t>(*index));
@@ -81,14 +82,14 @@ class PlyReader {
     for (const Polygon& polygon : polygon_) {
       const std::uint32_t largest = *std::max_element(polygon.corner.begin(), polygon.corner.end());
       if (largest >= mesh_.vertex.size()) {
-        errors_.add(
-            polygon.where,
-            fmt::format("vertex {} does not exist: the file has {} vertices, counted from 0",
-                        largest, mesh_.vertex.size()));
+        add_at(errors_, polygon.where,
+               fmt::format("vertex {} does not exist: the file has {} vertices, counted from 0",
+                           largest, mesh_.vertex.size()));
       } else if (!add_polygon(polygon.corner, 0, mesh_)) {
-        errors_.add(polygon.where, fmt::format("this face cannot be cut into triangles: it crosses "
-                                               "itself, or is concave with more than {} corners",
-                                               max_concave_corners));
+        add_at(errors_, polygon.where,
+               fmt::format("this face cannot be cut into triangles: it crosses "
+                           "itself, or is concave with more than {} corners",
+                           max_concave_corners));
       }
     }
   }

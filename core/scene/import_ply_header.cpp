@@ -24,7 +24,7 @@ class HeaderReader {
 
   PlyHeader read() {
     const Token magic = cursor_.word_on_line();
-    if (magic.text != "ply") errors_.add(magic, "expected \"ply\"");
+    if (magic.text != "ply") add_at(errors_, magic, "expected \"ply\"");
     while (!errors_.full() && cursor_.next_line()) {
       const Token word = cursor_.word_on_line();
       if (word.text == "end_header") {
@@ -38,12 +38,13 @@ class HeaderReader {
       } else if (word.text == "property") {
         read_property(word);
       } else if (word && word.text != "comment" && word.text != "obj_info") {
-        errors_.add(word, fmt::format("\"{}\" in the header, expected format, comment, obj_info, "
-                                      "element, property or end_header",
-                                      word.text));
+        add_at(errors_, word,
+               fmt::format("\"{}\" in the header, expected format, comment, obj_info, "
+                           "element, property or end_header",
+                           word.text));
       }
     }
-    errors_.add(cursor_.word_on_line(), "the file ends, expected end_header");
+    add_at(errors_, cursor_.word_on_line(), "the file ends, expected end_header");
     return std::move(header_);
   }
 
@@ -53,14 +54,14 @@ class HeaderReader {
     has_format_ = true;
     header_.is_binary = form.text == "binary_little_endian" || form.text == "binary_big_endian";
     if (!header_.is_binary && form.text != "ascii")
-      errors_.add(form, "expected format ascii, binary_little_endian or binary_big_endian");
+      add_at(errors_, form, "expected format ascii, binary_little_endian or binary_big_endian");
   }
 
   void read_element() {
     const Token name = cursor_.word_on_line(), count = cursor_.word_on_line();
     const std::optional<std::int64_t> value = integer_of(count.text);
     if (!name || !value || *value < 0 || *value > std::int64_t{0xfffffffe})
-      errors_.add(count, "expected: element NAME COUNT");
+      add_at(errors_, count, "expected: element NAME COUNT");
     else
       header_.element.push_back({std::string(name.text), *value, {}});
   }
@@ -74,10 +75,10 @@ class HeaderReader {
     }
     const Token name = cursor_.word_on_line();
     if (header_.element.empty()) {
-      errors_.add(keyword, "a property before the first element");
+      add_at(errors_, keyword, "a property before the first element");
     } else if (bytes_of(type.text) == 0 || bytes_of(item.text) == 0 || !name) {
-      errors_.add(bytes_of(type.text) == 0 ? type : item,
-                  "expected: property TYPE NAME or property list TYPE TYPE NAME");
+      add_at(errors_, bytes_of(type.text) == 0 ? type : item,
+             "expected: property TYPE NAME or property list TYPE TYPE NAME");
     } else {
       header_.element.back().property.push_back(
           {std::string(name.text), is_list, bytes_of(type.text)});
@@ -92,17 +93,17 @@ class HeaderReader {
   }
 
   void check(const Token& end) {
-    if (!has_format_) errors_.add(end, "the header has no format");
+    if (!has_format_) add_at(errors_, end, "the header has no format");
     for (const std::string_view name : {"x", "y", "z"}) {
       if (!has("vertex", name, false))
-        errors_.add(end, fmt::format("the element vertex has no property {}", name));
+        add_at(errors_, end, fmt::format("the element vertex has no property {}", name));
     }
     if (!has("face", "vertex_indices", true) && !has("face", "vertex_index", true))
-      errors_.add(end, "the element face has no property list vertex_indices");
+      add_at(errors_, end, "the element face has no property list vertex_indices");
     // Without properties a row takes no text, and a false count would never end.
     for (const PlyElement& e : header_.element) {
       if (e.property.empty() && e.count > 0)
-        errors_.add(end, fmt::format("the element {} has no properties", e.name));
+        add_at(errors_, end, fmt::format("the element {} has no properties", e.name));
     }
   }
 

@@ -26,8 +26,9 @@ class StlReader {
  private:
   bool is(const Token& word, std::string_view expected) {
     if (equals_ignoring_case(word.text, expected)) return true;
-    errors_.add(word, word ? fmt::format("\"{}\", expected \"{}\"", word.text, expected)
-                           : fmt::format("the file ends, expected \"{}\"", expected));
+    add_at(errors_, word,
+           word ? fmt::format("\"{}\", expected \"{}\"", word.text, expected)
+                : fmt::format("the file ends, expected \"{}\"", expected));
     return false;
   }
 
@@ -48,7 +49,7 @@ class StlReader {
     for (int i = 0; i < 3; ++i) {
       const Token word = cursor_.word();
       if (number_of(word.text)) continue;
-      errors_.add(word, fmt::format("\"{}\", expected a number of the normal", word.text));
+      add_at(errors_, word, fmt::format("\"{}\", expected a number of the normal", word.text));
       return false;
     }
     if (!is(cursor_.word(), "outer") || !is(cursor_.word(), "loop")) return false;

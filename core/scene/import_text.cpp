@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <iterator>
 
-#include "fmt/format.h"
 
 namespace irsig {
 namespace {
@@ -71,19 +69,6 @@ bool TextCursor::next_line() {
   line_start_ = ++at_;
   ++line_;
   return true;
-}
-
-void FileErrors::add(const Token& where, std::string_view what) {
-  if (full()) return;
-  fmt::format_to(std::back_inserter(text_), "{}{}:{}:{}: {}", count_ > 0 ? "\n" : "", file_name_,
-                 where.line, where.column, what);
-  ++count_;
-}
-
-absl::Status FileErrors::status() const {
-  if (!any()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      full() ? fmt::format("{}\n{}: too many errors, reading stopped", text_, file_name_) : text_);
 }
 
 std::optional<double> number_of(std::string_view word) { return whole<double>(word); }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "absl/status/status.h"
+#include "core/base/file_errors.h"
 
 namespace irsig {
 
@@ -40,21 +40,10 @@ class TextCursor {
   std::size_t at_ = 0, line_start_ = 0, line_ = 1;
 };
 
-// Collects what is wrong with a file, so that more than the first mistake is reported.
-class FileErrors {
- public:
-  explicit FileErrors(std::string file_name) : file_name_(std::move(file_name)) {}
-
-  void add(const Token& where, std::string_view what);
-  [[nodiscard]] bool any() const { return count_ > 0; }
-  // Further reading only repeats the story.
-  [[nodiscard]] bool full() const { return count_ >= 10; }
-  [[nodiscard]] absl::Status status() const;
-
- private:
-  std::string file_name_, text_;
-  int count_ = 0;
-};
+// An error at a word's place.
+inline void add_at(FileErrors& errors, const Token& where, std::string_view what) {
+  errors.add(where.line, where.column, what);
+}
 
 // The whole word as a number: nothing when it is none, or not representable. "nan" and "inf" are
 // numbers here: who reads a coordinate refuses them by their own message.

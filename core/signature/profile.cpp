@@ -4,10 +4,12 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/sobol.h"
+#include "core/signature/pass.h"
 #include "core/signature/shading.h"
 
 namespace irsig {
@@ -19,7 +21,6 @@ constexpr std::uint64_t kFirstPilot = 1, kSecondPilot = 2, kStored = 4;
 constexpr std::uint64_t kFirstSamples = 512, kSecondSamples = 4096;
 // The sampler's coordinates have 23 bits.
 constexpr std::uint64_t kMostSamples = 1u << 23;
-constexpr double kEarthRadiusM = 6371008.8;  // mean radius, GRS 80  [moritz2000]
 
 std::uint64_t hash_of(std::uint64_t state, std::initializer_list<double> values) {
   for (const double v : values) state = mix64(state ^ std::bit_cast<std::uint64_t>(v));
@@ -27,7 +28,7 @@ std::uint64_t hash_of(std::uint64_t state, std::initializer_list<double> values)
 }
 
 // What a unit weight of each (first part, class) is worth in one band: [w] grey, [w][node] else.
-struct SourceTable {
+struct PointTable {
   std::vector<double> source, apparent;
   double path_w_m2_sr = 0;  // what the air adds to a footprint
   double brightest_w_m2_sr = 0;
@@ -36,9 +37,10 @@ struct SourceTable {
 // Conditions x bands as seen along one line of sight.
 class LineShading {
  public:
-  LineShading(const Simulator& simulator, const ViewRequest& request, double range_m,
-              std::span<const std::uint32_t> conditions, std::span<const std::uint32_t> bands)
-      : bands_(bands.begin(), bands.end()) {
+  LineShading(const Simulator& simulator, const ViewRequest& request,
+              const ViewEnvironments& environments, std::span<const std::uint32_t> conditions,
+              std::span<const std::uint32_t> bands)
+      : bands_(bands.begin(), bands.end()), directions_(environments.directions) {
     const auto& grids = simulator.band_grids();
     for (const BandGrid& grid : grids) {
       band_offset_.push_back(node_um_.size());
@@ -48,14 +50,15 @@ class LineShading {
       const int sun = sun_of(request.condition[c]);
       sun_of_condition_.push_back(sun);
     }
-    classes_ = {static_cast<std::uint32_t>(simulator.target().part.size()),
-                static_cast<std::uint32_t>(suns_.size())};
+    classes_ = source_classes(simulator.target().part.size(), suns_, over_sea(request), directions_,
+                              nullptr);
     bool spectral = false;
     for (const Material& m : simulator.materials()) spectral |= !m.grey();
     const std::size_t nodes = spectral ? node_um_.size() : 1;
     for (std::size_t i = 0; i < conditions.size(); ++i) {
-      const ConditionShading shading(request.condition[conditions[i]], request.air, range_m,
-                                     classes_, sun_of_condition_[i], node_um_);
+      const ConditionShading shading(request.condition[conditions[i]],
+                                     environments.condition[conditions[i]], classes_,
+                                     sun_of_condition_[i], node_um_);
       for (const std::uint32_t b : bands_)
         table_.push_back(table_of(shading, grids[b], band_offset_[b], spectral, nodes));
     }
@@ -63,58 +66,59 @@ class LineShading {
 
   [[nodiscard]] const std::vector<SunDirection>& suns() const { return suns_; }
   [[nodiscard]] const SourceClasses& classes() const { return classes_; }
+  [[nodiscard]] const DirectionNodes& directions() const { return directions_; }
   // Conditions x bands.
-  [[nodiscard]] const std::vector<SourceTable>& tables() const { return table_; }
+  [[nodiscard]] const std::vector<PointTable>& tables() const { return table_; }
 
  private:
   // The index of a condition's sun among those that shine; -1: none does.
   int sun_of(const ConditionSpec& condition) {
+    if (!sun_shines(condition)) return -1;
     const double radius = condition.sun_angular_radius_deg * std::numbers::pi / 180;
-    if (!condition.sun || condition.sun_scale <= 0 || condition.sun_cos_zenith <= -std::sin(radius))
-      return -1;
     const auto same = std::find_if(suns_.begin(), suns_.end(), [&](const SunDirection& s) {
-      return s.direction == condition.sun_direction && s.angular_radius_rad == radius;
+      return s.direction == condition.sun_direction && s.angular_radius_rad == radius &&
+             s.sea_wind_m_s == condition.sea_wind_m_s;
     });
     if (same != suns_.end()) return static_cast<int>(same - suns_.begin());
-    suns_.push_back({condition.sun_direction, radius});
+    suns_.push_back({condition.sun_direction, radius, 0, condition.sea_wind_m_s});
     return static_cast<int>(suns_.size()) - 1;
   }
 
-  [[nodiscard]] SourceTable table_of(const ConditionShading& shading, const BandGrid& grid,
-                                     std::size_t offset, bool spectral, std::size_t nodes) const {
+  [[nodiscard]] PointTable table_of(const ConditionShading& shading, const BandGrid& grid,
+                                    std::size_t offset, bool spectral, std::size_t nodes) const {
     const std::size_t n = grid.node_um.size();
-    SourceTable table;
+    PointTable table;
     const std::size_t bins = static_cast<std::size_t>(classes_.parts + 1) * classes_.count();
     table.source.assign(bins * nodes, 0.0);
     table.apparent.assign(bins * nodes, 0.0);
-    const AirPath& air = shading.air();
     for (std::uint32_t f = 0; f <= classes_.parts; ++f)
       for (std::uint32_t c = 0; c < classes_.count(); ++c) {
         // Behind the target nothing is reflected: the sky or the lower hemisphere itself.
-        if (f == classes_.parts && c != classes_.sky() && c != classes_.lower()) continue;
+        if (f == classes_.parts && (c < classes_.sky() || c >= classes_.sun(0))) continue;
         const double* radiance = shading.source(f, c).data() + offset;
+        const double* seen = shading.apparent(f, c).data() + offset;
         double* source = table.source.data() + (f * classes_.count() + c) * nodes;
         double* apparent = table.apparent.data() + (f * classes_.count() + c) * nodes;
         for (std::size_t i = 0; i < n; ++i) {
           const std::size_t at = spectral ? offset + i : 0;
-          const double value = grid.band_weight[i] * radiance[i];
-          source[at] += value;
-          apparent[at] += value * air.transmittance[offset + i];
+          source[at] += grid.band_weight[i] * radiance[i];
+          apparent[at] += grid.band_weight[i] * seen[i];
         }
       }
     for (std::size_t i = 0; i < n; ++i)
-      table.path_w_m2_sr += grid.band_weight[i] * air.path_radiance_w_m2_sr_um[offset + i];
+      table.path_w_m2_sr += grid.band_weight[i] * shading.environment().path_radiance[offset + i];
     table.brightest_w_m2_sr = shading.brightest_w_m2_sr(grid, offset);
     return table;
   }
 
   std::vector<std::uint32_t> bands_;
+  DirectionNodes directions_;
   std::vector<double> node_um_;
   std::vector<std::size_t> band_offset_;
   std::vector<SunDirection> suns_;
   std::vector<int> sun_of_condition_;
   SourceClasses classes_;
-  std::vector<SourceTable> table_;
+  std::vector<PointTable> table_;
 };
 
 // One point, measured: statistics of (conditions x bands x numbers of reflections) x {radiance,
@@ -143,10 +147,9 @@ class PointMeasurement {
 
   [[nodiscard]] Measured run(const LineShading& shading, std::uint64_t samples,
                              std::uint64_t stage) const {
-    const Surroundings& surroundings = request_.condition.front().surroundings;
     PathSettings settings;
     settings.max_reflections = profile_.reflections.back();
-    settings.lower_is_sea = surroundings.kind == SurroundingsKind::kSea;
+    settings.lower_is_sea = over_sea(request_);
     settings.sea_z_m = -simulator_.target().centre.z;
     settings.earth_radius_m = settings.lower_is_sea ? kEarthRadiusM : 0;
     settings.seed = mix64(seed_ + stage);
@@ -157,6 +160,7 @@ class PointMeasurement {
     settings.split = 1;
     settings.by_order = true;
     settings.background = true;
+    settings.directions = shading.directions();
     const PathTracer tracer(simulator_.target(), simulator_.materials(), view_.view, shading.suns(),
                             settings);
     Measured out;
@@ -177,7 +181,7 @@ class PointMeasurement {
 
  private:
   // Adds up the orders 0 .. N of each number of reflections N asked for.
-  void shade(const PathWeights& weights, const PathTracer& tracer, const SourceTable& table,
+  void shade(const PathWeights& weights, const PathTracer& tracer, const PointTable& table,
              double* out) const {
     const std::size_t bins = tracer.bins();
     double source = 0, apparent = 0;
@@ -225,11 +229,11 @@ class PointMeasurement {
 };
 
 // The blackbody's temperature with this in-band radiance, and what the radiance's standard error is
-// in kelvin there.
+// in kelvin there. NaN, both, where no blackbody has that radiance.
 Estimate temperature_of(const Band& band, const BandGrid& grid, const Estimate& radiance) {
-  if (radiance.value <= 0) return {};
   Estimate t{apparent_temperature_k(band, grid, radiance.value), 0};
-  if (radiance.stderr_ <= 0) return t;
+  if (std::isnan(t.value)) return {t.value, t.value};
+  if (t.value == 0 || radiance.stderr_ <= 0) return t;
   // A difference over a ten thousandth of the radiance: the curve is smooth, its value exact to
   // 1e-12.
   const double step = 1e-4 * radiance.value;
@@ -262,12 +266,12 @@ absl::Status check(const ViewRequest& request, const ProfileSpec& profile) {
 // Samples of a replicate for the standard error that is wanted under every condition and in every
 // band, at the largest number of reflections.
 std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& request,
-                            const ProfileSpec& profile, const PointMeasurement& point,
-                            std::uint64_t& rays) {
+                            const ViewEnvironments& environments, const ProfileSpec& profile,
+                            const PointMeasurement& point, std::uint64_t& rays) {
   std::vector<std::uint32_t> conditions(request.condition.size()), bands(simulator.bands().size());
   for (std::uint32_t i = 0; i < conditions.size(); ++i) conditions[i] = i;
   for (std::uint32_t i = 0; i < bands.size(); ++i) bands[i] = i;
-  const LineShading shading(simulator, request, point.range_m(), conditions, bands);
+  const LineShading shading(simulator, request, environments, conditions, bands);
   const Measured first = point.run(shading, kFirstSamples, kFirstPilot);
   const Measured second = point.run(shading, kSecondSamples, kSecondPilot);
   rays += first.counts.rays + second.counts.rays;
@@ -281,7 +285,7 @@ std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& reque
       const std::size_t q = 2 * (row * orders + n);
       const Estimate e = second.statistics.estimate(q);
       const Estimate t = temperature_of(simulator.bands()[b], simulator.band_grids()[b], e);
-      if (t.stderr_ <= 0) continue;
+      if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
       const double wanted = e.stderr_ * profile.apparent_temperature_stderr_k / t.stderr_;
       samples =
           std::max(samples, samples_needed(kFirstSamples, first.statistics.estimate(q).stderr_,
@@ -311,17 +315,25 @@ absl::StatusOr<ProfileResult> simulate_profile(const Simulator& simulator,
                                                const ProfileSpec& profile) {
   if (absl::Status status = check(request, profile); !status.ok()) return status;
   const std::size_t orders = profile.reflections.size();
+  std::vector<std::uint32_t> conditions(request.condition.size());
+  std::iota(conditions.begin(), conditions.end(), 0u);
+  std::vector<double> simulator_nodes;
+  for (const BandGrid& grid : simulator.band_grids())
+    simulator_nodes.insert(simulator_nodes.end(), grid.node_um.begin(), grid.node_um.end());
   ProfileResult out;
   for (std::uint32_t p = 0; p < profile.point.size(); ++p) {
     const PointMeasurement point(simulator, request, profile, profile.point[p]);
+    const auto environments = view_environments(request, simulator.target(), point.range_m(),
+                                                conditions, simulator_nodes);
+    if (!environments.ok()) return environments.status();
     std::uint64_t samples;
     if (profile.samples > 0) {
       const double wanted = std::ceil(profile.samples / request.accuracy.replicates / 16) * 16;
       samples = static_cast<std::uint64_t>(std::min(wanted, static_cast<double>(kMostSamples)));
     } else {
-      samples = pilot_samples(simulator, request, profile, point, out.counts.rays);
+      samples = pilot_samples(simulator, request, *environments, profile, point, out.counts.rays);
     }
-    const LineShading shading(simulator, request, point.range_m(), request.selected_condition,
+    const LineShading shading(simulator, request, *environments, request.selected_condition,
                               request.selected_band);
     const Measured measured = point.run(shading, samples, kStored);
     const ReplicateStatistics& s = measured.statistics;

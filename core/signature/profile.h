@@ -31,8 +31,9 @@ struct ProfileRow {
   Estimate apparent_radiance_w_m2_sr;  // at the sensor
   // What further reflections can add at most, and the error of the integral over wavelength.
   double truncation_bound_w_m2_sr = 0, quadrature_bound_w_m2_sr = 0;
-  Estimate apparent_temperature_k;  // the blackbody's with the same in-band radiance_w_m2_sr
-  double target_fraction = 0;       // of the footprint
+  // The blackbody's with the same in-band radiance_w_m2_sr; NaN if there is none.
+  Estimate apparent_temperature_k;
+  double target_fraction = 0;  // of the footprint
 };
 
 struct ProfileResult {

@@ -1,209 +1,314 @@
 #include "core/signature/shading.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
+#include "core/environment/sea_glint.h"
+#include "core/environment/sea_surface.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
 
 namespace {
-double in_band(const std::vector<double>& radiance, const BandGrid& grid, std::size_t node_offset) {
+
+// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define IRSIG_CLONES
+#else
+#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+
+// Sixteen partial sums: their order is fixed, and the compiler can keep them in vectors.
+IRSIG_CLONES double dot(const double* a, const double* b, std::size_t n) {
+  constexpr std::size_t kLanes = 16;
+  double part[kLanes] = {};
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) part[k] += a[i + k] * b[i + k];
+  for (std::size_t k = 0; i < n; ++i, ++k) part[k] += a[i] * b[i];
   double sum = 0;
-  for (std::size_t i = 0; i < grid.node_um.size(); ++i)
-    sum += grid.band_weight[i] * radiance[node_offset + i];
+  for (const double p : part) sum += p;
   return sum;
 }
-}  // namespace
 
-std::size_t quantities(std::size_t parts, const BandGrid& grid) {
-  return 1 + kCauses + 2 + parts + (2 + kCauses) * grid.lambda_um.size();
+double in_band(const std::vector<double>& radiance, const BandGrid& grid, std::size_t node_offset) {
+  return dot(grid.band_weight.data(), radiance.data() + node_offset, grid.node_um.size());
 }
 
-ConditionShading::ConditionShading(const ConditionSpec& condition, const Air& air, double range_m,
+// Sum over rows [first, last) of a table's entries times the weights.
+double over_rows(const std::vector<double>& entry, const SourceTable& table,
+                 const RowWeights& weights, std::uint32_t first, std::uint32_t last) {
+  const std::size_t n = table.columns;
+  if (n == weights.columns)
+    return dot(entry.data() + first * n, weights.value.data() + first * n, (last - first) * n);
+  double sum = 0;
+  for (std::uint32_t row = first; row < last; ++row)
+    sum += dot(entry.data() + row * n,
+               weights.value.data() + row * weights.columns + table.first_column, n);
+  return sum;
+}
+
+}  // namespace
+
+std::size_t quantities(std::size_t parts, const BandGrid& grid, bool spectra) {
+  return 1 + kCauses + 2 + parts + 2 + (spectra ? (4 + kCauses) * grid.lambda_um.size() : 0);
+}
+
+RowWeights row_weights(std::span<const double> weight, const SourceClasses& classes,
+                       std::size_t columns) {
+  RowWeights out{classes.parts + classes.count() - 1, columns, {}};
+  out.value.assign(out.rows * columns, 0.0);
+  for (std::uint32_t f = 0; f < classes.parts; ++f) {
+    const double* of_part = weight.data() + static_cast<std::size_t>(f) * classes.count() * columns;
+    std::copy_n(of_part, columns, out.value.data() + f * columns);
+    double* shared = out.value.data() + classes.parts * columns;
+    for (std::size_t k = columns; k < classes.count() * columns; ++k)
+      shared[k - columns] += of_part[k];
+  }
+  return out;
+}
+
+std::vector<double> on_nodes(const RowWeights& weights, const SpectralBasis& basis) {
+  std::vector<double> out(weights.rows * basis.nodes);
+  for (std::uint32_t row = 0; row < weights.rows; ++row)
+    basis.to_nodes(weights.value.data() + row * weights.columns, 0,
+                   {out.data() + row * basis.nodes, basis.nodes});
+  return out;
+}
+
+ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
+                                  bool sun, const std::vector<double>& node_um) {
+  const std::size_t n = node_um.size();
+  AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
+  ViewEnvironment out;
+  out.sun.assign(n, 0.0);
+  std::vector<double> sky(n), lower(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (sun) out.sun[i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
+    sky[i] = sky_radiance_w_m2_sr_um(condition.surroundings, node_um[i]);
+    lower[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], out.sun[i],
+                                         condition.sun_cos_zenith);
+  }
+  const auto behind_air = [&](const std::vector<double>& radiance) {
+    std::vector<double> seen(n);
+    for (std::size_t i = 0; i < n; ++i) seen[i] = radiance[i] * path.transmittance[i];
+    return seen;
+  };
+  out.sun_apparent = behind_air(out.sun);
+  out.node_apparent = {behind_air(sky), behind_air(lower)};
+  out.behind_apparent = out.node_apparent;
+  out.node = {std::move(sky), std::move(lower)};
+  out.transmittance = std::move(path.transmittance);
+  out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
+  return out;
+}
+
+ConditionShading::ConditionShading(const ConditionSpec& condition, ViewEnvironment environment,
                                    const SourceClasses& classes, int sun_index,
                                    const std::vector<double>& node_um)
     : classes_(classes),
       sun_index_(sun_index),
       nodes_(node_um.size()),
       none_(node_um.size(), 0.0),
-      air_(air_path(air, condition.air_temperature_k, range_m, node_um)) {
+      environment_(std::move(environment)) {
   for (const double t : condition.part_temperature_k) {
     std::vector<double>& radiance = part_.emplace_back(nodes_);
-    for (std::size_t i = 0; i < nodes_; ++i)
+    std::vector<double>& seen = part_apparent_.emplace_back(nodes_);
+    for (std::size_t i = 0; i < nodes_; ++i) {
       radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], t);
+      seen[i] = radiance[i] * environment_.transmittance[i];
+    }
   }
-  sun_.emplace_back(nodes_, 0.0);
-  sky_.resize(nodes_);
-  lower_.resize(nodes_);
-  for (std::size_t i = 0; i < nodes_; ++i) {
-    if (sun_index >= 0) sun_[0][i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
-    sky_[i] = sky_radiance_w_m2_sr_um(condition.surroundings, node_um[i]);
-    lower_[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], sun_[0][i],
-                                          condition.sun_cos_zenith);
+  if (classes_.glint_nodes == 0 || sun_index_ < 0) return;
+  for (const float cosine : kGlintCosines) {
+    std::vector<double>& radiance = glint_.emplace_back(nodes_);
+    std::vector<double>& seen = glint_apparent_.emplace_back(nodes_);
+    for (std::size_t i = 0; i < nodes_; ++i) {
+      const double reflectance =
+          water_reflectance(sea_water_index(node_um[i]), static_cast<double>(cosine));
+      radiance[i] = reflectance * environment_.sun[i];
+      seen[i] = reflectance * environment_.sun_apparent[i];
+    }
   }
 }
 
-const std::vector<double>& ConditionShading::source(std::uint32_t first,
-                                                    std::uint32_t source_class) const {
-  if (source_class == classes_.own()) return part_[first];
-  if (source_class < classes_.sky()) return part_[source_class - classes_.part(0)];
-  if (source_class == classes_.sky()) return sky_;
-  if (source_class == classes_.lower()) return lower_;
-  return static_cast<int>(source_class - classes_.sun(0)) == sun_index_ ? sun_[0] : none_;
+const std::vector<double>& ConditionShading::source(std::uint32_t first, std::uint32_t c) const {
+  if (c == classes_.own()) return part_[first];
+  if (c < classes_.sky()) return part_[c - classes_.part(0)];
+  if (c < classes_.sun(0)) return environment_.node[c - classes_.sky()];
+  if (c >= classes_.behind(0)) return none_;
+  if (c < classes_.glint(0))
+    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_.sun : none_;
+  const std::uint32_t j = (c - classes_.glint(0)) / classes_.glint_nodes;
+  return static_cast<int>(j) == sun_index_ ? glint_[c - classes_.glint(j)] : none_;
 }
 
-WeightSpectra weight_spectra(const PathWeights& weights, const SourceClasses& classes,
-                             const SpectralBasis& basis) {
-  const std::size_t columns = basis.columns();
-  WeightSpectra out{basis.nodes, {}};
-  out.value.assign((classes.parts + classes.count() - 1) * basis.nodes, 0.0);
-  std::vector<double> sum(columns);
-  const auto put = [&](std::size_t row) {
-    basis.to_nodes(sum.data(), 0, {out.value.data() + row * basis.nodes, basis.nodes});
-  };
-  const auto from = [&](std::uint32_t f, std::uint32_t c) {
-    return weights.weight.data() + (static_cast<std::size_t>(f) * classes.count() + c) * columns;
-  };
-  for (std::uint32_t f = 0; f < classes.parts; ++f) {
-    std::copy_n(from(f, classes.own()), columns, sum.data());
-    put(f);
+const std::vector<double>& ConditionShading::apparent(std::uint32_t first, std::uint32_t c) const {
+  if (c == classes_.own()) return part_apparent_[first];
+  if (c < classes_.sky()) return part_apparent_[c - classes_.part(0)];
+  if (c < classes_.sun(0)) return environment_.node_apparent[c - classes_.sky()];
+  if (c >= classes_.behind(0)) return environment_.behind_apparent[c - classes_.behind(0)];
+  if (c < classes_.glint(0))
+    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_.sun_apparent : none_;
+  const std::uint32_t j = (c - classes_.glint(0)) / classes_.glint_nodes;
+  return static_cast<int>(j) == sun_index_ ? glint_apparent_[c - classes_.glint(j)] : none_;
+}
+
+SourceTable ConditionShading::table(const SpectralBasis* basis, std::size_t first_node,
+                                    std::span<const double> weight) const {
+  const std::uint32_t rows = classes_.parts + classes_.count() - 1;
+  const std::size_t n = weight.size();
+  SourceTable out;
+  if (basis != nullptr && basis->identity()) {
+    out.first_column = first_node;
+    out.columns = n;
+  } else if (basis != nullptr) {
+    out.columns = basis->columns();
   }
-  for (std::uint32_t c = 1; c < classes.count(); ++c) {
-    std::fill(sum.begin(), sum.end(), 0.0);
-    for (std::uint32_t f = 0; f < classes.parts; ++f)
-      for (std::size_t k = 0; k < columns; ++k) sum[k] += from(f, c)[k];
-    put(classes.parts + c - 1);
-  }
-  return out;
-}
-
-std::vector<double> ConditionShading::fold(const SpectralBasis& basis, const BandGrid& grid,
-                                           std::size_t node_offset) const {
-  std::vector<double> out, values(grid.node_um.size());
-  const auto add = [&](const std::vector<double>& radiance) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = grid.band_weight[i] * radiance[node_offset + i];
-    const std::vector<double> row = basis.fold(node_offset, values);
-    out.insert(out.end(), row.begin(), row.end());
-  };
-  for (std::uint32_t f = 0; f < classes_.parts; ++f) add(source(f, classes_.own()));
-  for (std::uint32_t c = 1; c < classes_.count(); ++c) add(source(0, c));
-  return out;
-}
-
-double ConditionShading::in_band_w_sr(const std::vector<double>& weight, std::size_t columns,
-                                      const std::vector<double>& folded, const BandGrid& grid,
-                                      std::size_t node_offset) const {
-  double sum = 0;
-  for (std::uint32_t f = 0; f < classes_.parts; ++f)
-    for (std::uint32_t c = 0; c < classes_.count(); ++c) {
-      const double* w =
-          weight.data() + (static_cast<std::size_t>(f) * classes_.count() + c) * columns;
-      if (folded.empty()) {
-        if (*w != 0) sum += *w * in_band(source(f, c), grid, node_offset);
+  const std::size_t columns = out.columns;
+  out.source.assign(rows * columns, 0.0);
+  out.apparent.assign(rows * columns, 0.0);
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    const std::uint32_t c = class_of_row(row), f = row < classes_.parts ? row : 0;
+    const double* radiance = source(f, c).data() + first_node;
+    const double* seen = apparent(f, c).data() + first_node;
+    double* s = out.source.data() + row * columns;
+    double* a = out.apparent.data() + row * columns;
+    if (basis == nullptr) {
+      *s = dot(weight.data(), radiance, n);
+      *a = dot(weight.data(), seen, n);
+      continue;
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const double at_target = weight[i] * radiance[i], at_sensor = weight[i] * seen[i];
+      if (basis->identity()) {
+        s[i] = at_target;
+        a[i] = at_sensor;
         continue;
       }
-      const double* s =
-          folded.data() + (c == classes_.own() ? f : classes_.parts + c - 1) * columns;
-      for (std::size_t k = 0; k < columns; ++k) sum += w[k] * s[k];
+      const double* expand = basis->expand.data() + (first_node + i) * columns;
+      for (std::size_t k = 0; k < columns; ++k) {
+        s[k] += at_target * expand[k];
+        a[k] += at_sensor * expand[k];
+      }
     }
+  }
+  return out;
+}
+
+// Of several suns the condition's own alone: no sum may depend on what is computed beside.
+std::array<std::array<ConditionShading::Rows, 2>, kCauses> ConditionShading::cause_rows() const {
+  static_assert(static_cast<int>(Cause::kPartsReflected) == 4 && kCauses == 5);
+  const auto rows = [&](std::uint32_t first_class, std::uint32_t classes) {
+    const std::uint32_t first = row_of_class(first_class);
+    return Rows{first, first + classes};
+  };
+  const bool lit = sun_index_ >= 0;
+  const auto j = static_cast<std::uint32_t>(std::max(sun_index_, 0));
+  return {{{Rows{0, classes_.parts}, Rows{0, 0}},
+           {rows(classes_.sun(j), lit ? 1 : 0), Rows{0, 0}},
+           {rows(classes_.sky(), classes_.sky_nodes), Rows{0, 0}},
+           {rows(classes_.lower(), classes_.lower_nodes),
+            rows(classes_.glint(j), lit ? classes_.glint_nodes : 0)},
+           {rows(classes_.part(0), classes_.parts), Rows{0, 0}}}};
+}
+
+double ConditionShading::in_band_w_sr(const RowWeights& rows, const SourceTable& in_band) const {
+  double sum = 0;
+  for (const auto& of_cause : cause_rows())
+    for (const Rows& piece : of_cause)
+      sum += over_rows(in_band.source, in_band, rows, piece.first, piece.last);
   return sum;
 }
 
-void ConditionShading::evaluate(const PathWeights& weights, const WeightSpectra& spectra,
-                                const std::vector<double>& folded, const BandGrid& grid,
-                                std::size_t node_offset, std::vector<double>& out) const {
-  const std::size_t n = grid.node_um.size(), bins = grid.lambda_um.size(), parts = classes_.parts;
-  out.assign(quantities(parts, grid), 0.0);
-  double* part_in_band = out.data() + 1 + kCauses + 2;
-  std::vector<double> cause(kCauses * n, 0.0);
+void ConditionShading::evaluate(std::span<const PathWeights> weights,
+                                std::span<const RowWeights> rows, const SpectralBasis* basis,
+                                const BandGrid& grid, std::size_t node_offset, bool spectra,
+                                std::vector<std::vector<double>>& values) const {
+  const std::size_t bins = grid.lambda_um.size(), parts = classes_.parts;
+  values.assign(weights.size(), std::vector<double>(quantities(parts, grid, spectra), 0.0));
 
-  const auto bin = [&](std::uint32_t first, std::uint32_t source_class) {
-    return static_cast<std::size_t>(first) * classes_.count() + source_class;
+  const auto causes = cause_rows();
+  const std::uint32_t behind = row_of_class(classes_.behind(0));
+  // One integral over wavelength: what of each replicate goes where.
+  struct Out {
+    std::size_t total, cause, cause_stride, apparent, contrast, background;
   };
-  const auto cause_of = [&](std::uint32_t c) {
-    if (c == classes_.own()) return Cause::kEmitted;
-    if (c < classes_.sky()) return Cause::kPartsReflected;
-    if (c == classes_.sky()) return Cause::kSkyReflected;
-    return c == classes_.lower() ? Cause::kSeaReflected : Cause::kSunReflected;
-  };
-  const bool spectral = !folded.empty();
-  const std::size_t columns = spectral ? folded.size() / (parts + classes_.count() - 1) : 1;
-  const std::uint32_t classes = sun_index_ >= 0 ? classes_.count() : classes_.sun(0);
-  for (std::uint32_t c = 0; c < classes; ++c) {
-    if (c >= classes_.sun(0) && c != classes_.sun(static_cast<std::uint32_t>(sun_index_))) continue;
-    double* sum = cause.data() + static_cast<std::size_t>(cause_of(c)) * n;
-    const bool own = c == classes_.own();
-    if (spectral) {
-      for (std::uint32_t f = 0; f < parts; ++f) {
-        const std::size_t row = own ? f : parts + c - 1;
-        const double* w = weights.weight.data() + bin(f, c) * columns;
-        for (std::size_t k = 0; k < columns; ++k)
-          part_in_band[f] += w[k] * folded[row * columns + k];
-        if (!own && f > 0) continue;
-        const double* radiance = source(f, c).data() + node_offset;
-        const double* on_node = spectra.value.data() + row * spectra.nodes + node_offset;
-        for (std::size_t i = 0; i < n; ++i) sum[i] += on_node[i] * radiance[i];
+  const auto integrate = [&](const SourceTable& table, double path_radiance, const Out& to) {
+    for (std::size_t r = 0; r < weights.size(); ++r) {
+      double* out = values[r].data();
+      double total = 0, seen = 0;
+      for (std::size_t c = 0; c < kCauses; ++c) {
+        double value = 0;
+        for (const auto& [first, last] : causes[c]) {
+          value += over_rows(table.source, table, rows[r], first, last);
+          seen += over_rows(table.apparent, table, rows[r], first, last);
+        }
+        out[to.cause + c * to.cause_stride] = value;
+        total += value;
       }
-      continue;
+      const double instead = over_rows(table.apparent, table, rows[r], behind, rows[r].rows);
+      const double area = weights[r].projected_area_m2;
+      out[to.total] = total;
+      out[to.apparent] = seen + area * path_radiance;
+      out[to.contrast] = seen - instead;
+      out[to.background] = area > 0 ? instead / area + path_radiance : path_radiance;
     }
-    // Grey: the radiance is the same behind every first part, but for its own emission.
-    const double shared = own ? 0 : in_band(source(0, c), grid, node_offset);
-    double shared_weight = 0;
-    for (std::uint32_t f = 0; f < parts; ++f) {
-      const double w = weights.weight[bin(f, c)];
-      part_in_band[f] += w * (own ? in_band(source(f, c), grid, node_offset) : shared);
-      shared_weight += w;
-      if (!own) continue;
-      const double* radiance = source(f, c).data() + node_offset;
-      for (std::size_t i = 0; i < n; ++i) sum[i] += w * radiance[i];
-    }
-    if (own || shared_weight == 0) continue;
-    const double* radiance = source(0, c).data() + node_offset;
-    for (std::size_t i = 0; i < n; ++i) sum[i] += shared_weight * radiance[i];
-  }
+  };
 
-  const double area = weights.projected_area_m2;
-  double* stored = part_in_band + parts;
-  double* apparent_spectrum = stored + (1 + kCauses) * bins;
-  for (std::size_t i = 0; i < n; ++i) {
-    double total = 0;
-    for (std::size_t c = 0; c < kCauses; ++c) {
-      const double value = cause[c * n + i];
-      total += value;
-      out[1 + c] += grid.band_weight[i] * value;
-      stored[(1 + c) * bins + i / 4] += grid.bin_weight[i] * value;
+  const std::size_t at_area = 2 + kCauses, at_parts = at_area + 1, at_contrast = at_parts + parts;
+  const SourceTable band = table(basis, node_offset, grid.band_weight);
+  double path = 0;
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i)
+    path += grid.band_weight[i] * environment_.path_radiance[node_offset + i];
+  integrate(band, path, {0, 1, 1, 1 + kCauses, at_contrast, at_contrast + 1});
+  for (std::size_t r = 0; r < weights.size(); ++r) {
+    values[r][at_area] = weights[r].projected_area_m2;
+    for (std::uint32_t f = 0; f < classes_.parts; ++f) {
+      double sum = 0;
+      for (std::uint32_t c = 0; c < classes_.behind(0); ++c) {
+        const std::uint32_t row = c == classes_.own() ? f : row_of_class(c);
+        const double* s = band.source.data() + row * band.columns;
+        const double* w = weights[r].weight.data() +
+                          (static_cast<std::size_t>(f) * classes_.count() + c) * rows[r].columns +
+                          band.first_column;
+        sum += dot(s, w, band.columns);
+      }
+      values[r][at_parts + f] = sum;
     }
-    const double apparent = total * air_.transmittance[node_offset + i] +
-                            area * air_.path_radiance_w_m2_sr_um[node_offset + i];
-    out[0] += grid.band_weight[i] * total;
-    out[1 + kCauses] += grid.band_weight[i] * apparent;
-    stored[i / 4] += grid.bin_weight[i] * total;
-    apparent_spectrum[i / 4] += grid.bin_weight[i] * apparent;
   }
-  out[2 + kCauses] = area;
+  if (!spectra) return;
+  const std::size_t at_spectra = at_contrast + 2;
+  for (std::size_t k = 0; k < bins; ++k) {
+    const std::size_t first = grid.bin_first[k], count = grid.bin_first[k + 1] - first;
+    const std::span<const double> weight(grid.bin_weight.data() + first, count);
+    double path_in_bin = 0;
+    for (std::size_t i = 0; i < count; ++i)
+      path_in_bin += weight[i] * environment_.path_radiance[node_offset + first + i];
+    const auto at = [&](std::size_t spectrum) { return at_spectra + spectrum * bins + k; };
+    integrate(table(basis, node_offset + first, weight), path_in_bin,
+              {at(0), at(1), bins, at(1 + kCauses), at(2 + kCauses), at(3 + kCauses)});
+  }
 }
 
-double ConditionShading::largest_in_band_w_sr(const WeightSpectra& spectra, const BandGrid& grid,
-                                              std::size_t node_offset) const {
+double ConditionShading::largest_in_band_w_sr(const std::vector<double>& row_on_node,
+                                              const BandGrid& grid, std::size_t node_offset) const {
   double sum = 0;
-  for (std::size_t row = 0; row * spectra.nodes < spectra.value.size(); ++row) {
-    const double* w = spectra.value.data() + row * spectra.nodes;
-    const double largest = *std::max_element(w, w + spectra.nodes);
+  const std::uint32_t rows = row_of_class(classes_.behind(0));
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    const double* w = row_on_node.data() + row * nodes_;
+    const double largest = *std::max_element(w, w + nodes_);
     if (!(largest > 0)) continue;
-    const bool own = row < classes_.parts;
-    sum += largest * in_band(source(own ? static_cast<std::uint32_t>(row) : 0,
-                                    own ? classes_.own()
-                                        : static_cast<std::uint32_t>(row - classes_.parts + 1)),
-                             grid, node_offset);
+    sum += largest *
+           in_band(source(row < classes_.parts ? row : 0, class_of_row(row)), grid, node_offset);
   }
   return sum;
 }
 
 double ConditionShading::sun_w_m2(const BandGrid& grid, std::size_t node_offset) const {
-  return in_band(sun_[0], grid, node_offset);
+  return sun_index_ >= 0 ? in_band(environment_.sun, grid, node_offset) : 0;
 }
 
 double ConditionShading::part_w_m2_sr(std::uint32_t part, const BandGrid& grid,
@@ -213,7 +318,9 @@ double ConditionShading::part_w_m2_sr(std::uint32_t part, const BandGrid& grid,
 
 double ConditionShading::brightest_thermal_w_m2_sr(const BandGrid& grid,
                                                    std::size_t node_offset) const {
-  double thermal = std::max(in_band(sky_, grid, node_offset), in_band(lower_, grid, node_offset));
+  double thermal = 0;
+  for (const auto& node : environment_.node)
+    thermal = std::max(thermal, in_band(node, grid, node_offset));
   for (const auto& p : part_) thermal = std::max(thermal, in_band(p, grid, node_offset));
   return thermal;
 }

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/signature/signature.h"
@@ -8,46 +12,65 @@
 
 namespace irsig {
 
-// The weights of one replicate on all nodes, summed over the parts seen first as far as they meet
-// the same source: own emission of part f in row f, then the classes after `own`.
-struct WeightSpectra {
-  std::size_t nodes = 0;
-  std::vector<double> value;  // [row][node]
+// The weights of one replicate, summed over the parts seen first as far as they meet the same
+// source: own emission of part f in row f, then the classes after `own`. [row][column]
+struct RowWeights {
+  std::uint32_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<double> value;
 };
-[[nodiscard]] WeightSpectra weight_spectra(const PathWeights& weights, const SourceClasses& classes,
-                                           const SpectralBasis& basis);
+// `weight`: one table in a tracer's layout.
+[[nodiscard]] RowWeights row_weights(std::span<const double> weight, const SourceClasses& classes,
+                                     std::size_t columns);
+// On all nodes of the sweep. [row][node]
+[[nodiscard]] std::vector<double> on_nodes(const RowWeights& weights, const SpectralBasis& basis);
 
-// The source radiances of one condition on the sweep's nodes, and how they meet the weights of a
-// replicate.
+// An integral of all sources over wavelength, as weights that paths carry want it: [row][column],
+// of columns first_column .. first_column + columns - 1 of those that paths carry.
+struct SourceTable {
+  std::size_t first_column = 0, columns = 1;
+  std::vector<double> source, apparent;
+};
+
+// What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
+// homogeneous air or none.
+[[nodiscard]] ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air,
+                                                double range_m, bool sun,
+                                                const std::vector<double>& node_um);
+
+// The sources of one condition on the sweep's nodes, and how they meet the weights of a replicate.
 class ConditionShading {
  public:
-  ConditionShading(const ConditionSpec& condition, const Air& air, double range_m,
+  ConditionShading(const ConditionSpec& condition, ViewEnvironment environment,
                    const SourceClasses& classes, int sun_index, const std::vector<double>& node_um);
 
-  // Radiance of class c behind first part f at node i; for the sun: irradiance.      [W/(m2 sr um)]
+  // Radiance of class c behind first part f at node i; for the sun: irradiance. At the target, and
+  // what of it arrives at the sensor. A class behind the target is no source: it has the latter
+  // only.                                                               [W/(m2 sr um)], [W/(m2 um)]
   [[nodiscard]] const std::vector<double>& source(std::uint32_t first,
                                                   std::uint32_t source_class) const;
+  [[nodiscard]] const std::vector<double>& apparent(std::uint32_t first,
+                                                    std::uint32_t source_class) const;
 
-  // A band's in-band sources as the weights that paths carry want them: one row for the own
-  // emission of each part, then one for each class after `own`; [row][carried node].
-  [[nodiscard]] std::vector<double> fold(const SpectralBasis& basis, const BandGrid& grid,
-                                         std::size_t node_offset) const;
+  // The integral with the given weights over nodes [first, first + weight.size()). `basis`: null if
+  // all materials are grey.
+  [[nodiscard]] SourceTable table(const SpectralBasis* basis, std::size_t first_node,
+                                  std::span<const double> weight) const;
 
-  // Everything that is stored of one band, for one replicate, in this order: in-band total; the
-  // kCauses; apparent in-band; projected area; parts in-band; then for the total, each cause and
-  // apparent the stored wavelengths. spectra, folded: empty if all materials are grey.
-  void evaluate(const PathWeights& weights, const WeightSpectra& spectra,
-                const std::vector<double>& folded, const BandGrid& grid, std::size_t node_offset,
-                std::vector<double>& out) const;
+  // Everything that is stored of one band, for each replicate. In-band: total; the kCauses;
+  // apparent; projected area; parts; contrast; background radiance. With `spectra`, on the stored
+  // wavelengths: the total, each cause, apparent, contrast, background radiance.
+  // values[replicate][quantity].
+  void evaluate(std::span<const PathWeights> weights, std::span<const RowWeights> rows,
+                const SpectralBasis* basis, const BandGrid& grid, std::size_t node_offset,
+                bool spectra, std::vector<std::vector<double>>& values) const;
 
-  // The in-band sum over the weights of one table: in a tracer's layout, `columns` nodes (1: grey).
-  [[nodiscard]] double in_band_w_sr(const std::vector<double>& weight, std::size_t columns,
-                                    const std::vector<double>& folded, const BandGrid& grid,
-                                    std::size_t node_offset) const;
+  // The in-band sum over one table of weights in a tracer's layout.
+  [[nodiscard]] double in_band_w_sr(const RowWeights& rows, const SourceTable& in_band) const;
 
-  // The in-band sum if every row of weights had its largest value at all nodes. [W/sr]
-  [[nodiscard]] double largest_in_band_w_sr(const WeightSpectra& spectra, const BandGrid& grid,
-                                            std::size_t node_offset) const;
+  // The in-band sum if every row of weights (on nodes) had its largest value at all of them. [W/sr]
+  [[nodiscard]] double largest_in_band_w_sr(const std::vector<double>& row_on_node,
+                                            const BandGrid& grid, std::size_t node_offset) const;
 
   // In-band irradiance of the condition's sun; 0 if none shines. [W/m2]
   [[nodiscard]] double sun_w_m2(const BandGrid& grid, std::size_t node_offset) const;
@@ -63,17 +86,30 @@ class ConditionShading {
   // can have carried at most. [W/(m2 sr)]
   [[nodiscard]] double brightest_w_m2_sr(const BandGrid& grid, std::size_t node_offset) const;
 
-  [[nodiscard]] const AirPath& air() const { return air_; }
+  [[nodiscard]] const ViewEnvironment& environment() const { return environment_; }
 
  private:
+  [[nodiscard]] std::uint32_t class_of_row(std::uint32_t row) const {
+    return row < classes_.parts ? classes_.own() : row - classes_.parts + 1;
+  }
+  [[nodiscard]] std::uint32_t row_of_class(std::uint32_t c) const { return classes_.parts + c - 1; }
+
+  struct Rows {
+    std::uint32_t first, last;  // behind the last
+  };
+  // The sea's are in two pieces: what it emits and reflects of the sky, and the sun in it.
+  [[nodiscard]] std::array<std::array<Rows, 2>, kCauses> cause_rows() const;
+
   SourceClasses classes_;
   int sun_index_;  // which sun of the path tracer shines in this condition; -1: none
   std::size_t nodes_;
-  std::vector<std::vector<double>> part_, sun_;  // blackbody radiance of each part; [0]: irradiance
-  std::vector<double> sky_, lower_, none_;
-  AirPath air_;
+  std::vector<std::vector<double>> part_, part_apparent_;  // blackbody radiance of each part
+  std::vector<double> none_;
+  std::vector<std::vector<double>> glint_, glint_apparent_;  // [kGlintCosines]
+  ViewEnvironment environment_;
 };
 
-[[nodiscard]] std::size_t quantities(std::size_t parts, const BandGrid& grid);
+// How many numbers evaluate() gives.
+[[nodiscard]] std::size_t quantities(std::size_t parts, const BandGrid& grid, bool spectra);
 
 }  // namespace irsig

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/constants.h"
 #include "core/signature/pass.h"
 #include "core/signature/scene_hash.h"
 
@@ -20,13 +21,72 @@ std::vector<std::uint32_t> all_of(std::size_t n) {
   return out;
 }
 
+// What is stored of the air between target and sensor, and the models' errors.
+void add_path(const ViewEnvironment& e, const BandGrid& grid, std::size_t offset,
+              SignatureResult& r) {
+  double width_um = 0;
+  r.path_transmittance = r.path_radiance_w_m2_sr = 0;
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
+    width_um += grid.band_weight[i];
+    r.path_transmittance += grid.band_weight[i] * e.transmittance[offset + i];
+    r.path_radiance_w_m2_sr += grid.band_weight[i] * e.path_radiance[offset + i];
+  }
+  r.path_transmittance /= width_um;
+  // Surface emission is multiplied by the mean transmittance, whose error is taken bin by bin; the
+  // errors of one model go the same way everywhere, and add up.
+  double emission_lost_w_sr = 0, path_w_sr = 0;
+  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
+    double transmittance = 0, radiance = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
+      transmittance += grid.bin_weight[i] * e.transmittance[offset + i];
+      radiance += grid.bin_weight[i] * e.path_radiance[offset + i];
+      if (e.model_error_transmittance.empty()) continue;
+      emission_lost_w_sr +=
+          grid.band_weight[i] * r.spectral.value[k] * e.model_error_transmittance[offset + i];
+      path_w_sr +=
+          grid.band_weight[i] * r.projected_area_m2.value * e.model_error_path_radiance[offset + i];
+    }
+    r.path_transmittance_spectral.push_back(transmittance);
+    r.path_radiance_spectral.push_back(radiance);
+  }
+  const auto cause = [&](Cause which) {
+    return r.cause_w_sr[static_cast<std::size_t>(which)].value;
+  };
+  r.model_error_w_sr = std::hypot(e.sky_model_relative * cause(Cause::kSkyReflected),
+                                  e.lower_model_relative * cause(Cause::kSeaReflected),
+                                  e.sun_model_relative * cause(Cause::kSunReflected));
+  const double seen = r.intensity_w_sr.value != 0
+                          ? std::abs(r.apparent_intensity_w_sr.value / r.intensity_w_sr.value)
+                          : 0;
+  r.apparent_model_error_w_sr =
+      std::hypot(std::min(seen, 1.0) * r.model_error_w_sr, emission_lost_w_sr - path_w_sr);
+}
+
+// The air is taken at the range of the reference point. Over the target's own depth, at most
+// `depth` of the range to either side, the apparent radiance changes by (L - L_air) dT: L_air is
+// the path's radiance / (1 - T), and |dT| at most T (-ln T) x depth, as in grey air; where lines
+// are saturated it is less. [W/sr]
+double depth_bound_w_sr(const SignatureResult& r, const BandGrid& grid, double depth) {
+  double sum = 0;
+  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
+    const double t = r.path_transmittance_spectral[k];
+    if (!(t > 0 && t < 1)) continue;
+    const double air_w_sr_um = r.projected_area_m2.value * r.path_radiance_spectral[k] / (1 - t);
+    double width_um = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
+      width_um += grid.band_weight[i];
+    sum += width_um * std::abs(r.spectral.value[k] - air_w_sr_um) * t * -std::log(t) * depth;
+  }
+  return sum;
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Simulator>> Simulator::create(const SceneSpec& spec) {
   auto simulator = std::unique_ptr<Simulator>(new Simulator);
   simulator->band_ = spec.band;
   for (const Band& band : spec.band) {
-    auto grid = make_band_grid(band);
+    auto grid = make_band_grid(band, spec.spectral_breaks_um);
     if (!grid.ok()) return grid.status();
     simulator->band_offset_.push_back(simulator->node_um_.size());
     simulator->node_um_.insert(simulator->node_um_.end(), grid->node_um.begin(),
@@ -111,6 +171,11 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
   constexpr std::uint64_t kFirstPilot = 1, kSecondPilot = 2, kStored = 4;
 
   const AimedView view = make_aimed_view(target_, viewpoint);
+  const bool pilots = request.accuracy.relative_error > 0 || request.accuracy.target_paths > 0;
+  const auto environments = view_environments(
+      request, target_, viewpoint.range_m,
+      pilots ? all_of(request.condition.size()) : request.selected_condition, node_um_);
+  if (!environments.ok()) return environments.status();
 
   // The number of samples, from a pilot over every row of the sweep. Nothing of the pilot is
   // stored.
@@ -118,13 +183,13 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
   std::uint64_t samples = accuracy.samples_per_replicate;
   bool limited = false;
   std::uint64_t pilot_rays = 0;
-  if (accuracy.relative_error > 0 || accuracy.target_paths > 0) {
-    Pass pilot(*this, request, view, all_of(request.condition.size()), all_of(band_.size()),
-               node_um_, band_offset_, seed);
+  if (pilots) {
+    Pass pilot(*this, request, view, *environments, all_of(request.condition.size()),
+               all_of(band_.size()), node_um_, band_offset_, seed);
     constexpr std::uint64_t kFirst = 128, kSecond = 1024;
     if (accuracy.target_paths > 0) {
       // Hits are counted with the strata in the proportion that the stored run has.
-      pilot.run(kSecond, kFirstPilot, false);
+      pilot.run(kSecond, kFirstPilot, Pass::Kind::kPilot);
       pilot_rays += pilot.counts().rays;
       const double per_sample =
           static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
@@ -135,7 +200,7 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
           std::min(wanted, static_cast<double>(accuracy.max_samples_per_replicate)));
       limited = wanted > static_cast<double>(accuracy.max_samples_per_replicate);
     } else {
-      pilot.run(kFirst, kFirstPilot, false);
+      pilot.run(kFirst, kFirstPilot, Pass::Kind::kPilot);
       pilot_rays += pilot.counts().rays;
       const std::size_t rows = pilot.rows();
       std::vector<double> before;
@@ -145,7 +210,7 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
       // then seen often enough to be judged.
       std::uint64_t n_before = kFirst, n = kSecond;
       for (std::uint64_t stage = kSecondPilot;; ++stage) {
-        pilot.run(n, stage, false);
+        pilot.run(n, stage, Pass::Kind::kPilot);
         pilot_rays += pilot.counts().rays;
         samples = 16;
         for (std::size_t row = 0; row < rows; ++row) {
@@ -167,9 +232,10 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     }
   }
 
-  Pass pass(*this, request, view, request.selected_condition, request.selected_band, node_um_,
-            band_offset_, seed);
-  pass.run(samples, kStored, request.thumbnail_px > 0);
+  Pass pass(*this, request, view, *environments, request.selected_condition, request.selected_band,
+            node_um_, band_offset_, seed);
+  pass.run(samples, kStored,
+           request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored);
 
   ViewResult out;
   out.samples = pass.counts().samples;
@@ -206,6 +272,8 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     r.apparent_intensity_w_sr = s.estimate(q++);
     r.projected_area_m2 = s.estimate(q++);
     for (std::size_t p = 0; p < parts; ++p) r.part_w_sr.push_back(s.estimate(q++));
+    r.contrast_intensity_w_sr = s.estimate(q++);
+    r.background_radiance_w_m2_sr = s.estimate(q++);
     const auto spectrum = [&](SpectralEstimate& e) {
       for (std::size_t k = 0; k < bins; ++k, ++q) {
         e.value.push_back(s.estimate(q).value);
@@ -215,6 +283,9 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     spectrum(r.spectral);
     for (SpectralEstimate& cause : r.spectral_cause) spectrum(cause);
     spectrum(r.apparent_spectral);
+    spectrum(r.contrast_spectral);
+    spectrum(r.background_spectral);
+    add_path(pass.shading(row).environment(), grid, band_offset_[r.band], r);
 
     const auto bounds = pass.bounds(row);
     r.truncation_bound_w_sr = bounds.truncation;
@@ -222,13 +293,13 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     r.basis_bound_w_sr = bounds.basis;
     r.unseen_bound_w_sr = bounds.unseen;
     r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.sum());
-    // The air is taken at the range of the reference point; the target's own depth is the error of
-    // that.
-    const double depth = std::expm1(
-        extinction_per_m(request.air, request.condition[r.condition].air_temperature_k) * reach);
+    const double aperture_bounds =
+        bounds.sum() + depth_bound_w_sr(r, grid, reach / viewpoint.range_m);
     r.apparent_numerical_error_w_sr =
-        numerical_error(r.apparent_intensity_w_sr.stderr_,
-                        bounds.sum() + depth * std::abs(r.apparent_intensity_w_sr.value));
+        numerical_error(r.apparent_intensity_w_sr.stderr_, aperture_bounds);
+    r.contrast_numerical_error_w_sr =
+        numerical_error(r.contrast_intensity_w_sr.stderr_, aperture_bounds);
+    r.sky_bound_w_sr = bounds.sky;
     if (r.projected_area_m2.value > 0)
       r.apparent_temperature_k = apparent_temperature_k(
           band_[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);

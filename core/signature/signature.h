@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
 #include "core/environment/air.h"
+#include "core/environment/environment.h"
 #include "core/environment/surroundings.h"
 #include "core/geo/viewpoint.h"
 #include "core/materials/material.h"
@@ -19,7 +20,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-inline constexpr int kPhysicsVersion = 2;
+inline constexpr int kPhysicsVersion = 3;
 
 // What does not change during a sweep.
 struct SceneSpec {
@@ -27,6 +28,8 @@ struct SceneSpec {
   std::vector<PartSpec> part;
   std::vector<MaterialSpec> material;
   std::vector<Band> band;
+  // Where the air's spectrum jumps (air_band_edges_um); empty: nowhere.
+  std::vector<double> spectral_breaks_um;
   TracerIsa isa = widest_isa();
 };
 
@@ -38,7 +41,8 @@ struct ConditionSpec {
   Vec<Body> sun_direction;  // unit vector towards the sun
   double sun_cos_zenith = 0;
   double sun_angular_radius_deg = 0;
-  double sun_scale = 0;  // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
+  double sun_scale = 0;     // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
+  double sea_wind_m_s = 0;  // > 0: the sea mirrors the sun, as rough as this wind makes it
   double air_temperature_k = 0;
 };
 
@@ -58,6 +62,9 @@ struct ViewRequest {
   Viewpoint viewpoint;
   std::vector<ConditionSpec> condition;
   Air air;
+  // The embedded atmosphere, for the same conditions in the same order: takes the place of `air`
+  // and of the conditions' surroundings but for their kind, and of sun_scale. Null: none.
+  std::shared_ptr<const Environment> environment;
   std::vector<std::uint32_t> selected_condition, selected_band;
   AccuracySpec accuracy;
   std::uint32_t max_reflections = 3;
@@ -83,14 +90,28 @@ struct SignatureResult {
   // were met too seldom to show in the standard error.
   double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, unseen_bound_w_sr = 0;
   double basis_bound_w_sr = 0;  // of the nodes between those that paths carry
+  double sky_bound_w_sr = 0;    // of sky and sea between the directions at which they are known
   double numerical_error_w_sr = 0;
   Estimate apparent_intensity_w_sr;
   double apparent_numerical_error_w_sr = 0;
+  // At the aperture: the target less what would be seen in its place, ray by ray.
+  Estimate contrast_intensity_w_sr;
+  double contrast_numerical_error_w_sr = 0;
+  // At the aperture, mean over the silhouette: what would be seen in the target's place.
+  Estimate background_radiance_w_m2_sr;
+  // One sigma of the models of air, sky and sea. Never part of the numerical error.
+  double model_error_w_sr = 0, apparent_model_error_w_sr = 0;
+  double path_transmittance = 1;     // in-band mean, of a grey source
+  double path_radiance_w_m2_sr = 0;  // in-band
   Estimate projected_area_m2;
+  // Of intensity / projected area; NaN if no blackbody has that radiance (core/spectral/band.h).
   double apparent_temperature_k = 0;
   Estimate cause_w_sr[kCauses];
   std::vector<Estimate> part_w_sr;  // by the part that the sensor sees
-  SpectralEstimate spectral, spectral_cause[kCauses], apparent_spectral;
+  SpectralEstimate spectral, spectral_cause[kCauses], apparent_spectral, contrast_spectral,
+      background_spectral;  // the last: radiance
+  // Between target and sensor, on the stored wavelengths: no sampling error.
+  std::vector<double> path_transmittance_spectral, path_radiance_spectral;
   std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none
   StopReason stop_reason = StopReason::kFixedSamples;
 };

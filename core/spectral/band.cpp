@@ -147,7 +147,7 @@ double band_response(const Band& band, double lambda_um) {
   return response_from(band, lambda_um, lambda_um);
 }
 
-absl::StatusOr<BandGrid> make_band_grid(const Band& band) {
+absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double> breaks_um) {
   const double low = band.lambda_min_um;
   const double high = band.lambda_max_um;
   if (!(low >= kPlanckLambdaMinUm && high <= kPlanckLambdaMaxUm && low < high)) {
@@ -175,22 +175,33 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band) {
 
   const auto n = static_cast<std::size_t>(steps);
   const double half = 0.5 * grid.step_um;
+  std::vector<double> cuts;
   for (std::size_t k = 0; k <= n; ++k) {
     const double lambda = low + (high - low) * (static_cast<double>(k) / steps);
     grid.lambda_um.push_back(lambda);
-    for (const bool upper : {false, true}) {
-      const double from = upper ? lambda : lambda - half;
-      const double to = upper ? lambda + half : lambda;
+    grid.bin_first.push_back(grid.node_um.size());
+    // The middle of the first and last bin is a limit of the band.
+    cuts = {lambda - half};
+    if (breaks_um.empty() || k == 0 || k == n) cuts.push_back(lambda);
+    for (auto at = std::upper_bound(breaks_um.begin(), breaks_um.end(), lambda - half);
+         at != breaks_um.end() && *at < lambda + half; ++at)
+      cuts.push_back(*at);
+    cuts.push_back(lambda + half);
+    std::sort(cuts.begin(), cuts.end());
+    cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+    for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
+      const double from = cuts[c], to = cuts[c + 1], reach = 0.5 * (to - from);
       for (const double side : {-kGauss2, kGauss2}) {
-        grid.node_um.push_back(0.5 * (from + to) + side * 0.5 * half);
-        grid.bin_weight.push_back(0.25);
+        grid.node_um.push_back(0.5 * (from + to) + side * reach);
+        grid.bin_weight.push_back(reach / grid.step_um);
       }
-      const bool outside = upper ? k == n : k == 0;
+      const bool outside = (k == 0 && to <= lambda) || (k == n && from >= lambda);
       const PanelWeights weights = outside ? PanelWeights{0.0, 0.0} : panel_weights(band, from, to);
       grid.band_weight.push_back(weights.lower);
       grid.band_weight.push_back(weights.upper);
     }
   }
+  grid.bin_first.push_back(grid.node_um.size());
   return grid;
 }
 
@@ -198,11 +209,13 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band) {
 // iteration from above. The start: some node has at most the weighted mean of the spectral
 // radiance.
 double apparent_temperature_k(const Band& band, const BandGrid& grid, double radiance_w_m2_sr) {
-  IRSIG_CHECK(radiance_w_m2_sr >= 0.0);
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!(radiance_w_m2_sr >= 0.0)) return kNone;
   if (radiance_w_m2_sr == 0.0) return 0.0;
   if (band.response.empty()) {
     return apparent_temperature_k(band.lambda_min_um, band.lambda_max_um, radiance_w_m2_sr);
   }
+  if (radiance_w_m2_sr > grid_in_band_w_m2_sr(grid, kPlanckTemperatureMaxK)) return kNone;
   double width_um = 0.0;
   double longest_um = 0.0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
@@ -215,12 +228,14 @@ double apparent_temperature_k(const Band& band, const BandGrid& grid, double rad
   double temperature_k = 0.0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
     if (grid.band_weight[i] > 0.0) {
-      temperature_k = std::max(temperature_k, monochromatic_temperature_k(grid.node_um[i], mean));
+      // Near the highest temperature a node's may lie above it, and is NaN.
+      const double at_node_k = monochromatic_temperature_k(grid.node_um[i], mean);
+      temperature_k =
+          std::max(temperature_k, std::isnan(at_node_k) ? kPlanckTemperatureMaxK : at_node_k);
     }
   }
   constexpr int kMostIterations = 200;
-  for (int iteration = 0;; ++iteration) {
-    IRSIG_CHECK(iteration < kMostIterations);
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     // exp(-shift), the largest of the exponentials, is taken out so that nothing underflows.
     const double shift = kC2UmK / (longest_um * temperature_k);
     double value = 0.0;
@@ -240,6 +255,7 @@ double apparent_temperature_k(const Band& band, const BandGrid& grid, double rad
     temperature_k /= 1.0 + relative_step;
     if (std::abs(relative_step) < 1e-9) return temperature_k;
   }
+  return kNone;
 }
 
 double quadrature_relative_bound(const Band& band, const BandGrid& grid, double t_min_k,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,15 +29,15 @@ struct Band {
 //
 // Stored wavelengths: lambda_min + k step, k = 0 .. n (n = round((max - min) / step), step adjusted
 // so that it divides the band exactly). Bin k is [lambda_k - step/2, lambda_k + step/2] (the outer
-// half of the first and last bin lies outside the band). Each half bin is a panel of two
-// Gauss-Legendre points, so the bins and the in-band integral share their nodes: nodes 4k .. 4k+3
-// belong to bin k.
+// half of the first and last bin lies outside the band). Bins are cut into panels of two
+// Gauss-Legendre points, so the bins and the in-band integral share their nodes: at the middle, or,
+// where the spectrum jumps at stated wavelengths, at those and at the limits of the band.
 struct BandGrid {
-  double step_um;                 // as adjusted
-  std::vector<double> lambda_um;  // n+1 stored wavelengths
-  std::vector<double> node_um;    // 4 (n+1) quadrature nodes, increasing
-  std::vector<double>
-      bin_weight;  // mean over bin k = sum of bin_weight[i] L(node_i), i in 4k..4k+3
+  double step_um;                      // as adjusted
+  std::vector<double> lambda_um;       // n+1 stored wavelengths
+  std::vector<double> node_um;         // quadrature nodes, increasing: 4 (n+1) without jumps
+  std::vector<std::size_t> bin_first;  // nodes bin_first[k] .. bin_first[k+1] - 1 belong to bin k
+  std::vector<double> bin_weight;      // mean over bin k = sum of bin_weight[i] L(node_i) over them
   std::vector<double>
       band_weight;  // in-band integral = sum of band_weight[i] L(node_i) [um, response included]
 };
@@ -47,14 +49,18 @@ struct BandGrid {
 // INVALID_ARGUMENT: limits that are reversed or not positive, a step that is not positive, wider
 // than the band, or more than a million of them, a response that does not increase, is negative, or
 // 0 everywhere in the band.
-[[nodiscard]] absl::StatusOr<BandGrid> make_band_grid(const Band& band);
+//   breaks_um  where spectra jump (the edges of the air's bands), increasing; others are ignored
+[[nodiscard]] absl::StatusOr<BandGrid> make_band_grid(const Band& band,
+                                                      std::span<const double> breaks_um = {});
 
 // Response of the band at a wavelength (0 outside).
 [[nodiscard]] double band_response(const Band& band, double lambda_um);
 
 // The temperature of the blackbody with the given in-band radiance through the band's response
 // (relative response: the integral of response x L_b). Closed form for an empty response,
-// quadrature otherwise.
+// quadrature otherwise. 0 for radiance 0. NaN for a radiance that no blackbody has: negative, not
+// finite, or above that at kPlanckTemperatureMaxK; whoever stores the temperature must look
+// (worker/check_numbers.h).
 [[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
                                             double radiance_w_m2_sr);
 

@@ -2,7 +2,9 @@
 
 namespace irsig {
 
-// What all functions below accept; anything else is a failed check.
+// What all functions below accept; anything else is a failed check. Not so a radiance whose
+// temperature is asked for: it is the outcome of a calculation, and a process that computes many
+// must not end at one of them. The temperature is then NaN.
 inline constexpr double kPlanckLambdaMinUm = 1e-6;
 inline constexpr double kPlanckLambdaMaxUm = 1e9;
 inline constexpr double kPlanckTemperatureMaxK = 1e12;
@@ -44,7 +46,8 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
 
 // The temperature of the blackbody with the given band radiance; 0 for radiance 0.    [K]
 //
-//   radiance_w_m2_sr  >= 0, at most that of a blackbody at kPlanckTemperatureMaxK
+// NaN where there is none: a radiance that is negative, not finite, or above that of a blackbody at
+// kPlanckTemperatureMaxK.
 //
 // Accuracy: largest relative error 6.7e-16 against 60-digit arithmetic, 7e-15 in round trips from 1
 // to 1e9 K.
@@ -52,7 +55,7 @@ inline constexpr double kPlanckTemperatureMaxK = 1e12;
                                             double radiance_w_m2_sr);
 
 // The temperature of the blackbody with the given spectral radiance; 0 for radiance 0.    [K]
-// Accuracy: as above.
+// NaN and accuracy: as above.
 [[nodiscard]] double monochromatic_temperature_k(double lambda_um,
                                                  double spectral_radiance_w_m2_sr_um);
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -8,6 +9,8 @@
 
 namespace irsig {
 namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // The temperature at which L_b(lambda_um, T) = exp(log_radiance): the logarithm keeps radiances
 // that are near the smallest double apart from zero.
@@ -23,8 +26,10 @@ double temperature_of_log_k(double lambda_um, double log_radiance) {
 double monochromatic_temperature_k(double lambda_um, double spectral_radiance_w_m2_sr_um) {
   IRSIG_CHECK(lambda_um >= kPlanckLambdaMinUm);
   IRSIG_CHECK(lambda_um <= kPlanckLambdaMaxUm);
-  IRSIG_CHECK(spectral_radiance_w_m2_sr_um >= 0.0);
+  if (!(spectral_radiance_w_m2_sr_um >= 0.0)) return kNone;
   if (spectral_radiance_w_m2_sr_um == 0.0) return 0.0;
+  if (spectral_radiance_w_m2_sr_um > planck_radiance_w_m2_sr_um(lambda_um, kPlanckTemperatureMaxK))
+    return kNone;
   return temperature_of_log_k(lambda_um, std::log(spectral_radiance_w_m2_sr_um));
 }
 
@@ -39,19 +44,19 @@ double apparent_temperature_k(double lambda_min_um, double lambda_max_um, double
   IRSIG_CHECK(lambda_min_um >= kPlanckLambdaMinUm);
   IRSIG_CHECK(lambda_max_um <= kPlanckLambdaMaxUm);
   IRSIG_CHECK(lambda_min_um < lambda_max_um);
-  IRSIG_CHECK(radiance_w_m2_sr >= 0.0);
+  if (!(radiance_w_m2_sr >= 0.0)) return kNone;
   if (radiance_w_m2_sr == 0.0) return 0.0;
-  IRSIG_CHECK(radiance_w_m2_sr <=
-              planck_band_radiance_w_m2_sr(lambda_min_um, lambda_max_um, kPlanckTemperatureMaxK));
+  if (radiance_w_m2_sr >
+      planck_band_radiance_w_m2_sr(lambda_min_um, lambda_max_um, kPlanckTemperatureMaxK))
+    return kNone;
   const double log_target = std::log(radiance_w_m2_sr);
   const double log_mean = log_target - std::log(lambda_max_um - lambda_min_um);
   double temperature_k = std::max(temperature_of_log_k(lambda_min_um, log_mean),
                                   temperature_of_log_k(lambda_max_um, log_mean));
   constexpr int kMostSteps = 200;  // 20 suffice for 1e-3 to 1e9 um, 1e-300 to 1e30 W/(m2 sr)
-  for (int step = 0;; ++step) {
-    IRSIG_CHECK(step < kMostSteps);
+  for (int step = 0; step < kMostSteps; ++step) {
     const PlanckIntegrals in = planck_integrals(lambda_min_um, lambda_max_um, temperature_k);
-    IRSIG_CHECK(in.radiance_w_m2_sr > 0.0);
+    if (!(in.radiance_w_m2_sr > 0.0)) return kNone;
     const double log_ratio = std::log(in.radiance_w_m2_sr) - in.exponent - log_target;
     const double relative_step =
         log_ratio * in.radiance_w_m2_sr / (temperature_k * in.derivative_w_m2_sr_k);
@@ -59,6 +64,7 @@ double apparent_temperature_k(double lambda_min_um, double lambda_max_um, double
     // Convergence is quadratic: the step after this one would be below the last bit.
     if (std::abs(relative_step) < 1e-9) return temperature_k;
   }
+  return kNone;
 }
 
 }  // namespace irsig

@@ -61,10 +61,11 @@ void put_sun(ConditionSpec& condition, Vec<Body> towards);
 // error below rounding (1e-7 of the expected value, floats on the way) counts as that.
 [[nodiscard]] double t_of(const Estimate& e, double expected, double bias = 0);
 
-// Of its area: where a target fills its bounding rectangle, rays are aimed at 0.002 cells of 1/128
-// beyond each side (core/transport/primary_rays.h); a run that happens to put no sample there
-// cannot know it, and states a standard error of 0.
-inline constexpr double kMaskMargin = 4 * 0.002 / 128 + 1e-6;
+// Of its area: a plate that fills its bounding rectangle is met by every ray, and the standard
+// error is 0. What is left then is the rounding of rays (core/transport/primary_rays.cpp: 1e-7),
+// and perspective: at 1e5 m a plate of 1 m turned by 20 deg is a trapezoid whose rim, 1.7e-6 of the
+// rectangle, is met by no sample.
+inline constexpr double kMaskMargin = 2e-6;
 
 // Numbers for tests: uniform in [0, 1), a function of seed and index.
 [[nodiscard]] double uniform(std::uint64_t seed, std::uint64_t index);

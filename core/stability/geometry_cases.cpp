@@ -469,7 +469,7 @@ std::vector<HardCase> geometry_cases() {
        "a ray that leaves a convex body never meets it", self_intersection},
       {"geometry", "duplicates", "doubled, re-cut, opposite and nearly coincident plates [t]",
        "Student's t of 8 rows, 31 degrees of freedom: a false alarm in 1000 suites; the mask's "
-       "margin of 6e-5",
+       "margin of 2e-6",
        duplicates},
       {"geometry", "degenerate_facets", "a plate with 400 facets of no area [t]",
        "Student's t of 2 rows after the mask's margin", degenerate_facets},

@@ -9,6 +9,7 @@
 
 namespace irsig {
 
+[[nodiscard]] std::vector<HardCase> atmosphere_cases();
 [[nodiscard]] std::vector<HardCase> determinism_cases();
 [[nodiscard]] std::vector<HardCase> geometry_cases();
 [[nodiscard]] std::vector<HardCase> material_cases();

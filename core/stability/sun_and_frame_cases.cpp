@@ -235,7 +235,7 @@ std::vector<HardCase> sun_and_frame_cases() {
        "a level plate, sun from the zenith to the nadir: the part of the disk that is up [t]",
        "Student's t of 10 rows; exactly 0 when the disk has set", setting_sun},
       {"sun_and_frames", "zenith_view", "a box from exactly above and below, any azimuth [t]",
-       "Student's t of 12 rows, after the margin of the mask (8e-5)", zenith_view},
+       "Student's t of 12 rows, after rounding, the walls and the range (4e-6)", zenith_view},
       {"sun_and_frames", "sun_at_poles",
        "date line, poles, a hair beside: angles between unit vectors [rad]",
        "a hair is 1e-9 deg = 1.7e-11 rad of rotation; the almanac itself carries 1e-15",

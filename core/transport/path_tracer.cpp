@@ -14,6 +14,21 @@ constexpr std::uint32_t kSeedOrders = 33;
 
 }  // namespace
 
+SourceClasses source_classes(std::size_t parts, std::span<const SunDirection> suns,
+                             bool lower_is_sea, const DirectionNodes& directions,
+                             const DirectionNodes* behind) {
+  SourceClasses out;
+  out.parts = static_cast<std::uint32_t>(parts);
+  out.suns = static_cast<std::uint32_t>(suns.size());
+  out.sky_nodes = directions.sky();
+  out.lower_nodes = directions.lower();
+  out.behind_nodes = behind != nullptr ? behind->count() : 0;
+  for (const SunDirection& s : suns)
+    if (lower_is_sea && s.sea_wind_m_s > 0 && s.direction.z < 0)
+      out.glint_nodes = static_cast<std::uint32_t>(kGlintCosines.size());
+  return out;
+}
+
 PathTracer::PathTracer(const Target& target, std::span<const Material> materials,
                        const AimedView& view, std::vector<SunDirection> suns, PathSettings settings)
     : target_(target),
@@ -22,8 +37,9 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       settings_(settings),
       view_(view),
       hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
-  classes_ = {static_cast<std::uint32_t>(target.part.size()),
-              static_cast<std::uint32_t>(suns_.size())};
+  classes_ = source_classes(target.part.size(), suns_, settings_.lower_is_sea, settings_.directions,
+                            settings_.behind ? &*settings_.behind : nullptr);
+  any_glint_ = classes_.glint_nodes > 0;
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
   float widest_radius = 0;
@@ -78,6 +94,12 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     work.hot_class.resize(most);
     work.hot_light.resize(most);
     for (auto* v : {&work.hot_total, &work.hot_pick}) v->resize(most);
+  }
+  if (any_glint_) {
+    const auto rays = static_cast<std::uint32_t>(most * suns_.size());
+    work.glint_shadow.resize(rays, row);
+    work.glint_sun.resize(rays);
+    work.glint_at.resize(rays);
   }
   work.row.resize(nodes_);
   work.list.resize(most);
@@ -244,6 +266,7 @@ void PathTracer::trace_batch(Work& work) const {
     work.counts->rays += work.batch.size;
     work.next.size = 0;
     arrive<kSpectral>(work, order);
+    if (any_glint_) trace_glint<kSpectral>(work, order);
     if (order < settings_.max_reflections) {
       depart<kSpectral>(work, order);
       trace_shadows<kSpectral>(work, order);
@@ -266,13 +289,25 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
   const bool behind_horizon =
       order == 0 && settings_.earth_radius_m > 0 && view_.frame.sensor.z > settings_.sea_z_m;
   // A ray that meets no target; a primary one counts where the background is asked for.
-  const auto end_beyond = [&](PathState& s, std::uint32_t beyond, const float* spectrum) {
-    if (order > 0) {
-      add<kSpectral>(work, s, order, beyond, s.weight, spectrum);
-    } else if (settings_.background) {
+  const bool uniform = settings_.directions.uniform();
+  const auto end_beyond = [&](PathState& s, bool above, Float3 from, Float3 d,
+                              const float* spectrum) {
+    if (order == 0 && !settings_.background) return;
+    if (order > 0 && any_glint_ && !above) meet_sea(work, s, from, d, spectrum);
+    if (order == 0) {
       s.first = classes_.parts;
-      add<kSpectral>(work, s, order, beyond, s.weight, work.ones.data());
+      spectrum = work.ones.data();
     }
+    if (uniform) {
+      add<kSpectral>(work, s, order, above ? classes_.sky() : classes_.lower(), s.weight, spectrum);
+      return;
+    }
+    const float z = d.z * s.inverse_length;
+    DirectionNodes::Share share[4];
+    const int count = settings_.directions.shares(d.x, d.y, above ? z : std::max(z, 0.0f), share);
+    for (int k = 0; k < count; ++k)
+      add<kSpectral>(work, s, order, classes_.sky(share[k].node), s.weight * share[k].weight,
+                     spectrum);
   };
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     RayPacket& packet = batch.packet_of(i);
@@ -281,8 +316,9 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     const float* spectrum =
         batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
     const Float3 d{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
+    const Float3 from{packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]};
     if (packet.triangle[lane] == RayPacket::kMiss) {
-      end_beyond(s, d.z < 0 ? classes_.sky() : classes_.lower(), spectrum);
+      end_beyond(s, d.z < 0, from, d, spectrum);
       continue;
     }
     const auto from_behind = [&] {
@@ -298,7 +334,7 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     if (order == 0 && view_.stratum_of_part[facet.part] != work.stratum) continue;
     if (settings_.lower_is_sea &&
         p.z > sea_z + offset) {  // under water: the path ended on the sea above it
-      end_beyond(s, classes_.lower(), spectrum);
+      end_beyond(s, false, from, d, spectrum);
       continue;
     }
     Float3 n{facet.nx, facet.ny, facet.nz};
@@ -315,12 +351,15 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     cos_o = std::min(cos_o, 1.0f);
     if (order == 0) {
       if (behind_horizon && hidden_by_sea(p, d, s.inverse_length)) {
-        end_beyond(s, classes_.lower(), spectrum);
+        end_beyond(s, false, from, d, spectrum);
         continue;
       }
       s.first = facet.part;
       ++work.counts->target_paths;
       work.area[s.replicate] += static_cast<double>(s.weight);
+      if (settings_.behind)
+        add_behind(work, s,
+                   {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
     }
     const Material& material = materials_[part.material];
     const Material::EmissivityAndDhr e = material.emissivity_and_dhr(cos_o);
@@ -353,7 +392,7 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     if (e.dhr_max <= 0) continue;
     for (std::uint32_t k = 0; k < 3; ++k)
       if (order + (2 - k) * spacing == settings_.max_reflections)
-        work.beyond[s.replicate][k] += static_cast<double>(s.weight * e.dhr_max);
+        work.beyond[s.replicate][k] += static_cast<double>(s.weight * s.spectral_max * e.dhr_max);
     if (order == settings_.max_reflections) {
       ++work.counts->truncated_paths;
       continue;
@@ -376,6 +415,69 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
                          std::min(1.0f, persistence * s.throughput * s.spectral_max * e.dhr_max);
     vertex.path[v] = i;
     vertex.material[v] = part.material;
+  }
+}
+
+// A reflected ray that ends on the sea: what of each sun the sea mirrors into it, if nothing shades
+// that place. `direction` is of unit length.
+void PathTracer::meet_sea(Work& work, const PathState& path, Float3 from, Float3 direction,
+                          const float* spectrum) const {
+  if (direction.z <= 0) return;
+  const Vec<Body> to_observer{-static_cast<double>(direction.x), -static_cast<double>(direction.y),
+                              -static_cast<double>(direction.z)};
+  // The plane of the water, and a start offset above it: the part below has facets too.
+  const float height = static_cast<float>(settings_.sea_z_m - target_.offset_m()) - from.z;
+  const float t = std::max(height, 0.0f) / direction.z;
+  const Float3 place{from.x + t * direction.x, from.y + t * direction.y, from.z + t * direction.z};
+  for (std::uint32_t j = 0; j < suns_.size(); ++j) {
+    if (!(suns_[j].sea_wind_m_s > 0)) continue;
+    const SeaGlint glint = sea_glint(to_observer, suns_[j].direction, suns_[j].sea_wind_m_s);
+    // Less than 1e-6 of a diffuse white sea.
+    if (!(glint.per_sr > 3e-7f)) continue;
+    PathState s = path;
+    s.weight *= glint.per_sr;
+    const std::uint32_t ray = work.glint_shadow.push(place, work.sun[j].direction, s);
+    work.glint_sun[ray] = j;
+    work.glint_at[ray] = glint_share(glint.cos_incidence);
+    if (spectral_)
+      std::copy_n(spectrum, nodes_,
+                  work.glint_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_);
+  }
+}
+
+template <bool kSpectral>
+void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
+  RayBatch& batch = work.glint_shadow;
+  if (batch.size == 0) return;
+  batch.prepare_packets(false);
+  batch.for_each_packet(
+      [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
+  work.counts->rays += batch.size;
+  for (std::uint32_t i = 0; i < batch.size; ++i) {
+    if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
+    const PathState& s = batch.state[i];
+    const GlintShare& at = work.glint_at[i];
+    const float* spectrum =
+        batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
+    const std::uint32_t first =
+        classes_.glint(work.glint_sun[i], static_cast<std::uint32_t>(at.node));
+    add<kSpectral>(work, s, order, first, s.weight * (1 - at.weight_of_next), spectrum);
+    add<kSpectral>(work, s, order, first + 1, s.weight * at.weight_of_next, spectrum);
+  }
+  batch.size = 0;
+}
+
+// The silhouette, by what stands behind it. Where the sea begins, at an elevation of 0, is the
+// horizon here as it is for reflections.
+void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
+  DirectionNodes::Share share[4];
+  const int count = settings_.behind->shares(direction.x, direction.y, direction.z, share);
+  for (int k = 0; k < count; ++k) {
+    const std::size_t bin =
+        static_cast<std::size_t>(path.first) * classes_.count() + classes_.behind(share[k].node);
+    double* out = work.weight.data() + path.replicate * work.bins + bin * nodes_;
+    const auto weight = static_cast<double>(path.weight * share[k].weight);
+    for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
   }
 }
 

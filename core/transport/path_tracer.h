@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "core/environment/direction_nodes.h"
 #include "core/materials/material.h"
 #include "core/scene/target.h"
 #include "core/transport/cell_order.h"
@@ -33,16 +35,27 @@ inline constexpr float kBrightSlope = 0.04f;
 // Where a path ends. The classes of one first-hit part f are stored side by side:
 //   own            emitted by f itself (no reflection)
 //   part(q)        emitted by part q, reflected towards the sensor (last of all) by f
-//   sky, lower     from above and below the horizon
+//   sky(k), lower(k)  from above and below the horizon, at direction node k of the side
 //   sun(j)         direct sun j, per unit irradiance normal to the beam
+//   glint(j, k)    sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
+//   irradiance
+//                  normal to the beam and unit reflectance
+//   behind(k)      not part of the intensity: what of f's silhouette stands before direction node k
+//                  (seen from the sensor, beyond the target), for the contrast
 struct SourceClasses {
   std::uint32_t parts = 0, suns = 0;
+  std::uint32_t sky_nodes = 1, lower_nodes = 1, behind_nodes = 0;
+  std::uint32_t glint_nodes = 0;  // of each sun
   [[nodiscard]] std::uint32_t own() const { return 0; }
   [[nodiscard]] std::uint32_t part(std::uint32_t q) const { return 1 + q; }
-  [[nodiscard]] std::uint32_t sky() const { return 1 + parts; }
-  [[nodiscard]] std::uint32_t lower() const { return 2 + parts; }
-  [[nodiscard]] std::uint32_t sun(std::uint32_t j) const { return 3 + parts + j; }
-  [[nodiscard]] std::uint32_t count() const { return 3 + parts + suns; }
+  [[nodiscard]] std::uint32_t sky(std::uint32_t k = 0) const { return 1 + parts + k; }
+  [[nodiscard]] std::uint32_t lower(std::uint32_t k = 0) const { return sky(sky_nodes) + k; }
+  [[nodiscard]] std::uint32_t sun(std::uint32_t j) const { return lower(lower_nodes) + j; }
+  [[nodiscard]] std::uint32_t glint(std::uint32_t j, std::uint32_t k = 0) const {
+    return sun(suns) + j * glint_nodes + k;
+  }
+  [[nodiscard]] std::uint32_t behind(std::uint32_t k) const { return glint(suns) + k; }
+  [[nodiscard]] std::uint32_t count() const { return behind(behind_nodes); }
 };
 
 struct SunDirection {
@@ -51,7 +64,14 @@ struct SunDirection {
   // > 0: a lamp this far from the target's centre, of the same intensity in all directions. Its
   // weights are per unit irradiance at the centre.
   double distance_m = 0;
+  // > 0: a sea roughened by this wind mirrors it. [m/s]
+  double sea_wind_m_s = 0;
 };
+
+// behind: null if the contrast is not wanted; lower_is_sea: as in PathSettings.
+[[nodiscard]] SourceClasses source_classes(std::size_t parts, std::span<const SunDirection> suns,
+                                           bool lower_is_sea, const DirectionNodes& directions,
+                                           const DirectionNodes* behind);
 
 // What the paths are accumulated into pictures with: `images` in-band pictures of width x height
 // pixels over the view's bounding rectangle. source[(f * classes + c) * padded + i] is what a unit
@@ -80,6 +100,10 @@ struct PathSettings {
   // Primary rays that miss the target end in the sky or below the horizon, as a first "part" of
   // their own behind the target's parts.
   bool background = false;
+  // Where the radiance of sky and sea is known, around the target; and along the lines of sight
+  // beyond it (absent: the contrast is not wanted).
+  DirectionNodes directions;
+  std::optional<DirectionNodes> behind;
   // Off: hot parts and the sun's disk are found as they were before lights were weighted against
   // drawn directions (hot parts by chance, the sun by aimed rays only). For comparisons.
   bool hot_lights = true, sun_disk_by_chance = true;
@@ -94,7 +118,8 @@ struct PathWeights {
   std::vector<double> last;
   double projected_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
-  // beyond_spacing(N); 0 where there is no such number). The last is lost.
+  // beyond_spacing(N); 0 where there is no such number). The last is lost. Spectral: of each path
+  // the largest spectral factor times the largest DHR, not less than the throughput at any node.
   std::array<double, 3> beyond_m2{};
   double truncated_m2 = 0;  // = beyond_m2[2]
 };
@@ -129,7 +154,9 @@ struct PathCounts {
 // drawn from the material's lobe with probability dhr_max x throughput (Russian roulette,
 // unbiased); from the first vertex in `split` directions. At each vertex the sun's disk and the hot
 // parts are aimed at (next-event estimation); a faint contribution is itself played by roulette,
-// unbiased, before its shadow ray is traced. Where a drawn direction could have found the same
+// unbiased, before its shadow ray is traced. A path that ends on a sea which mirrors a sun sends a
+// shadow ray from there to the sun: glitter is smooth, so that drawn directions find it, and both
+// of its legs are shadowed. Where a drawn direction could have found the same
 // light - any hot part; the sun's disk from a facet with a lobe not much wider than it - the two
 // are weighted by the balance heuristic [veach1995]. After reflection N = max_reflections the
 // surface hit still emits, nothing more.
@@ -182,6 +209,11 @@ class PathTracer {
                          std::span<const std::uint32_t> vertex) const;
   [[nodiscard]] const SeedPair* seeds_of(Work& work, std::uint32_t order) const;
   [[nodiscard]] bool hidden_by_sea(Float3 p, Float3 d, float inverse_length) const;
+  void add_behind(Work& work, const PathState& path, Float3 direction) const;
+  void meet_sea(Work& work, const PathState& path, Float3 from, Float3 direction,
+                const float* spectrum) const;
+  template <bool kSpectral>
+  void trace_glint(Work& work, std::uint32_t order) const;
   template <bool kSpectral>
   void add(Work& work, const PathState& path, std::uint32_t order, std::uint32_t source_class,
            float weight, const float* spectrum) const;
@@ -196,6 +228,7 @@ class PathTracer {
   bool spectral_ = false;
   bool any_narrow_ = false;  // a material with a lobe not much wider than some sun
   bool any_bright_ = false;  // a material with a lobe below kBrightSlope
+  bool any_glint_ = false;   // a sun that the sea mirrors
   std::size_t nodes_ = 1;
   const AimedView& view_;
   HotLights hot_;

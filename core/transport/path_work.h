@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/environment/sea_glint.h"
 #include "core/transport/hot_lights.h"
 #include "core/transport/path_tracer.h"
 #include "core/transport/vector_stages.h"
@@ -114,6 +115,9 @@ struct PathTracer::Work {
   std::vector<RayBatch> shadow;          // one for each sun
   RayBatch hot_shadow;                   // to the hot lights
   std::vector<std::uint32_t> hot_class;  // where they would be added
+  RayBatch glint_shadow;                 // from the sea to suns that it mirrors
+  std::vector<std::uint32_t> glint_sun;
+  std::vector<GlintShare> glint_at;
   std::vector<float> row;                // a spectrum being made
   SampleList list;                       // random numbers being drawn
   std::vector<std::uint32_t> replicate_of_list;

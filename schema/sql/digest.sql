@@ -11,7 +11,7 @@ FROM viewpoint WHERE sweep_id = ?1 ORDER BY viewpoint_index;
 -- name: digest_conditions
 SELECT condition_id, condition_index, superseded, season, time_utc, sun_irradiance_w_m2, air_temperature_k,
        surroundings, sky_temperature_k, sky_radiance_w_m2_sr_um, sea_temperature_k, sea_emissivity,
-       lower_radiance_w_m2_sr_um
+       lower_radiance_w_m2_sr_um, sea_model, ground_temperature_k, ground_emissivity, weather, warning
 FROM condition WHERE sweep_id = ?1 ORDER BY condition_index, superseded, definition_sha256;
 
 -- name: digest_part_temperatures
@@ -39,6 +39,10 @@ SELECT s.signature_id,
        s.projected_area_stderr_m2, s.apparent_temperature_k, s.emitted_w_sr, s.emitted_stderr_w_sr,
        s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr, s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr,
        s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr, s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr,
+       s.unseen_bound_w_sr, s.basis_bound_w_sr, s.sky_bound_w_sr, s.contrast_intensity_w_sr,
+       s.contrast_intensity_stderr_w_sr, s.contrast_numerical_error_w_sr, s.background_radiance_w_m2_sr,
+       s.background_radiance_stderr_w_m2_sr, s.model_error_w_sr, s.apparent_model_error_w_sr, s.path_transmittance,
+       s.path_radiance_w_m2_sr,
        s.stop_reason, s.energy_gain, p.seed_hex, p.physics_version, p.samples, p.replicates, p.target_paths
 FROM viewpoint v
 CROSS JOIN sweep w ON w.sweep_id = v.sweep_id
@@ -54,7 +58,10 @@ ORDER BY v.viewpoint_index, c.condition_index, b.band_index;
 SELECT spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
        sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
        sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
-       apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um
+       apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
+       contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
+       background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, path_transmittance,
+       path_radiance_w_m2_sr_um
 FROM spectrum WHERE signature_id = ?1;
 
 -- name: digest_part_intensities

@@ -32,8 +32,9 @@ WHERE viewpoint_id = ?2
 -- name: insert_provenance
 INSERT OR REPLACE INTO provenance (
   job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
-  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15);
+  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error,
+  guarded_negative)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16);
 
 -- name: insert_signature
 INSERT INTO signature (
@@ -42,17 +43,22 @@ INSERT INTO signature (
   apparent_intensity_stderr_w_sr, apparent_numerical_error_w_sr, projected_area_m2, projected_area_stderr_m2,
   apparent_temperature_k, emitted_w_sr, emitted_stderr_w_sr, sun_reflected_w_sr, sun_reflected_stderr_w_sr,
   sky_reflected_w_sr, sky_reflected_stderr_w_sr, sea_reflected_w_sr, sea_reflected_stderr_w_sr, parts_reflected_w_sr,
-  parts_reflected_stderr_w_sr, stop_reason, energy_gain)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23, ?24,
-        ?25, ?26, ?27, ?28, ?29);
+  parts_reflected_stderr_w_sr, stop_reason, energy_gain,
+  unseen_bound_w_sr, basis_bound_w_sr, sky_bound_w_sr, contrast_intensity_w_sr, contrast_intensity_stderr_w_sr,
+  contrast_numerical_error_w_sr, background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, model_error_w_sr,
+  apparent_model_error_w_sr, path_transmittance, path_radiance_w_m2_sr)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23,
+        ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, ?39, ?40, ?41);
 
 -- name: insert_spectrum
 INSERT INTO spectrum (
   signature_id, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,
   sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um, sky_reflected_stderr_w_sr_um,
   sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
-  apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15);
+  apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
+  contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um, background_radiance_w_m2_sr_um,
+  background_radiance_stderr_w_m2_sr_um, path_transmittance, path_radiance_w_m2_sr_um)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21);
 
 -- name: insert_part_intensity
 INSERT INTO part_intensity (signature_id, part_id, intensity_w_sr, intensity_stderr_w_sr) VALUES (?1, ?2, ?3, ?4);

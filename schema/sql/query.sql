@@ -2,7 +2,7 @@
 
 -- Conditions and bands are few: they are filtered by name and then drive the index of signature
 -- (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 season, ?3 time_utc, ?4 band
--- ('': any), ?5 greatest relative error, ?6 row (NULL: any).
+-- ('': any), ?5 greatest relative error (NULL: any) of quantity ?7 (SignatureQuantity), ?6 row (NULL: any).
 -- name: find_signatures
 SELECT f.*
 FROM sweep w
@@ -12,11 +12,15 @@ CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band
 CROSS JOIN signature_view f ON f.signature_id = s.signature_id
 WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
-  AND (?5 IS NULL OR s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr))
+  AND (?5 IS NULL OR CASE ?7
+       WHEN 0 THEN s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr)
+       WHEN 1 THEN s.apparent_numerical_error_w_sr <= ?5 * abs(s.apparent_intensity_w_sr)
+       WHEN 2 THEN s.contrast_numerical_error_w_sr <= ?5 * abs(s.contrast_intensity_w_sr)
+       WHEN 3 THEN s.background_radiance_stderr_w_m2_sr <= ?5 * abs(s.background_radiance_w_m2_sr) END)
   AND (?6 IS NULL OR f.row = ?6)
 ORDER BY w.name, f.row;
 
--- The same for one viewpoint, ?7.
+-- The same for one viewpoint, ?8.
 -- name: find_signatures_of_viewpoint
 SELECT f.*
 FROM viewpoint v
@@ -26,10 +30,14 @@ CROSS JOIN band b ON b.sweep_id = w.sweep_id
 CROSS JOIN signature s
   ON s.condition_id = c.condition_id AND s.band_id = b.band_id AND s.viewpoint_id = v.viewpoint_id
 CROSS JOIN signature_view f ON f.signature_id = s.signature_id
-WHERE v.viewpoint_id = ?7
+WHERE v.viewpoint_id = ?8
   AND (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
-  AND (?5 IS NULL OR s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr))
+  AND (?5 IS NULL OR CASE ?7
+       WHEN 0 THEN s.numerical_error_w_sr <= ?5 * abs(s.intensity_w_sr)
+       WHEN 1 THEN s.apparent_numerical_error_w_sr <= ?5 * abs(s.apparent_intensity_w_sr)
+       WHEN 2 THEN s.contrast_numerical_error_w_sr <= ?5 * abs(s.contrast_intensity_w_sr)
+       WHEN 3 THEN s.background_radiance_stderr_w_m2_sr <= ?5 * abs(s.background_radiance_w_m2_sr) END)
   AND (?6 IS NULL OR f.row = ?6)
 ORDER BY f.row;
 
@@ -58,11 +66,19 @@ ORDER BY w.name;
 SELECT b.lambda_um, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um,
        emitted_stderr_w_sr_um, sun_reflected_w_sr_um, sun_reflected_stderr_w_sr_um, sky_reflected_w_sr_um,
        sky_reflected_stderr_w_sr_um, sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um,
-       parts_reflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um
+       parts_reflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
+       contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
+       background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, spectrum.path_transmittance,
+       path_radiance_w_m2_sr_um
 FROM spectrum
 JOIN signature USING (signature_id)
 JOIN band b USING (band_id)
 WHERE signature_id = ?1;
+
+-- name: sweep_by_name
+SELECT w.resolved_sweep, a.bytes
+FROM sweep w LEFT JOIN asset a ON a.sha256 = w.model_sha256
+WHERE w.name = ?1;
 
 -- name: parts_of_signature
 SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr

@@ -114,7 +114,7 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
-  out.bytes('t', "irsig digest 2");
+  out.bytes('t', "irsig digest 3");
   const auto sweeps = encode(database, out, First::kKey, sql::digest_sweeps);
   if (!sweeps.ok()) return sweeps.status();
   for (const std::int64_t sweep_id : *sweeps) {

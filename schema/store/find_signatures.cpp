@@ -37,8 +37,18 @@ StoredSignature read_signature(Rows& row) {
         &s.sea_reflected_stderr_w_sr, &s.parts_reflected_w_sr, &s.parts_reflected_stderr_w_sr}) {
     *number = row.real();
   }
+  for (double* number :
+       {&s.unseen_bound_w_sr, &s.basis_bound_w_sr, &s.sky_bound_w_sr, &s.contrast_intensity_w_sr,
+        &s.contrast_intensity_stderr_w_sr, &s.contrast_numerical_error_w_sr,
+        &s.background_radiance_w_m2_sr, &s.background_radiance_stderr_w_m2_sr, &s.model_error_w_sr,
+        &s.apparent_model_error_w_sr, &s.path_transmittance, &s.path_radiance_w_m2_sr}) {
+    const bool computed = !row.is_null();
+    *number = row.real();
+    if (!computed) *number = kNotComputed;
+  }
   s.stop_reason = row.text();
   s.energy_gain = row.integer() != 0;
+  s.warning = row.text();
   s.samples = row.count();
   s.replicates = static_cast<std::uint32_t>(row.integer());
   s.target_paths = row.count();
@@ -47,8 +57,11 @@ StoredSignature read_signature(Rows& row) {
   s.guarded_backface_hits = row.count();
   s.guarded_nonfinite = row.count();
   s.guarded_path_limit = row.count();
+  const bool counted = !row.is_null();
+  const std::uint64_t negative = row.count();
+  if (counted) s.guarded_negative = negative;
   s.job_key = row.text();
-  row.integer();  // superseded
+  s.superseded = row.integer() != 0;
   s.seed_hex = row.text();
   s.physics_version = static_cast<std::uint32_t>(row.integer());
   s.determinism_class = row.text();
@@ -74,7 +87,7 @@ absl::Status append_viewpoint(Database& database, const SignatureFilter& filter,
                               std::int64_t viewpoint_id, std::vector<StoredSignature>& out) {
   return append_all(database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
                                    filter.time_utc, filter.band, filter.max_relative_error,
-                                   filter.row, viewpoint_id),
+                                   filter.row, static_cast<int>(filter.error_of), viewpoint_id),
                     out);
 }
 
@@ -207,10 +220,11 @@ absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
     }
     if (filter.row) return find_row(database, filter);
     std::vector<StoredSignature> out;
-    IRSIG_STORE_TRY(append_all(
-        database.query(sql::find_signatures, filter.sweep, filter.season, filter.time_utc,
-                       filter.band, filter.max_relative_error, filter.row),
-        out));
+    IRSIG_STORE_TRY(
+        append_all(database.query(sql::find_signatures, filter.sweep, filter.season,
+                                  filter.time_utc, filter.band, filter.max_relative_error,
+                                  filter.row, static_cast<int>(filter.error_of)),
+                   out));
     return out;
   }
   const auto [azimuth_deg, elevation_deg] = *filter.direction;

@@ -32,7 +32,8 @@ absl::Status insert_provenance(Database& database, std::int64_t job_id,
                       result.determinism_class(), result.build_id(), worker_name, result.samples(),
                       result.replicates(), result.target_paths(), result.rays(), result.seconds(),
                       result.guarded_backface_hits(), result.guarded_nonfinite(),
-                      result.guarded_path_limit(), worst_relative_error(result));
+                      result.guarded_path_limit(), worst_relative_error(result),
+                      result.guarded_negative());
 }
 
 // The band's record, after its wavelengths were compared with those of the spectrum (or stored, the
@@ -87,7 +88,12 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
       row.sky_reflected_w_sr().value(), row.sky_reflected_w_sr().stderr(),
       row.sea_reflected_w_sr().value(), row.sea_reflected_w_sr().stderr(),
       row.parts_reflected_w_sr().value(), row.parts_reflected_w_sr().stderr(),
-      static_cast<int>(row.stop_reason()), row.energy_gain()));
+      static_cast<int>(row.stop_reason()), row.energy_gain(), row.unseen_bound_w_sr(),
+      row.basis_bound_w_sr(), row.sky_bound_w_sr(), row.contrast_intensity_w_sr().value(),
+      row.contrast_intensity_w_sr().stderr(), row.contrast_numerical_error_w_sr(),
+      row.background_radiance_w_m2_sr().value(), row.background_radiance_w_m2_sr().stderr(),
+      row.model_error_w_sr(), row.apparent_model_error_w_sr(), row.path_transmittance(),
+      row.path_radiance_w_m2_sr()));
   return database.last_insert_rowid();
 }
 

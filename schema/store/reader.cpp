@@ -36,6 +36,19 @@ class SqliteReader final : public StoreReader {
     return spectrum_from_blobs(lambda_um, arrays);
   }
 
+  absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
+    absl::StatusOr<Rows> row = database_.query(sql::sweep_by_name, name);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
+    StoredSweep sweep;
+    if (!sweep.resolved.ParseFromString(row->text()))
+      return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
+    sweep.model_bytes = row->text();
+    return sweep;
+  }
+
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
     IRSIG_STORE_TRY(check_exists(signature_id));
     std::vector<StoredPart> parts;

@@ -31,7 +31,13 @@ constexpr Array kArrays[] = {ARRAY(spectral_intensity_w_sr_um),
                              ARRAY(parts_reflected_w_sr_um),
                              ARRAY(parts_reflected_stderr_w_sr_um),
                              ARRAY(apparent_spectral_intensity_w_sr_um),
-                             ARRAY(apparent_spectral_intensity_stderr_w_sr_um)};
+                             ARRAY(apparent_spectral_intensity_stderr_w_sr_um),
+                             ARRAY(contrast_spectral_intensity_w_sr_um),
+                             ARRAY(contrast_spectral_intensity_stderr_w_sr_um),
+                             ARRAY(background_radiance_w_m2_sr_um),
+                             ARRAY(background_radiance_stderr_w_m2_sr_um),
+                             ARRAY(path_transmittance),
+                             ARRAY(path_radiance_w_m2_sr_um)};
 #undef ARRAY
 static_assert(std::size(kArrays) == kSpectrumArrays);
 
@@ -75,6 +81,7 @@ absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
   bool fits = numbers_from(lambda_um, *spectrum.mutable_lambda_um());
   for (std::size_t array = 0; array < kSpectrumArrays; ++array) {
     Floats& values = *(spectrum.*kArrays[array].mutable_get)();
+    if (array >= kOldSpectrumArrays && arrays[array].empty()) continue;
     fits =
         fits && numbers_from(arrays[array], values) && values.size() == spectrum.lambda_um_size();
   }

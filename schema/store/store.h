@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -105,6 +106,9 @@ class StoreWriter {
   virtual absl::Status finish() = 0;
 };
 
+// A number that the version which stored the row did not compute. It is NaN: test with std::isnan.
+inline constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
+
 // One stored signature without its spectrum and images.
 struct StoredSignature {
   std::int64_t signature_id;
@@ -123,13 +127,22 @@ struct StoredSignature {
       sea_reflected_stderr_w_sr;
   double parts_reflected_w_sr, parts_reflected_stderr_w_sr;
   double truncation_bound_w_sr, quadrature_bound_w_sr;
+  // From here on to path_radiance_w_m2_sr: kNotComputed in rows of format version 2 or older.
+  double unseen_bound_w_sr, basis_bound_w_sr, sky_bound_w_sr;
+  double contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, contrast_numerical_error_w_sr;
+  double background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr;
+  double model_error_w_sr, apparent_model_error_w_sr;
+  double path_transmittance, path_radiance_w_m2_sr;
   std::string stop_reason;
   bool energy_gain;
+  std::string warning;  // of the condition, one line each
   std::uint64_t samples, target_paths, rays;
   std::uint32_t replicates;
   double seconds;
   std::uint64_t guarded_backface_hits, guarded_nonfinite, guarded_path_limit;
+  std::optional<std::uint64_t> guarded_negative;  // nullopt: was not counted
   std::string job_key, seed_hex, determinism_class, build_id;
+  bool superseded;  // of an earlier version of its sweep, until its replacement is stored
   std::uint32_t physics_version;
 };
 
@@ -175,10 +188,20 @@ struct ProfileFilter {
   std::string sweep, season, band, profile;
 };
 
+// Which quantity of a signature is meant (numbers are part of sql/query.sql).
+enum class SignatureQuantity : int {
+  kIntensity = 0,  // of the source
+  kApparentIntensity = 1,
+  kContrastIntensity = 2,
+  kBackgroundRadiance = 3
+};
+
 // Filters of a query; an empty string or vector means "any".
 struct SignatureFilter {
   std::string sweep, season, time_utc, band;
-  std::optional<double> max_relative_error;  // numerical_error / |intensity|
+  // Numerical error / |value| of this quantity (of the background radiance: its standard error).
+  std::optional<double> max_relative_error;
+  SignatureQuantity error_of = SignatureQuantity::kIntensity;
   // Aspect filters: at most one. nearest: the signatures of the `nearest` closest viewpoints that
   // have one passing the other filters; within: inside a cap, its edge (to 1e-9 deg) included. A
   // direction alone only orders.
@@ -191,6 +214,12 @@ struct SignatureFilter {
   std::optional<std::uint64_t> row;
 };
 
+// A sweep as it was submitted, and the bytes of its model file (empty: a generated model).
+struct StoredSweep {
+  schema::ResolvedSweep resolved;
+  std::string model_bytes;
+};
+
 // The reading side: any number of readers, also while the coordinator writes. One object belongs to
 // one thread.
 class StoreReader {
@@ -200,7 +229,10 @@ class StoreReader {
 
   // In row order; with a direction: nearest first.
   virtual absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) = 0;
+  // Arrays that were not computed are empty.
   virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
+  // NOT_FOUND: no sweep of that name.
+  virtual absl::StatusOr<StoredSweep> sweep(const std::string& name) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
   // In the order of sweeps, rows, profiles, points and numbers of reflections.

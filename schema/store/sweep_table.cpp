@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
+#include "google/protobuf/util/json_util.h"
 #include "schema/store/check_sweep.h"
 #include "schema/store/queue.h"
 #include "schema/store/sha256.h"
@@ -45,11 +47,30 @@ std::string condition_definition(const schema::Condition& condition,
   definition.clear_season_index();
   definition.clear_time_index();
   definition.clear_sun_irradiance_from_distance();
+  definition.clear_warning();
   Sha256 hash;
   hash.add(serialized(definition));
   for (const schema::Part& part : sweep.sweep().part())
     hash.add(absl::StrCat(part.name(), "\n", part.material(), "\n"));
   return hash.hex();
+}
+
+std::string warnings(const schema::Condition& condition) {
+  return absl::StrJoin(condition.warning(), "\n");
+}
+
+// For people and for the digest; the files' texts are kept with the sweep.
+absl::StatusOr<std::optional<std::string>> weather_text(const schema::Condition& condition) {
+  if (!condition.has_weather()) return std::nullopt;
+  schema::Weather weather = condition.weather();
+  if (!weather.profile_csv().empty()) weather.set_profile_csv(sha256_of(weather.profile_csv()));
+  if (!weather.modtran_text().empty()) weather.set_modtran_text(sha256_of(weather.modtran_text()));
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  std::string json;
+  const auto status = google::protobuf::util::MessageToJsonString(weather, &json, options);
+  if (!status.ok()) return absl::InternalError(absl::StrCat("weather: ", status.ToString()));
+  return json;
 }
 
 // Adds or updates one sweep, step by step in the order of its methods.
@@ -142,8 +163,8 @@ class SweepUpdate {
     IRSIG_STORE_TRY(database_.run(sql::supersede_conditions, sweep_id_));
     for (int i = 0; i < sweep_.condition_size(); ++i) {
       const std::string definition = condition_definition(sweep_.condition(i), sweep_);
-      const absl::StatusOr<std::int64_t> id =
-          database_.integer(sql::revive_condition, sweep_id_, definition, i);
+      const absl::StatusOr<std::int64_t> id = database_.integer(
+          sql::revive_condition, sweep_id_, definition, i, warnings(sweep_.condition(i)));
       if (id.ok()) continue;
       if (!absl::IsNotFound(id.status())) return id.status();
       IRSIG_STORE_TRY(insert_condition(i, definition));
@@ -228,6 +249,8 @@ class SweepUpdate {
     const schema::Condition& condition = sweep_.condition(index);
     const schema::Surroundings& around = condition.surroundings();
     using S = schema::Surroundings;
+    const absl::StatusOr<std::optional<std::string>> weather = weather_text(condition);
+    if (!weather.ok()) return weather.status();
     const absl::StatusOr<std::int64_t> id = database_.integer(
         sql::insert_condition, sweep_id_, definition, index, condition.season(),
         condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
@@ -235,7 +258,11 @@ class SweepUpdate {
         if_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um, around),
         if_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
         if_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
-        if_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um, around));
+        if_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um, around),
+        around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
+        if_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
+        if_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
+        warnings(condition));
     if (!id.ok()) return id.status();
     for (std::size_t part = 0; part < part_ids_.size(); ++part) {
       IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, *id, part_ids_[part],

@@ -12,6 +12,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/constants.h"
 #include "core/signature/shading.h"
 #include "core/signature/signature.h"
 #include "core/transport/path_tracer.h"
@@ -46,6 +47,9 @@ class Recorder final : public Tracer {
   void occluded(RayPacket& p, int count, bool coherent) const override {
     calls_.push_back({p, count, coherent, true});
     inner_->occluded(p, count, coherent);
+  }
+  bool look_for_front(RayPacket& p, int lane, float sheet_m) const override {
+    return inner_->look_for_front(p, lane, sheet_m);
   }
   mutable std::vector<Call> calls_;
 
@@ -167,7 +171,7 @@ void against_replay(const Simulator& simulator, std::uint64_t samples, const Cas
   std::vector<double> over_robust[4];
   for (const Viewpoint& view : views) {
     PathSettings settings{
-        what.reflections, true, -target.centre.z, 6371008.8, 1, samples / 32, 32, 1};
+        what.reflections, true, -target.centre.z, kEarthRadiusM, 1, samples / 32, 32, 1};
     std::vector<double> no_image;
     const AimedView aimed = make_aimed_view(target, view);
     const auto trace = [&](PathCounts& counts) {

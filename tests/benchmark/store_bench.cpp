@@ -94,7 +94,8 @@ schema::JobResult make_result(std::mt19937_64& random) {
            {row.mutable_intensity_w_sr(), row.mutable_apparent_intensity_w_sr(),
             row.mutable_projected_area_m2(), row.mutable_emitted_w_sr(),
             row.mutable_sun_reflected_w_sr(), row.mutable_sky_reflected_w_sr(),
-            row.mutable_sea_reflected_w_sr(), row.mutable_parts_reflected_w_sr()}) {
+            row.mutable_sea_reflected_w_sr(), row.mutable_parts_reflected_w_sr(),
+            row.mutable_contrast_intensity_w_sr(), row.mutable_background_radiance_w_m2_sr()}) {
         estimate->set_value(value(random));
         estimate->set_stderr(1e-3 * value(random));
       }

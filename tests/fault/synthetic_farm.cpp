@@ -81,6 +81,10 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       row->set_quadrature_bound_w_sr(1e-4);
       estimate(row->mutable_apparent_intensity_w_sr());
       row->set_apparent_numerical_error_w_sr(2e-3);
+      estimate(row->mutable_contrast_intensity_w_sr());
+      row->set_contrast_numerical_error_w_sr(2e-3);
+      estimate(row->mutable_background_radiance_w_m2_sr());
+      row->set_path_transmittance(0.5);
       estimate(row->mutable_projected_area_m2());
       row->set_apparent_temperature_k(300 + number());
       estimate(row->mutable_emitted_w_sr());
@@ -98,21 +102,10 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
           std::lround((band.lambda_max_um() - band.lambda_min_um()) / band.step_um()));
       for (int i = 0; i <= steps; ++i) {
         spectrum->add_lambda_um(band.lambda_min_um() + i * band.step_um());
-        for (auto* array :
-             {spectrum->mutable_spectral_intensity_w_sr_um(),
-              spectrum->mutable_spectral_intensity_stderr_w_sr_um(),
-              spectrum->mutable_emitted_w_sr_um(), spectrum->mutable_emitted_stderr_w_sr_um(),
-              spectrum->mutable_sun_reflected_w_sr_um(),
-              spectrum->mutable_sun_reflected_stderr_w_sr_um(),
-              spectrum->mutable_sky_reflected_w_sr_um(),
-              spectrum->mutable_sky_reflected_stderr_w_sr_um(),
-              spectrum->mutable_sea_reflected_w_sr_um(),
-              spectrum->mutable_sea_reflected_stderr_w_sr_um(),
-              spectrum->mutable_parts_reflected_w_sr_um(),
-              spectrum->mutable_parts_reflected_stderr_w_sr_um(),
-              spectrum->mutable_apparent_spectral_intensity_w_sr_um(),
-              spectrum->mutable_apparent_spectral_intensity_stderr_w_sr_um()}) {
-          array->Add(static_cast<float>(number()));
+        for (int f = 0; f < spectrum->GetDescriptor()->field_count(); ++f) {
+          const auto* field = spectrum->GetDescriptor()->field(f);
+          if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT) continue;
+          spectrum->GetReflection()->AddFloat(spectrum, field, static_cast<float>(number()));
         }
       }
       auto* thumbnail = row->mutable_thumbnail();

@@ -5,11 +5,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <random>
 #include <string>
 
 #include "core/materials/optical/material_library.h"
 #include "core/materials/optical/optical_files.h"
+#include "tests/fuzz/mutator.h"
 
 namespace irsig {
 namespace {
@@ -28,42 +28,8 @@ constexpr const char* kEntry =
     "name: a\nkind: lambert\ndescription: b\nsource: c\nlicence: d\nprovenance: >-\n  e\n"
     "emissivity: |\n  3 0.5\n  5 0.6\n";
 
-class Mutator {
- public:
-  explicit Mutator(std::uint64_t seed) : random_(seed) {}
-
-  std::string mutate(std::string text) {
-    static const char* const words[] = {"nan", "1e999", "-",  ",",  ": ", "|",    "- ", "{",
-                                        "[",   "&a ",   "*a", "\r", "\t", "\n\n", "\"", "#"};
-    for (std::size_t i = below(4) + 1; i > 0; --i) {
-      const std::size_t at = below(text.size() + 1), length = below(12);
-      switch (below(6)) {
-        case 0:
-          text.insert(at, 1, static_cast<char>(below(256)));
-          break;
-        case 1:
-          text.erase(at, length);
-          break;
-        case 2:
-          if (at < text.size()) text[at] = static_cast<char>(below(256));
-          break;
-        case 3:
-          text.insert(at, words[below(std::size(words))]);
-          break;
-        case 4:
-          text.insert(at, text.substr(below(text.size() + 1), 4 * length));
-          break;
-        default:
-          if (below(8) == 0) text.resize(at);
-      }
-    }
-    return text;
-  }
-
- private:
-  std::size_t below(std::size_t end) { return static_cast<std::size_t>(random_() % end); }
-  std::mt19937_64 random_;
-};
+constexpr const char* kWords[] = {"nan", "1e999", "-",  ",",  ": ", "|",    "- ", "{",
+                                  "[",   "&a ",   "*a", "\r", "\t", "\n\n", "\"", "#"};
 
 template <typename T>
 bool refused(const absl::StatusOr<T>& result) {
@@ -98,7 +64,7 @@ void expect_sound(const TabulatedBrdf& t) {
 TEST(MaterialFilesFuzz, EveryReaderRefusesOrReturnsASoundTable) {
   const char* more = std::getenv("IRSIG_FUZZ_RUNS");
   const int runs = 4000 * (more == nullptr ? 1 : std::max(1, std::atoi(more)));
-  Mutator mutator(20261121);
+  fuzz::Mutator mutator(20261121, kWords);
   int accepted = 0;
   for (int i = 0; i < runs; ++i) {
     for (const char* text : {kYaml, kTwoTables}) {

@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <random>
 
 #include "core/scene/mesh.h"
+#include "tests/fuzz/mutator.h"
 #include "tests/unit/float32_files.h"
 
 namespace irsig {
@@ -23,62 +23,25 @@ void expect_sound(const Mesh& mesh) {
     ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
 }
 
-class Mutator {
- public:
-  explicit Mutator(std::uint64_t seed) : random_(seed) {}
-
-  std::string mutate(std::string text) {
-    for (std::size_t i = below(4) + 1; i > 0; --i) {
-      const std::size_t at = below(text.size() + 1), length = below(12);
-      switch (below(6)) {
-        case 0:
-          text.insert(at, 1, static_cast<char>(below(256)));
-          break;
-        case 1:
-          text.erase(at, length);
-          break;
-        case 2:
-          if (at < text.size()) text[at] = static_cast<char>(below(256));
-          break;
-        case 3:
-          text.insert(at, word());
-          break;
-        case 4:
-          text.insert(at, text.substr(below(text.size() + 1), 4 * length));
-          break;
-        default:
-          if (below(8) == 0) text.resize(at);
-      }
-    }
-    return text;
-  }
-
- private:
-  std::size_t below(std::size_t end) { return static_cast<std::size_t>(random_() % end); }
-  std::string word() {
-    static const char* const words[] = {" ",
-                                        "\n",
-                                        " -1 ",
-                                        " 0 ",
-                                        "nan",
-                                        "1e308 ",
-                                        "-1e-320 ",
-                                        "/",
-                                        "//",
-                                        " 4294967296 ",
-                                        " 99999999999999999999 ",
-                                        "\\\n",
-                                        "f ",
-                                        "v ",
-                                        "o ",
-                                        "\nf 1 2 3 4 5 6 7 8 9 10\n",
-                                        "list ",
-                                        "vertex ",
-                                        "facet "};
-    return words[below(std::size(words))];
-  }
-  std::mt19937_64 random_;
-};
+constexpr const char* kWords[] = {" ",
+                                  "\n",
+                                  " -1 ",
+                                  " 0 ",
+                                  "nan",
+                                  "1e308 ",
+                                  "-1e-320 ",
+                                  "/",
+                                  "//",
+                                  " 4294967296 ",
+                                  " 99999999999999999999 ",
+                                  "\\\n",
+                                  "f ",
+                                  "v ",
+                                  "o ",
+                                  "\nf 1 2 3 4 5 6 7 8 9 10\n",
+                                  "list ",
+                                  "vertex ",
+                                  "facet "};
 
 int runs(int count) {
   const char* factor = std::getenv("IRSIG_FUZZ_RUNS");
@@ -86,7 +49,7 @@ int runs(int count) {
 }
 
 void fuzz(const std::string& name, const std::string& text, int count, std::uint64_t seed) {
-  Mutator mutator(seed);
+  fuzz::Mutator mutator(seed, kWords);
   int accepted = 0, refused = 0;
   for (int i = 0; i < runs(count); ++i) {
     const std::string mutant = mutator.mutate(text);

@@ -130,13 +130,15 @@ TEST(SpectralBasis, GreyScenesCarryNothing) {
   EXPECT_TRUE(simulator->basis().identity());
 }
 
-// A sphere of emissivity 1e-3 with an opening of 10 deg: 0.1165 in the limit, after a hundred
-// reflections and more on average. With enough of them the row is right; with too few it says so,
-// and its bound holds what is missing.
-TEST(Truncation, ReflectanceOf0_999) {
+// A sphere of radius 1 with an opening of 10 deg about x; of what leaves the wall, kWall meets it
+// again.
+constexpr int kRings = 200;
+const double kWall = (1 + std::cos(std::numbers::pi / 18)) / 2;
+
+Mesh hollow_sphere() {
   Mesh mesh;
   mesh.group = {"wall"};
-  const int rings = 200, sectors = 200;
+  const int rings = kRings, sectors = 200;
   const double begin = std::numbers::pi / 18, turn = 2 * std::numbers::pi / sectors;
   const double widen = std::sqrt(turn / std::sin(turn));
   for (int ring = 0; ring <= rings; ++ring)
@@ -145,15 +147,22 @@ TEST(Truncation, ReflectanceOf0_999) {
       mesh.vertex.push_back({std::cos(theta), widen * std::sin(theta) * std::cos(turn * sector),
                              widen * std::sin(theta) * std::sin(turn * sector)});
     }
-  for (std::uint32_t ring = 0; ring < rings; ++ring)
+  for (std::uint32_t ring = 0; ring < kRings; ++ring)
     for (std::uint32_t sector = 0; sector < sectors; ++sector) {
       const std::uint32_t a = ring * sectors + sector, b = ring * sectors + (sector + 1) % sectors;
       mesh.triangle.push_back({a, b, a + sectors});
-      if (ring + 1 < rings) mesh.triangle.push_back({b, b + sectors, a + sectors});
+      if (ring + 1 < kRings) mesh.triangle.push_back({b, b + sectors, a + sectors});
     }
   mesh.triangle_group.assign(mesh.triangle.size(), 0);
-  const auto simulator = simulator_of(scene_of(mesh, grey(1e-3), lwir()));
-  const double wall = (1 + std::cos(begin)) / 2;  // of what leaves the wall, meets the wall
+  return mesh;
+}
+
+// A wall of emissivity 1e-3: 0.1165 in the limit, after a hundred reflections and more on average.
+// With enough of them the row is right; with too few it says so, and its bound holds what is
+// missing.
+TEST(Truncation, ReflectanceOf0_999) {
+  const auto simulator = simulator_of(scene_of(hollow_sphere(), grey(1e-3), lwir()));
+  const double wall = kWall;
   const double limit = 1e-3 / (1 - 0.999 * wall);
   const double black = planck_band_radiance_w_m2_sr(8, 12, 400);
   ViewRequest r = request(*simulator, 0, 0, 1e4, {400});
@@ -176,6 +185,74 @@ TEST(Truncation, ReflectanceOf0_999) {
     if (n == 16 || n == 64) {
       EXPECT_LT(s.truncation_bound_w_sr, 2 * missing);
     }
+  }
+}
+
+// Paths that carry spectra: their throughput has the largest spectral factor in it. The closed form
+// of what goes on after N reflections is area x reflectance^(N + 1) x wall^N at the wavelength that
+// the wall reflects best; reflectances above 1 (a material that creates energy) grow instead of
+// falling.
+TEST(Truncation, SpectralThroughputIsThatOfTheBrightestWavelength) {
+  TabulatedBrdf glowing;
+  glowing.lambda_um = {7, 13};
+  glowing.theta_i_deg = glowing.theta_r_deg = {0, 90};
+  glowing.phi_deg = {0, 180};
+  for (const float brdf_per_sr : {0.1f, 0.5f})
+    glowing.brdf_per_sr.insert(glowing.brdf_per_sr.end(), 8, brdf_per_sr);
+  for (const MaterialSpec& material :
+       {MaterialSpec{"paint", Lambert{{{7, 0.9}, {13, 0.4}}}}, MaterialSpec{"glow", glowing}}) {
+    const auto simulator =
+        simulator_of(scene_of(hollow_sphere(), material, {"all", 8, 12, 0.5, {}}));
+    const double reflectance = simulator->carried_materials()[0].dhr_max(0.5f);
+    EXPECT_EQ(reflectance > 1, simulator->energy_gain());
+    const AimedView view = make_aimed_view(simulator->target(), {0, 0, 1e4});
+    PathSettings s;
+    s.samples = 1024;
+    s.seed = 7;
+    s.persistence = 1e9;
+    for (const std::uint32_t n : {1u, 3u, 5u}) {
+      s.max_reflections = n;
+      const PathTracer tracer(simulator->target(), simulator->carried_materials(), view, {}, s);
+      ASSERT_TRUE(tracer.spectral());
+      std::vector<double> no_image;
+      PathCounts counts;
+      ReplicateStatistics statistics(1);
+      for (const PathWeights& w : tracer.trace({}, no_image, counts)) {
+        EXPECT_EQ(w.truncated_m2, w.beyond_m2[2]);
+        statistics.add(std::vector{w.truncated_m2 / w.projected_area_m2});
+      }
+      expect_within_t(statistics.estimate(0), std::pow(reflectance, n + 1) * std::pow(kWall, n), 6,
+                      material.name + ", N " + std::to_string(n), 0.01,
+                      1e-3 * std::pow(reflectance, n + 1));
+    }
+  }
+}
+
+// Half the wall reflects what the other half absorbs: no wavelength keeps the throughput of the
+// brightest, and the bound must hold whatever is missing at each.
+TEST(Truncation, BoundHoldsAChainOfSpectralMaterials) {
+  Mesh mesh = hollow_sphere();
+  mesh.group = {"left", "right"};
+  for (std::size_t i = 0; i < mesh.triangle.size(); ++i)
+    mesh.triangle_group[i] = mesh.vertex[mesh.triangle[i][0]].y < 0 ? 0 : 1;
+  SceneSpec scene =
+      scene_of(mesh, {"short", Lambert{{{7, 0.1}, {13, 0.7}}}}, {"all", 8, 12, 0.5, {}});
+  scene.material.push_back({"long", Lambert{{{7, 0.7}, {13, 0.1}}}});
+  scene.part = {{"left", {"left"}, 0, false, false}, {"right", {"right"}, 1, false, false}};
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 0, 0, 1e4, {400, 400});
+  r.accuracy.samples_per_replicate = 2048;
+  r.max_reflections = 200;
+  const SignatureResult all = only_row(*simulator, r);
+  for (const std::uint32_t n : {1u, 2u, 4u, 12u}) {
+    r.max_reflections = n;
+    const SignatureResult s = only_row(*simulator, r);
+    const double missing = all.intensity_w_sr.value - s.intensity_w_sr.value;
+    const double black = planck_band_radiance_w_m2_sr(8, 12, 400) * s.projected_area_m2.value;
+    std::printf("N %2u: missing %.4g, bound %.4g W/sr\n", n, missing, s.truncation_bound_w_sr);
+    EXPECT_GE(s.truncation_bound_w_sr, missing);
+    // The best reflectance of either material at each vertex: 0.82 at both ends of the nodes.
+    EXPECT_LE(s.truncation_bound_w_sr, 1.02 * std::pow(0.82, n + 1) * black);
   }
 }
 

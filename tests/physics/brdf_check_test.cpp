@@ -1,8 +1,9 @@
 // Rationale: `irsig material check` is what a user relies on before a sweep; a check that cannot
 // fail is worth nothing. A tabulated BRDF comes from outside and is not reciprocal to begin with.
-// Expected: every bounded material passes every row; those that create energy fail "energy" alone;
-// a forced emissivity fails the closure too; tables are reproduced at their points, made reciprocal
-// with the residual stated; what is no material is refused with a reason.
+// Expected: every bounded material passes every row; a DHR above 1 fails "energy", and, since no
+// emissivity makes up for it, the closure where it is met at the angles examined; a stated
+// emissivity that is not 1 - DHR fails the closure alone; tables are reproduced at their points,
+// made reciprocal with the residual stated; what is no material is refused with a reason.
 // Source: thermodynamics; definitions.
 #include <gtest/gtest.h>
 
@@ -35,23 +36,27 @@ std::set<std::string> failures(const MaterialSpec& spec) {
 
 TEST(MaterialCheck, TheRosterPassesOrSaysThatItCreatesEnergy) {
   for (const RosterEntry& entry : material_roster()) {
-    const auto failed = failures(entry.spec);
+    auto failed = failures(entry.spec);
     if (entry.bounded) {
       EXPECT_TRUE(failed.empty()) << entry.spec.name << ": " << *failed.begin();
     } else if (!failed.empty()) {  // mirrors of 1e-4 do not reach their pole
-      EXPECT_EQ(failed, std::set<std::string>{"energy"}) << entry.spec.name;
+      // "energy" looks at every angle, the closure at a few.
+      EXPECT_TRUE(failed.contains("energy")) << entry.spec.name;
+      failed.erase("energy");
+      failed.erase("emissivity + DHR = 1");
+      EXPECT_TRUE(failed.empty()) << entry.spec.name << ": " << *failed.begin();
     }
   }
-  EXPECT_EQ(failures({"facets", PriestGermer{{{0, 1.5, 0.2}}, 0.3, true}}),
-            std::set<std::string>{"energy"});
+  const std::set<std::string> clamped = {"emissivity + DHR = 1", "energy"};
+  EXPECT_EQ(failures({"facets", PriestGermer{{{0, 1.5, 0.2}}, 0.3, true}}), clamped);
   EXPECT_EQ(failures({"lobe", Ward{roster_grey(0), roster_grey(1), 0.2, WardForm::kDuer}}),
-            std::set<std::string>{"energy"});
+            clamped);
 }
 
 TEST(MaterialCheck, AForcedEmissivityBreaksTheClosure) {
   EXPECT_TRUE(failures(*builtin_material("hull")).empty());
-  const auto failed = failures(*builtin_material("hull_paper"));
-  EXPECT_TRUE(failed.contains("emissivity + DHR = 1"));
+  EXPECT_EQ(failures(*builtin_material("hull_paper")),
+            std::set<std::string>{"emissivity + DHR = 1"});
 }
 
 TEST(MaterialCheck, RefusesWhatIsNoMaterial) {

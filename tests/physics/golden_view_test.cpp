@@ -37,11 +37,11 @@ TEST(GoldenView, NumbersBelongToThePhysicsVersion) {
   r.max_reflections = 8;
   const auto view = simulator->simulate(r);
   ASSERT_TRUE(view.ok()) << view.status();
-  ASSERT_EQ(kPhysicsVersion, 2);
+  ASSERT_EQ(kPhysicsVersion, 3);
   const double expected[2][7] = {
       // intensity, projected area, then emitted, sun, sky, sea, parts
-      {4242.07134, 2382.98881, 3703.52197, 60.7997134, 61.5116147, 300.952602, 115.285442},
-      {87063.9791, 2382.98881, 74688.346, 3.23108546, 3157.81865, 6987.74308, 2226.84029},
+      {4242.23993, 2383.09205, 3703.60147, 60.7933364, 61.5059997, 301.059879, 115.279242},
+      {87068.9043, 2383.09205, 74691.2556, 3.23071248, 3157.53008, 6990.23376, 2226.65412},
   };
   for (std::size_t row = 0; row < 2; ++row) {
     const SignatureResult& s = view->row[row];

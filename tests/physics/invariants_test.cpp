@@ -98,6 +98,9 @@ TEST(SameBits, WhateverIsComputedBeside) {
       EXPECT_EQ(x.intensity_w_sr.stderr_, y.intensity_w_sr.stderr_);
       EXPECT_EQ(x.numerical_error_w_sr, y.numerical_error_w_sr);
       EXPECT_EQ(x.spectral.value, y.spectral.value);
+      EXPECT_EQ(x.apparent_intensity_w_sr.value, y.apparent_intensity_w_sr.value);
+      EXPECT_EQ(x.contrast_intensity_w_sr.stderr_, y.contrast_intensity_w_sr.stderr_);
+      EXPECT_EQ(x.contrast_spectral.value, y.contrast_spectral.value);
       EXPECT_EQ(x.image_w_m2_sr, y.image_w_m2_sr);
     }
 }

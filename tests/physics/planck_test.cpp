@@ -187,9 +187,20 @@ TEST(Planck, NoArgumentGivesNanOrInfinity) {
   }
 }
 
+// A radiance comes out of a calculation; one that no blackbody has must not end the process.
+TEST(Planck, ARadianceThatNoBlackbodyHasIsGivenNoTemperature) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double radiance : {-1.0, -5e-324, std::nan(""), infinite, -infinite, 1e200, 1e300}) {
+    EXPECT_TRUE(std::isnan(apparent_temperature_k(3, 5, radiance))) << radiance;
+    EXPECT_TRUE(std::isnan(monochromatic_temperature_k(10, radiance))) << radiance;
+  }
+  const double most = planck_radiance_w_m2_sr_um(10, kPlanckTemperatureMaxK);
+  EXPECT_NEAR(monochromatic_temperature_k(10, most) / kPlanckTemperatureMaxK, 1, 1e-9);
+  EXPECT_TRUE(std::isnan(monochromatic_temperature_k(10, 1.001 * most)));
+}
+
 TEST(PlanckDeathTest, ImpossibleArgumentsAreNamed) {
   EXPECT_DEATH((void)planck_radiance_w_m2_sr_um(10, -1), "temperature_k >= 0.0.*-1 against 0");
-  EXPECT_DEATH((void)apparent_temperature_k(3, 5, 1e200), "kPlanckTemperatureMaxK");
   EXPECT_DEATH((void)planck_band_radiance_w_m2_sr(5, 3, 300), "lambda_min_um <= lambda_max_um");
 }
 

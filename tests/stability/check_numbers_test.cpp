@@ -71,7 +71,12 @@ TEST(CheckNumbers, NamesWhatIsNotFinite) {
   EXPECT_THAT(reason(view), HasSubstr("image_w_m2_sr[2]"));
   view = good();
   view.row[0].apparent_temperature_k = nan;
-  EXPECT_THAT(reason(view), HasSubstr("apparent_temperature_k"));
+  view.row[0].intensity_w_sr.value = -0.05;  // within its error, yet no blackbody's
+  EXPECT_THAT(reason(view), HasSubstr("apparent_temperature_k is not a finite number: no blackbody "
+                                      "has a radiance of -0.05 W/(m2 sr)"));
+  view = good();
+  view.row[0].apparent_temperature_k = infinite;
+  EXPECT_THAT(reason(view), HasSubstr("apparent_temperature_k is not a finite number: inf"));
 }
 
 TEST(CheckNumbers, NegativeOnlyWithinTheError) {
@@ -91,12 +96,98 @@ TEST(CheckNumbers, NegativeOnlyWithinTheError) {
   EXPECT_THAT(reason(view), HasSubstr("intensity_w_sr's standard error is negative"));
 }
 
+TEST(CheckNumbers, ContrastHasAnySignAndTransmittanceNone) {
+  ViewResult view = good();
+  view.row[0].contrast_intensity_w_sr = {-500, 0.1};
+  view.row[0].contrast_spectral = {{-1, 2}, {0.1, 0.1}};
+  view.row[0].path_transmittance = 1 + 1e-12;  // a mean of ones, rounded
+  EXPECT_TRUE(check_numbers(view).ok());
+  struct Wrong {
+    const char* named;
+    void (*make)(SignatureResult&);
+  };
+  for (const Wrong& wrong :
+       {Wrong{"contrast_intensity_w_sr is not a finite number",
+              [](auto& r) { r.contrast_intensity_w_sr.value = NAN; }},
+        {"background_radiance_w_m2_sr is negative",
+         [](auto& r) { r.background_radiance_w_m2_sr.value = -1e-3; }},
+        {"background_radiance_w_m2_sr_um[1] is",
+         [](auto& r) {
+           r.background_spectral = {{1, INFINITY}, {0, 0}};
+         }},
+        {"path_transmittance is above 1", [](auto& r) { r.path_transmittance = 1.001; }},
+        {"path_transmittance is negative", [](auto& r) { r.path_transmittance = -0.1; }},
+        {"path_transmittance is above 1 at a wavelength",
+         [](auto& r) {
+           r.path_transmittance_spectral = {0.5, 1.5};
+         }},
+        {"sky_bound_w_sr is not", [](auto& r) { r.sky_bound_w_sr = NAN; }}}) {
+    ViewResult bad = good();
+    wrong.make(bad.row[0]);
+    EXPECT_THAT(reason(bad), HasSubstr(wrong.named));
+  }
+}
+
 TEST(CheckNumbers, TellsEveryReason) {
   ViewResult view = good();
   view.guarded_nonfinite = 1;
   view.row[0].intensity_w_sr.value = std::nan("");
   EXPECT_THAT(reason(view), testing::AllOf(HasSubstr("guarded_nonfinite"), HasSubstr("; "),
                                            HasSubstr("intensity_w_sr")));
+}
+
+ProfileResult good_profile() {
+  ProfileResult profile;
+  ProfileRow& r = profile.row.emplace_back();
+  r.point = 3;
+  r.reflections = 8;
+  r.radiance_w_m2_sr = {10, 0.1};
+  r.apparent_radiance_w_m2_sr = {9, 0.1};
+  r.apparent_temperature_k = {300, 0.1};
+  r.target_fraction = 1;
+  profile.counts.guarded_backface_hits = profile.counts.truncated_paths = 1000;  // ordinary
+  return profile;
+}
+
+std::string reason(const ProfileResult& profile) {
+  const absl::Status status = check_numbers("profile[2]", profile);
+  EXPECT_EQ(status.code(), absl::StatusCode::kInternal) << status;
+  return std::string(status.message());
+}
+
+TEST(CheckProfile, LetsGoodOnesPass) {
+  EXPECT_TRUE(check_numbers("profile[2]", good_profile()).ok());
+}
+
+TEST(CheckProfile, FailsWhereWeightsWereDropped) {
+  ProfileResult profile = good_profile();
+  profile.counts.guarded_nonfinite = 3;
+  EXPECT_THAT(reason(profile), HasSubstr("profile[2]: 3 path weights were not finite"));
+  profile = good_profile();
+  profile.counts.guarded_negative = 2;
+  EXPECT_THAT(reason(profile), HasSubstr("profile[2]: 2 path weights were negative"));
+}
+
+TEST(CheckProfile, NamesTheFieldAndItsValue) {
+  const double nan = std::nan("");
+  ProfileResult profile = good_profile();
+  profile.row[0].radiance_w_m2_sr.value = nan;
+  EXPECT_THAT(reason(profile), HasSubstr("profile[2]: point 3, condition 0, band 0, reflections 8: "
+                                         "radiance_w_m2_sr is not a finite number: nan"));
+  profile = good_profile();
+  profile.row[0].apparent_radiance_w_m2_sr.value = -1;
+  EXPECT_THAT(reason(profile), HasSubstr("apparent_radiance_w_m2_sr is negative: -1"));
+  profile = good_profile();
+  profile.row[0].radiance_w_m2_sr.value = 1e40;
+  profile.row[0].apparent_temperature_k = {nan, nan};
+  EXPECT_THAT(reason(profile), HasSubstr("apparent_temperature_k is not a finite number: no "
+                                         "blackbody has a radiance of 1e+40 W/(m2 sr)"));
+  profile = good_profile();
+  profile.row[0].apparent_temperature_k.stderr_ = nan;
+  EXPECT_THAT(reason(profile), HasSubstr("apparent_temperature_k's standard error"));
+  profile = good_profile();
+  profile.row[0].truncation_bound_w_m2_sr = nan;
+  EXPECT_THAT(reason(profile), HasSubstr("truncation_bound_w_m2_sr"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// A job whose path weights overflow must fail with the count in its message, not store what is
-// left of them.
+// A job whose path weights overflow, or whose radiance no blackbody has, must fail and say why: not
+// store what is left, nor end the worker's process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,6 +55,37 @@ TEST(FailedJob, SaysHowManyWeightsWereNotFinite) {
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal) << result.status();
   EXPECT_THAT(std::string(result.status().message()),
               testing::ContainsRegex("[1-9][0-9]* path weights were not finite"));
+}
+
+// The weights overflow at the second reflection, which only the profile follows.
+TEST(FailedJob, SoDoesAProfile) {
+  schema::ResolvedSweep sweep = absurd_ship(1e30);
+  sweep.mutable_sweep()->mutable_transport()->set_max_reflections(0);
+  EXPECT_TRUE(first_job(sweep).ok());
+  schema::Profile& profile = *sweep.mutable_sweep()->add_profile();
+  profile.set_name("deck");
+  for (const double at_m : {0.0, 0.0, -5.0}) profile.add_at_m(at_m);
+  profile.set_footprint_width_m(100);
+  profile.set_footprint_height_m(20);
+  profile.add_reflections(6);
+  profile.set_samples(8192);
+  const auto result = first_job(sweep);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal) << result.status();
+  EXPECT_THAT(std::string(result.status().message()),
+              testing::ContainsRegex("profile.0.: [1-9][0-9]* path weights were not finite"));
+}
+
+// Under a sky of 1e25 W/(m2 sr um) a grey ship is brighter than a blackbody of 1e12 K.
+TEST(FailedJob, NamesARadianceThatNoBlackbodyHas) {
+  schema::ResolvedSweep sweep = absurd_ship(0.2);
+  sweep.mutable_condition(0)->mutable_surroundings()->set_sky_radiance_w_m2_sr_um(1e25);
+  const auto result = first_job(sweep);
+  ASSERT_FALSE(result.ok());
+  EXPECT_EQ(result.status().code(), absl::StatusCode::kInternal) << result.status();
+  EXPECT_THAT(std::string(result.status().message()),
+              testing::ContainsRegex("apparent_temperature_k is not a finite number: no blackbody "
+                                     "has a radiance of [0-9.]+e.2[0-9] W"));
 }
 
 TEST(FailedJob, TheSameShipOfASaneMaterialDoesNotFail) {

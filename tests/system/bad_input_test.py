@@ -57,6 +57,36 @@ class BadInput(unittest.TestCase):
         import re
         self.refused(re.sub(r"(?m)^range_m = .*$", "range_m = 0.1", DISK), "sweep.toml:", "inside the target")
 
+    def test_contradicting_conditions(self):
+        place = "[place]\nlatitude_deg = {}\nlongitude_deg = 0\nheading_deg = 0\n"
+        winter = DISK.replace('name = "any"', 'name = "winter"') + place.format(50)
+        self.refused(winter, "sweep.toml:", 'season[0].name = "winter"', "2025-06-21", "contradict")
+        # The same place on the other side of the equator, where it is winter.
+        (self.path / "south.toml").write_text(winter.replace("latitude_deg = 50", "latitude_deg = -50"))
+        good = self.run_sweep("south.toml")
+        self.assertEqual((good.returncode, "warning" in good.stderr), (0, False), good.stderr)
+
+    def test_odd_conditions_are_said_once(self):
+        odd = DISK.replace('name = "any"', 'name = "summer"').replace("2025-06-21", "2025-05-20")
+        odd = odd.replace('time = ["12:00Z"]', 'time = ["12:00Z", "13:00Z"]')
+        (self.path / "odd.toml").write_text(odd + "[place]\nlatitude_deg = 50\nlongitude_deg = 0\nheading_deg = 0\n")
+        done = self.run_sweep("odd.toml")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        warnings = [line for line in done.stderr.splitlines() if "warning" in line]
+        self.assertEqual(len(warnings), 1, done.stderr)
+        self.assertRegex(warnings[0], r'^odd\.toml:\d+:1: warning: season\[0\]\.name = "summer"')
+
+    def run_sweep(self, name):
+        return subprocess.run([IRSIG, "run", name, "--db", "out.sigdb", "--relative-error", "0.1"], cwd=self.path, capture_output=True, text=True, timeout=120)
+
+    def test_atmosphere(self):
+        air = DISK.replace('model = "vacuum"', 'model = "atmosphere"\nprofile = "us_standard_1976"\naerosol = "rural"\nvisibility_m = 23000\nprofile_file = "sonde.csv"')
+        self.refused(air, "air.profile_file", "sonde.csv", "No such file")
+        (self.path / "sonde.csv").write_text("height_m, pressure_hpa, temperature_c, dew_point_c\n0, 1013, 20, 25\n1000, 900, 10, 5\n")
+        self.refused(air, "sonde.csv:2:14: 25: expected a dew point not above the air's temperature")
+        (self.path / "sonde.csv").write_text("height_m, pressure_hpa, temperature_c, dew_point_c\n0, 1013, 20, 15\n1000, 900, 10, 5\n")
+        self.refused(air, 'air.profile_file is one too many', 'surroundings.kind = "none": expected one of "sea", "ground"')
+
     def test_zero_viewpoints(self):
         start = DISK.index("[viewpoints]")
         end = DISK.index("\n[", start + 1)

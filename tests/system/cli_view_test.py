@@ -207,5 +207,117 @@ class Views(unittest.TestCase):
         irsig("plot", self.db, "--kind", "spectrum", "--out", out, expect=2)
 
 
+GREY = """model = "homogeneous"
+absorption_m2_kg = 2e-4
+pressure_pa = 101325
+gas_constant_j_kg_k = 287
+path_emission = true
+"""
+
+
+def ranged_sweep(range_m, name="far"):
+    """A can of 8 x 4 m in sunlight over a sea, through homogeneous air."""
+    text = SWEEP.replace('name = "can"\ntime', f'name = "{name}"\ntime')
+    text = text.replace("triangles = 2000", "triangles = 2000\nlength_m = 8\nradius_m = 2")
+    text = text.replace("date = 2025", "air_temperature_k = 288\ndate = 2025")
+    text = text.replace('kind = "fibonacci"\ncount = 40\nrange_m = 1000',
+                        f'kind = "grid"\nazimuth_deg = [0, 60]\nelevation_deg = [3, 30]\n'
+                        f'range_m = {range_m}')
+    text = text.replace('model = "vacuum"\n', GREY).replace("sun = false", "sun = true")
+    return text.replace("samples_per_replicate = 256", "samples_per_replicate = 512")
+
+
+def through_the_atmosphere(text):
+    """The same under the embedded atmosphere, with waves on the sea."""
+    text = text.replace(GREY, 'model = "atmosphere"\naerosol = "maritime"\nvisibility_m = 23000\n')
+    text = text.replace("air_temperature_k = 288", "air_temperature_k = 288\n"
+                        "relative_humidity_percent = 70\npressure_pa = 101325\nwind_speed_m_s = 5")
+    text = text.replace("sky_temperature_k = 260\n", "").replace("sea_emissivity = 0.98\n", "")
+    return text.replace("lambda_min_um = 3\n", "lambda_min_um = 3.5\n")
+
+
+class OtherRanges(unittest.TestCase):
+    """query --range-m against what irsig run computes there."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        for range_m in (1000, 5000):
+            sweep = cls.path / f"{range_m}.toml"
+            sweep.write_text(ranged_sweep(range_m))
+            irsig("run", sweep, "--db", cls.path / f"{range_m}.sigdb", "--workers", 1)
+            sweep.write_text(through_the_atmosphere(ranged_sweep(range_m)))
+            irsig("run", sweep, "--db", cls.path / f"air {range_m}.sigdb", "--workers", 1)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def rows(self, range_m, *arguments):
+        done = irsig("query", self.path / f"{range_m}.sigdb", *arguments, "--format", "csv")
+        return list(csv.DictReader(io.StringIO(done.stdout)))
+
+    def test_moved_rows_are_what_is_computed_there(self):
+        for air, stored, asked in (("", 1000, 5000), ("", 5000, 1000),
+                                   ("air ", 1000, 5000), ("air ", 5000, 1000)):
+            moved = self.rows(f"{air}{stored}", "--range-m", asked)
+            computed = self.rows(f"{air}{asked}")
+            self.assertEqual(len(moved), len(computed))
+            for m, c in zip(moved, computed):
+                self.assertEqual(float(m["range_m"]), asked)
+                self.assertEqual(float(m["stored_range_m"]), stored)
+                for value, error in (("apparent_intensity_w_sr", "apparent_numerical_error_w_sr"),
+                                     ("contrast_intensity_w_sr", "contrast_numerical_error_w_sr")):
+                    off = abs(float(m[value]) - float(c[value]))
+                    # 16 rows x 2 quantities x 4: 4 sigma of the difference.
+                    self.assertLess(off, 4 * (float(m[error]) ** 2 + float(c[error]) ** 2) ** 0.5)
+                self.assertAlmostEqual(float(m["path_transmittance"]),
+                                       float(c["path_transmittance"]), delta=1e-9)
+                self.assertAlmostEqual(float(m["background_radiance_w_m2_sr"]) /
+                                       float(c["background_radiance_w_m2_sr"]), 1, delta=1e-3)
+
+    def test_the_own_range_changes_nothing(self):
+        for m, c in zip(self.rows("air 1000", "--range-m", 1000), self.rows("air 1000")):
+            for name in ("apparent_intensity_w_sr", "contrast_intensity_w_sr",
+                         "apparent_numerical_error_w_sr", "background_radiance_w_m2_sr"):
+                self.assertAlmostEqual(float(m[name]), float(c[name]),
+                                       delta=1e-9 * abs(float(c[name])) + 1e-12)
+            self.assertNotIn("stored_range_m", c)
+
+    def test_spectra_are_moved_with_their_rows(self):
+        lines = self.rows(1000, "--range-m", 5000, "--row", 1, "--spectrum")
+        for line in lines:
+            self.assertEqual(float(line["stored_range_m"]), 1000)
+        there = self.rows(5000, "--row", 1, "--spectrum")
+        for a, b in zip(lines, there):
+            self.assertAlmostEqual(float(a["path_transmittance"]), float(b["path_transmittance"]),
+                                   delta=1e-6)
+
+    def test_too_near_is_refused(self):
+        done = irsig("query", self.path / "1000.sigdb", "--range-m", 100, expect=2)
+        self.assertIn("below 20 lengths", done.stderr)
+        irsig("query", self.path / "1000.sigdb", "--range-m", "0", expect=2)
+        irsig("query", self.path / "1000.sigdb", "--range-m", 5000, "--aspect", "30,10",
+              "--interpolate", expect=2)
+
+    def test_contrast_is_asked_for_sorted_and_drawn(self):
+        database = self.path / "1000.sigdb"
+        rows = self.rows(1000, "--sort", "contrast_intensity_w_sr", "--descending")
+        contrast = [float(r["contrast_intensity_w_sr"]) for r in rows]
+        self.assertEqual(contrast, sorted(contrast, reverse=True))
+        limit = sorted(float(r["contrast_numerical_error_w_sr"]) / abs(c)
+                       for r, c in zip(rows, contrast))[7]
+        exact = self.rows(1000, "--quantity", "contrast_intensity", "--max-relative-error", limit)
+        self.assertEqual(len(exact), 8)
+        self.assertIn("contrast", irsig("query", database, "--quantity", "contrast_intensity").stdout)
+        self.assertIn("beauty", irsig("query", database, "--sort", "beauty", expect=2).stderr)
+        irsig("query", database, "--quantity", "beauty", expect=2)
+        for kind in ("contrast_intensity", "apparent_intensity", "background_radiance"):
+            out = self.path / f"{kind}.svg"
+            irsig("plot", database, "--kind", "spectrum", "--row", 1, "--quantity", kind, "--out", out)
+            xml.etree.ElementTree.parse(out)
+
+
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], "-v"])

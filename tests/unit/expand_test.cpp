@@ -205,9 +205,13 @@ void with_each_scalar_changed(Message& message, const std::string& prefix,
 
 // Whatever is present in a resolved sweep changes the key, except what is listed here.
 TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
-  const std::set<std::string> not_determining = {"sweep.name", "sweep.description", "sweep.time",
-                                                 "sweep.transport.job_size_vertices",
-                                                 "sweep.part.temperature_k"};
+  const std::set<std::string> not_determining = {
+      "sweep.name", "sweep.description", "sweep.time", "sweep.transport.job_size_vertices",
+      "sweep.part.temperature_k",
+      // written out into condition.weather
+      "sweep.air.aerosol", "sweep.air.visibility_m", "sweep.air.co2_ppmv", "sweep.air.refraction",
+      "condition.weather.profile_file_name", "condition.weather.modtran_file_name",
+      "condition.warning"};
   const auto is_free = [&](const std::string& path) {
     for (const char* written_out :
          {"sweep.season.", "sweep.surroundings.", "sweep.viewpoints.", "sweep.precompute."}) {
@@ -218,6 +222,12 @@ TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
   const auto original = resolved_file(kExamples / "frigate.toml");
   ASSERT_TRUE(original.ok()) << original.status();
   schema::ResolvedSweep one_view = *original;
+  // What the frigate does without.
+  one_view.mutable_condition(0)->mutable_weather()->set_profile_csv("text");
+  one_view.mutable_condition(0)->mutable_weather()->set_profile_file_name("sonde.csv");
+  one_view.mutable_condition(0)->mutable_weather()->set_modtran_text("text");
+  one_view.mutable_condition(0)->mutable_weather()->set_modtran_file_name("winter.tp7");
+  one_view.mutable_condition(0)->add_warning("season[0].profile is odd");
   one_view.mutable_viewpoint()->DeleteSubrange(1, one_view.viewpoint_size() - 1);
   const std::string key = expand_jobs(one_view, 1)[0].job_key();
   schema::ResolvedSweep sweep = one_view;
@@ -229,9 +239,10 @@ TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
   });
   EXPECT_EQ(canonical_encoding(sweep), canonical_encoding(one_view));  // everything was put back
   for (const char* path :
-       {"condition.part_temperature_k", "condition.surroundings.sky_temperature_k",
-        "viewpoint.range_m", "sweep.band.step_um", "sweep.part.match", "sweep.seed",
-        "condition.sun_irradiance_w_m2"}) {
+       {"condition.part_temperature_k", "condition.surroundings.sea_temperature_k",
+        "condition.weather.profile_csv", "condition.weather.modtran_text", "condition.warning",
+        "condition.weather.wind_speed_m_s", "sweep.air.model", "viewpoint.range_m",
+        "sweep.band.step_um", "sweep.part.match", "sweep.seed", "condition.sun_irradiance_w_m2"}) {
     EXPECT_TRUE(seen.contains(path)) << path;
   }
 }

@@ -75,6 +75,14 @@ assert spectrum.attrs["units"] == "W sr-1 um-1"
 band = spectrum.integrate("lambda_um_lwir").values
 assert np.allclose(band, i.sel(band="lwir").values, rtol=1e-6)
 assert np.allclose(d["part_intensity_w_sr"].sum("part"), i)
+c = d["contrast_intensity_w_sr"]
+assert c.values.min() < 0 < c.values.max() and c.attrs["units"] == "W sr-1"
+assert d["background_radiance_w_m2_sr"].attrs["units"] == "W m-2 sr-1"
+cs = d["contrast_spectral_intensity_w_sr_um_lwir"]
+assert cs.attrs["units"] == "W sr-1 um-1"
+assert np.allclose(cs.integrate("lambda_um_lwir").values, c.sel(band="lwir").values, rtol=1e-5)
+assert np.allclose(d["path_transmittance_lwir"], 0.8) and np.allclose(d["path_transmittance"], 0.8)
+assert d["path_radiance_w_m2_sr_um_mwir"].attrs["units"] == "W m-2 sr-1 um-1"
 assert d["lambda_um_lwir"].attrs["units"] == "um"
 for name, v in d.variables.items():
     assert "long_name" in v.attrs and len(v.attrs["long_name"]) > 2, name

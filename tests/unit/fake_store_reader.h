@@ -15,6 +15,20 @@
 
 namespace irsig {
 
+inline double relative_error(const StoredSignature& s, SignatureQuantity of) {
+  switch (of) {
+    case SignatureQuantity::kIntensity:
+      return s.numerical_error_w_sr / std::abs(s.intensity_w_sr);
+    case SignatureQuantity::kApparentIntensity:
+      return s.apparent_numerical_error_w_sr / std::abs(s.apparent_intensity_w_sr);
+    case SignatureQuantity::kContrastIntensity:
+      return s.contrast_numerical_error_w_sr / std::abs(s.contrast_intensity_w_sr);
+    case SignatureQuantity::kBackgroundRadiance:
+      return s.background_radiance_stderr_w_m2_sr / std::abs(s.background_radiance_w_m2_sr);
+  }
+  return NAN;
+}
+
 // A database in memory: signatures given by the test, filtered as store.h promises.
 class FakeStoreReader : public StoreReader {
  public:
@@ -22,16 +36,16 @@ class FakeStoreReader : public StoreReader {
   std::map<std::int64_t, schema::Spectrum> spectra;
   std::map<std::int64_t, std::vector<StoredPart>> stored_parts;
   std::map<std::int64_t, schema::Thumbnail> thumbnails;
+  std::map<std::string, StoredSweep> sweeps;
 
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& f) override {
     std::vector<StoredSignature> out;
     for (const auto& s : signatures) {
-      const bool match = (f.sweep.empty() || f.sweep == s.sweep) &&
-                         (f.season.empty() || f.season == s.season) &&
-                         (f.time_utc.empty() || f.time_utc == s.time_utc) &&
-                         (f.band.empty() || f.band == s.band) && (!f.row || *f.row == s.row) &&
-                         (!f.max_relative_error ||
-                          s.numerical_error_w_sr <= *f.max_relative_error * s.intensity_w_sr);
+      const bool match =
+          (f.sweep.empty() || f.sweep == s.sweep) && (f.season.empty() || f.season == s.season) &&
+          (f.time_utc.empty() || f.time_utc == s.time_utc) &&
+          (f.band.empty() || f.band == s.band) && (!f.row || *f.row == s.row) &&
+          (!f.max_relative_error || relative_error(s, f.error_of) <= *f.max_relative_error);
       if (match) out.push_back(s);
     }
     if (!f.direction) return out;
@@ -58,6 +72,10 @@ class FakeStoreReader : public StoreReader {
     return out;
   }
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t id) override { return spectra.at(id); }
+  absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
+    if (!sweeps.contains(name)) return absl::NotFoundError("no sweep " + name);
+    return sweeps.at(name);
+  }
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t id) override {
     return stored_parts.at(id);
   }
@@ -131,6 +149,13 @@ inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
         s.apparent_intensity_w_sr = 0.9 * s.intensity_w_sr;
         s.apparent_intensity_stderr_w_sr = 0.9 * s.intensity_stderr_w_sr;
         s.apparent_numerical_error_w_sr = 0.9 * s.numerical_error_w_sr;
+        // Brighter than what is behind it towards the stern, darker towards the bow.
+        s.contrast_intensity_w_sr = -0.2 * d.x * s.intensity_w_sr;
+        s.contrast_intensity_stderr_w_sr = 0.9 * s.intensity_stderr_w_sr;
+        s.contrast_numerical_error_w_sr = 0.9 * s.numerical_error_w_sr;
+        s.background_radiance_w_m2_sr =
+            40 * (s.apparent_intensity_w_sr - s.contrast_intensity_w_sr) / s.intensity_w_sr;
+        s.path_transmittance = 0.8;
         s.projected_area_m2 = s.intensity_w_sr / 40;
         s.projected_area_stderr_m2 = 1e-4 * s.projected_area_m2;
         s.apparent_temperature_k = 300 * std::sqrt(std::sqrt(season.factor));
@@ -156,6 +181,12 @@ inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
           }
           spectrum.add_spectral_intensity_stderr_w_sr_um(0.002F * value);
           spectrum.add_apparent_spectral_intensity_stderr_w_sr_um(0.002F * value);
+          spectrum.add_contrast_spectral_intensity_w_sr_um(static_cast<float>(-0.2 * d.x) * value);
+          spectrum.add_contrast_spectral_intensity_stderr_w_sr_um(0.002F * value);
+          spectrum.add_background_radiance_w_m2_sr_um(10);
+          spectrum.add_background_radiance_stderr_w_m2_sr_um(0);
+          spectrum.add_path_transmittance(0.8F);
+          spectrum.add_path_radiance_w_m2_sr_um(1);
           spectrum.add_emitted_w_sr_um(0.75F * value);
           spectrum.add_emitted_stderr_w_sr_um(0.0015F * value);
           spectrum.add_sun_reflected_w_sr_um(0.25F * value);

@@ -65,5 +65,38 @@ TEST(JobRunner, PassesOnThatTheEncoderFails) {
   EXPECT_EQ(first_job(disk(16), ThumbnailEncoder{fail, fail}).status().message(), "no ink");
 }
 
+// The whole way of the embedded atmosphere: sweep file, weather, environment, signature.
+TEST(JobRunner, ComputesThroughTheEmbeddedAtmosphere) {
+  auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  sweep->mutable_sweep()->mutable_model()->set_triangles(2000);
+  sweep->mutable_sweep()->mutable_transport()->set_sun(false);
+  sweep->mutable_sweep()->mutable_accuracy()->clear_relative_error();
+  sweep->mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(64);
+  sweep->mutable_sweep()->mutable_output()->set_thumbnail_px(0);
+  const auto result = first_job(*sweep, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_EQ(result->row_size(), 6);
+  for (const schema::SignatureRow& row : result->row()) {
+    EXPECT_GT(row.apparent_intensity_w_sr().value(), 0);
+    EXPECT_LT(row.apparent_intensity_w_sr().value(), row.intensity_w_sr().value());
+  }
+  // Summer's 8-12 um: 5 km of humid air take more than winter's.
+  const auto through = [&](int row) {
+    return result->row(row).apparent_intensity_w_sr().value() /
+           result->row(row).intensity_w_sr().value();
+  };
+  EXPECT_LT(through(5), through(1));
+}
+
+TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
+  auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
+  ASSERT_TRUE(sweep.ok()) << sweep.status();
+  sweep->mutable_sweep()->mutable_band(0)->set_lambda_min_um(2.5);  // past resolve_sweep
+  const auto runner = JobRunner::create(*sweep, "");
+  EXPECT_EQ(runner.status().code(), absl::StatusCode::kOutOfRange) << runner.status();
+  EXPECT_THAT(std::string(runner.status().message()), HasSubstr("air.model: "));
+}
+
 }  // namespace
 }  // namespace irsig

@@ -110,5 +110,34 @@ TEST(Plot, NothingToPlotSaysSo) {
               HasSubstr("choose one with --sweep: box ship, other"));
 }
 
+TEST(PlotQuantity, PolarPlotOfANegativeContrastHasACircleOfZero) {
+  FakeStoreReader db = fake_database();
+  Query query{.season = "winter", .band = "lwir"};
+  EXPECT_THAT(*plot_polar(db, query, 10), Not(HasSubstr("stroke-dasharray=\"5 3\"")));
+  query.quantity = SignatureQuantity::kContrastIntensity;
+  auto svg = plot_polar(db, query, 10);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_THAT(*svg, AllOf(HasSubstr("In-band contrast intensity, lwir"), HasSubstr(">-"),
+                          HasSubstr("stroke-dasharray=\"5 3\"")));
+}
+
+TEST(PlotQuantity, SpectraAndMapsShowWhatWasAskedFor) {
+  FakeStoreReader db = fake_database();
+  Query query{.row = 2, .quantity = SignatureQuantity::kContrastIntensity};
+  auto svg = plot_spectrum(db, query);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_THAT(*svg, HasSubstr("Contrast spectral intensity in"));
+  query.quantity = SignatureQuantity::kApparentIntensity;
+  EXPECT_THAT(*plot_spectrum(db, query), HasSubstr("Apparent spectral intensity in"));
+  query = {.season = "winter", .quantity = SignatureQuantity::kBackgroundRadiance};
+  EXPECT_THAT(*plot_map(db, query), HasSubstr("In-band background radiance, mwir"));
+  db.signatures[5].background_radiance_w_m2_sr = kNotComputed;
+  query.season = "summer";
+  const auto old = plot_map(db, query);
+  EXPECT_EQ(old.status().code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(old.status().message()),
+              HasSubstr("row 6 has no background_radiance_w_m2_sr"));
+}
+
 }  // namespace
 }  // namespace irsig

@@ -273,5 +273,92 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   EXPECT_FALSE(std::ifstream(path).good());
 }
 
+TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
+  FakeStoreReader db = fake_database();
+  const auto all = run_query(db, {.season = "winter", .band = "lwir"});
+  const auto contrast = run_query(db, {.season = "winter",
+                                       .band = "lwir",
+                                       .quantity = SignatureQuantity::kContrastIntensity,
+                                       .max_relative_error = 0.01});
+  ASSERT_TRUE(contrast.ok()) << contrast.status();
+  EXPECT_LT(contrast->size(), all->size());
+  EXPECT_GT(contrast->size(), 50U);
+  for (const QueryRow& r : *contrast)
+    EXPECT_LE(r.signature.contrast_numerical_error_w_sr,
+              0.01 * std::abs(r.signature.contrast_intensity_w_sr));
+}
+
+TEST(Query, SortsByAnyColumn) {
+  FakeStoreReader db = fake_database();
+  db.signatures[3].contrast_intensity_w_sr = kNotComputed;
+  auto rows = run_query(db, {.season = "winter", .band = "lwir"});
+  ASSERT_TRUE(rows.ok());
+  ASSERT_TRUE(sort_rows(*rows, "contrast_intensity_w_sr", false).ok());
+  EXPECT_LT(rows->front().signature.contrast_intensity_w_sr, 0);
+  for (std::size_t i = 1; i < rows->size(); ++i)
+    EXPECT_LE((*rows)[i - 1].signature.contrast_intensity_w_sr,
+              (*rows)[i].signature.contrast_intensity_w_sr);
+  rows = run_query(db, {.row = 4});
+  const auto more = run_query(db, {.row = 2});
+  rows->push_back((*more)[0]);
+  for (const bool descending : {false, true}) {
+    ASSERT_TRUE(sort_rows(*rows, "contrast_intensity_w_sr", descending).ok());
+    EXPECT_EQ(rows->back().signature.row, 4U) << "a row without the value comes last";
+  }
+  ASSERT_TRUE(sort_rows(*rows, "row", true).ok());
+  EXPECT_EQ(rows->front().signature.row, 4U);
+  EXPECT_THAT(std::string(sort_rows(*rows, "beauty", false).message()), HasSubstr("background_"));
+}
+
+TEST(Query, WhatWasNotComputedIsNoNumber) {
+  FakeStoreReader db = fake_database();
+  db.signatures[0].contrast_intensity_w_sr = kNotComputed;
+  db.signatures[0].guarded_negative.reset();
+  db.signatures[1].guarded_negative = 0;
+  db.signatures[0].warning = "the sea is warmer than the air\nand so on";
+  const std::string json = printed(db, {.row = 1}, {}, "json");
+  EXPECT_THAT(json, HasSubstr("\"contrast_intensity_w_sr\": null"));
+  EXPECT_THAT(json, HasSubstr("\"guarded_negative\": null"));
+  EXPECT_THAT(printed(db, {.row = 2}, {}, "json"), HasSubstr("\"guarded_negative\": 0"));
+  const auto notes = notes_on(*run_query(db, {.season = "winter"}));
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_THAT(notes[0], HasSubstr("winter 2025-12-21T01:30:00Z: the sea is warmer"));
+  EXPECT_THAT(notes[2], HasSubstr("1 of 382 rows were stored by an older irsig"));
+}
+
+TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
+  FakeStoreReader db = fake_database();
+  const std::string source = printed(db, {.row = 1}, {}, "table");
+  EXPECT_EQ(source.find("contrast"), std::string::npos);
+  QueryContent content;
+  content.quantity = SignatureQuantity::kContrastIntensity;
+  const std::string contrast = printed(db, {.row = 1}, content, "table");
+  EXPECT_THAT(contrast, HasSubstr("contrast"));
+  content.spectrum = true;
+  EXPECT_THAT(printed(db, {.row = 1}, content, "table"), HasSubstr("contrast spectral"));
+}
+
+TEST(Query, InterpolatesASignedContrast) {
+  FakeStoreReader db = fake_database();
+  const auto at = [&](double azimuth_deg) {
+    auto rows = run_query(db, {.season = "winter",
+                               .band = "lwir",
+                               .aspect = SignatureFilter::Direction{azimuth_deg, 20},
+                               .interpolate = true});
+    EXPECT_TRUE(rows.ok()) << rows.status();
+    return rows->front();
+  };
+  EXPECT_LT(at(10).signature.contrast_intensity_w_sr, 0);
+  EXPECT_GT(at(170).signature.contrast_intensity_w_sr, 0);
+  const QueryRow row = at(91);
+  const Vec<Body> d = body_from_aspect(91, 20);
+  EXPECT_NEAR(row.signature.contrast_intensity_w_sr, -0.2 * d.x * box_ship_w_sr(d),
+              3 * row.signature.contrast_numerical_error_w_sr);
+  const auto spectrum = spectrum_of(db, row);
+  ASSERT_TRUE(spectrum.ok());
+  EXPECT_EQ(spectrum->spectrum.contrast_spectral_intensity_w_sr_um_size(), 9);
+  EXPECT_NEAR(spectrum->spectrum.path_transmittance(3), 0.8, 1e-6);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -78,6 +78,20 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.parts_reflected_stderr_w_sr, row.parts_reflected_w_sr().stderr());
       EXPECT_EQ(s.truncation_bound_w_sr, row.truncation_bound_w_sr());
       EXPECT_EQ(s.quadrature_bound_w_sr, row.quadrature_bound_w_sr());
+      EXPECT_EQ(s.unseen_bound_w_sr, row.unseen_bound_w_sr());
+      EXPECT_EQ(s.basis_bound_w_sr, row.basis_bound_w_sr());
+      EXPECT_EQ(s.sky_bound_w_sr, row.sky_bound_w_sr());
+      EXPECT_LT(s.contrast_intensity_w_sr, 0);
+      EXPECT_EQ(s.contrast_intensity_w_sr, row.contrast_intensity_w_sr().value());
+      EXPECT_EQ(s.contrast_intensity_stderr_w_sr, row.contrast_intensity_w_sr().stderr());
+      EXPECT_EQ(s.contrast_numerical_error_w_sr, row.contrast_numerical_error_w_sr());
+      EXPECT_EQ(s.background_radiance_w_m2_sr, row.background_radiance_w_m2_sr().value());
+      EXPECT_EQ(s.background_radiance_stderr_w_m2_sr, row.background_radiance_w_m2_sr().stderr());
+      EXPECT_EQ(s.model_error_w_sr, row.model_error_w_sr());
+      EXPECT_EQ(s.apparent_model_error_w_sr, row.apparent_model_error_w_sr());
+      EXPECT_EQ(s.path_transmittance, row.path_transmittance());
+      EXPECT_EQ(s.path_radiance_w_m2_sr, row.path_radiance_w_m2_sr());
+      EXPECT_EQ(s.warning, s.season + " is odd\nand so is this");
       EXPECT_EQ(s.stop_reason, "target_reached");
       EXPECT_EQ(s.energy_gain, row.energy_gain());
       EXPECT_EQ(s.samples, result.samples());
@@ -88,6 +102,7 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.guarded_backface_hits, 3U);
       EXPECT_EQ(s.guarded_nonfinite, 1U);
       EXPECT_EQ(s.guarded_path_limit, 2U);
+      EXPECT_EQ(s.guarded_negative, 4U);
       EXPECT_EQ(s.job_key, jobs[v].job_key());
       EXPECT_EQ(s.seed_hex, "00000000000000aa");
       EXPECT_EQ(s.determinism_class, "test-class");
@@ -173,6 +188,14 @@ TEST_F(StoreContent, ViewsAreReadableByPeople) {
       "0");
 }
 
+TEST_F(StoreContent, TheSweepComesBack) {
+  const auto sweep = reader_->sweep("ship");
+  ASSERT_OK(sweep.status());
+  EXPECT_TRUE(MessageDifferencer::Equals(sweep->resolved, sweep_));
+  EXPECT_EQ(sweep->model_bytes, "");
+  EXPECT_TRUE(absl::IsNotFound(reader_->sweep("boat").status()));
+}
+
 // A filter on names must not read the whole table.
 TEST_F(StoreContent, FiltersByName) {
   SignatureFilter filter;
@@ -211,6 +234,38 @@ TEST_F(StoreContent, FiltersByRelativeError) {
   const auto found = reader_->find(filter);
   ASSERT_OK(found.status());
   EXPECT_EQ(found->size(), 7U);
+}
+
+// The error is that of the quantity asked for; contrast is negative in the fixture.
+TEST_F(StoreContent, FiltersByTheRelativeErrorOfAQuantity) {
+  const auto all = reader_->find({});
+  ASSERT_OK(all.status());
+  using S = StoredSignature;
+  struct Case {
+    SignatureQuantity of;
+    double S::*value, S::*error;
+  };
+  for (const Case& c :
+       {Case{SignatureQuantity::kApparentIntensity, &S::apparent_intensity_w_sr,
+             &S::apparent_numerical_error_w_sr},
+        Case{SignatureQuantity::kContrastIntensity, &S::contrast_intensity_w_sr,
+             &S::contrast_numerical_error_w_sr},
+        Case{SignatureQuantity::kBackgroundRadiance, &S::background_radiance_w_m2_sr,
+             &S::background_radiance_stderr_w_m2_sr}}) {
+    std::vector<double> errors;
+    for (const S& s : *all) errors.push_back(s.*c.error / std::abs(s.*c.value));
+    std::sort(errors.begin(), errors.end());
+    SignatureFilter filter;
+    filter.max_relative_error = (errors[4] + errors[5]) / 2;
+    filter.error_of = c.of;
+    auto found = reader_->find(filter);
+    ASSERT_OK(found.status());
+    EXPECT_EQ(found->size(), 5U) << static_cast<int>(c.of);
+    filter.direction = {0, 0};  // the other statement
+    found = reader_->find(filter);
+    ASSERT_OK(found.status());
+    EXPECT_EQ(found->size(), 5U) << static_cast<int>(c.of);
+  }
 }
 
 TEST_F(StoreContent, DirectionsThatMakeNoSenseAreRefused) {

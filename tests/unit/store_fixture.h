@@ -91,6 +91,8 @@ inline schema::ResolvedSweep make_sweep(const SweepShape& shape) {
       condition.add_part_temperature_k(shape.hull_temperature_k + part +
                                        10 * static_cast<double>(i));
     }
+    condition.add_warning(shape.seasons[i] + " is odd");
+    condition.add_warning("and so is this");
     condition.mutable_surroundings()->set_kind("sea");
     condition.mutable_surroundings()->set_sky_temperature_k(250);
     condition.mutable_surroundings()->set_sea_temperature_k(285);
@@ -156,6 +158,8 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       row.set_condition_index(c);
       row.set_band_index(b);
       fill_numbers(row, next);
+      row.mutable_contrast_intensity_w_sr()->set_value(-row.contrast_intensity_w_sr().value());
+      row.set_path_transmittance(1 / row.path_transmittance());
       row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
       row.set_energy_gain(c == 1);
       for (int p = 0; p < sweep.sweep().part_size(); ++p) {
@@ -195,6 +199,7 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
   result.set_guarded_backface_hits(3);
   result.set_guarded_nonfinite(1);
   result.set_guarded_path_limit(2);
+  result.set_guarded_negative(4);
   result.set_seed_hex("00000000000000aa");
   result.set_physics_version(1);
   result.set_determinism_class("test-class");
@@ -250,6 +255,34 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   }
   sqlite3_close(handle);
   return text;
+}
+
+// Takes from a database what version 3 of the format added; a row keeps what version 2 stored.
+inline std::string back_to_version_2(const std::string& path) {
+  std::string script = "DROP VIEW profile_view; DROP VIEW signature_view;";
+  const std::pair<const char*, std::vector<const char*>> added[] = {
+      {"condition",
+       {"sea_model", "ground_temperature_k", "ground_emissivity", "weather", "warning"}},
+      {"provenance", {"guarded_negative"}},
+      {"signature",
+       {"unseen_bound_w_sr", "basis_bound_w_sr", "sky_bound_w_sr", "contrast_intensity_w_sr",
+        "contrast_intensity_stderr_w_sr", "contrast_numerical_error_w_sr",
+        "background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr", "model_error_w_sr",
+        "apparent_model_error_w_sr", "path_transmittance", "path_radiance_w_m2_sr"}},
+      {"spectrum",
+       {"contrast_spectral_intensity_w_sr_um", "contrast_spectral_intensity_stderr_w_sr_um",
+        "background_radiance_w_m2_sr_um", "background_radiance_stderr_w_m2_sr_um",
+        "path_transmittance", "path_radiance_w_m2_sr_um"}}};
+  for (const auto& [table, columns] : added) {
+    for (const char* column : columns)
+      absl::StrAppend(&script, "ALTER TABLE ", table, " DROP COLUMN ", column, ";");
+  }
+  // Views are made again by the migration, or read only after it.
+  absl::StrAppend(&script,
+                  "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
+                  "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
+                  "PRAGMA user_version = 2; SELECT 'older'");
+  return sqlite_text(path, script);
 }
 
 }  // namespace irsig

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -40,7 +41,7 @@ TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
   ASSERT_NO_FATAL_FAILURE(write());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "2");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "3");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA application_id"), absl::StrCat(0x49525347));
 }
 
@@ -204,6 +205,44 @@ TEST_F(StoreOpen, ChangesNeedATransaction) {
   ASSERT_OK(writer.status());
   EXPECT_TRUE(absl::IsFailedPrecondition((*writer)->lease_next("worker", 0).status()));
   EXPECT_TRUE(absl::IsFailedPrecondition((*writer)->release_all()));
+}
+
+// What version 2 stored stays, bit for bit; what it did not compute is known to be missing.
+TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  const auto before = StoreReader::open(path_).value()->find({}).value();
+  ASSERT_EQ(back_to_version_2(path_), "older");
+  const absl::Status refused = StoreReader::open(path_).status();
+  EXPECT_NE(refused.message().find("has the older format version 2"), absl::string_view::npos);
+  ASSERT_OK(StoreWriter::open(path_).value()->finish());
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "3");
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT count(*) FROM signature_view WHERE path_transmittance IS NULL"
+                        " AND contrast_intensity_w_sr IS NULL AND warning IS NULL"),
+            "16");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
+  auto reader = StoreReader::open(path_).value();
+  const auto after = reader->find({}).value();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].intensity_w_sr, before[i].intensity_w_sr);
+    EXPECT_EQ(after[i].quadrature_bound_w_sr, before[i].quadrature_bound_w_sr);
+    EXPECT_EQ(after[i].build_id, before[i].build_id);
+    EXPECT_TRUE(std::isnan(after[i].contrast_intensity_w_sr));
+    EXPECT_TRUE(std::isnan(after[i].path_radiance_w_m2_sr));
+    EXPECT_EQ(after[i].guarded_negative, std::nullopt);
+    const auto spectrum = reader->spectrum(after[i].signature_id);
+    ASSERT_OK(spectrum.status());
+    EXPECT_EQ(spectrum->apparent_spectral_intensity_stderr_w_sr_um_size(), 5);
+    EXPECT_EQ(spectrum->contrast_spectral_intensity_w_sr_um_size(), 0);
+    EXPECT_EQ(spectrum->path_radiance_w_m2_sr_um_size(), 0);
+  }
+  // A contrast that is not known has no error either.
+  SignatureFilter filter;
+  filter.max_relative_error = 1e9;
+  filter.error_of = SignatureQuantity::kContrastIntensity;
+  EXPECT_TRUE(reader->find(filter)->empty());
+  EXPECT_EQ(reader->digest()->size(), 64U);
 }
 
 // The mechanism, on steps made for the test.

@@ -194,6 +194,7 @@ TEST_F(StoreProfile, GoesWithItsSignatureWhenTheSweepChanges) {
 TEST_F(StoreProfile, AnOlderFileIsMigrated) {
   ASSERT_OK(complete(make_sweep({}), "a", [](auto&) {}));
   // What version 1 did not have.
+  ASSERT_EQ(back_to_version_2(path_), "older");
   ASSERT_EQ(
       sqlite_text(path_,
                   "DROP VIEW profile_view; DROP TABLE published; DROP TABLE profile; ALTER TABLE "
@@ -201,7 +202,7 @@ TEST_F(StoreProfile, AnOlderFileIsMigrated) {
       "older");
   EXPECT_FALSE(StoreReader::open(path_).ok());
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "2");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "3");
   EXPECT_TRUE(stored().empty());
   EXPECT_FALSE(StoreReader::open(path_).value()->find({})->empty());
 }

@@ -57,6 +57,31 @@ TEST_F(StoreSweep, TheSameAgainComputesNothing) {
   EXPECT_EQ(digest(), before);
 }
 
+// Words about a condition are not what it is; its weather is.
+TEST_F(StoreSweep, AnotherWarningKeepsResultsAndAnotherWeatherDoesNot) {
+  add({}, "a");
+  complete({});
+  schema::ResolvedSweep sweep = make_sweep({});
+  sweep.mutable_condition(0)->clear_warning();
+  sweep.mutable_condition(0)->add_warning("in other words");
+  EXPECT_EQ(submit(*writer_, sweep, "b")->to_compute, 0U);
+  EXPECT_EQ(all().front().warning, "in other words");
+  for (int i = 0; i < sweep.condition_size(); ++i) {
+    schema::Weather& weather = *sweep.mutable_condition(i)->mutable_weather();
+    weather.set_profile("tropical");
+    weather.set_profile_csv("height_m,temperature_k");
+    weather.set_wind_speed_m_s(5.5);
+  }
+  EXPECT_EQ(submit(*writer_, sweep, "c")->to_compute, 4U);
+  const std::string weather =
+      sqlite_text(path_, "SELECT weather FROM condition WHERE superseded = 0");
+  EXPECT_NE(weather.find("\"wind_speed_m_s\":5.5"), std::string::npos) << weather;
+  EXPECT_NE(weather.find(sha256_of("height_m,temperature_k")), std::string::npos) << weather;
+  EXPECT_FALSE(all().empty());
+  for (const StoredSignature& s : all()) EXPECT_TRUE(s.superseded);
+  expect_sound();
+}
+
 TEST_F(StoreSweep, MoreAndReorderedViewpointsKeepTheirResults) {
   add({}, "a");
   complete({});

@@ -9,6 +9,7 @@
 
 #include "jobs/material_files.h"
 #include "jobs/sweep_file.h"
+#include "jobs/weather_files.h"
 
 namespace irsig {
 
@@ -26,6 +27,7 @@ inline absl::StatusOr<schema::ResolvedSweep> resolved_file(const std::filesystem
     return text_of(path.parent_path() / name);
   };
   if (const absl::Status status = read_material_files(*file, read); !status.ok()) return status;
+  if (const absl::Status status = read_weather_files(*file, read); !status.ok()) return status;
   std::string model;
   if (file->sweep.model().has_file())
     model = text_of(path.parent_path() / file->sweep.model().file());

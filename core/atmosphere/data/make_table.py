@@ -216,6 +216,14 @@ def fit_structure(entries, molar_mass, cases, first_cm1):
     model(x)
 
 
+def continuum_depth(continuum, band, air, q, rho, x_w, n, length):
+    """Optical depths of the self and the foreign part."""
+    for kind, density in ((1, n * x_w * q * rho), (2, n * q * (1 - q) * rho)):
+        p0, t0, k, (a, b, c) = continuum[band, kind]
+        x = air["T"] / t0 - 1
+        yield k * density * length * (air["p"] / p0) ** a * (1 + b * x + c * x * x)
+
+
 def per_band(nu, values):
     return np.interp(np.array(BANDS) + 5.0, nu, values)
 
@@ -233,7 +241,7 @@ def main(sp_lw, sp_sw, fl7_path, lowtran_2km_path, lowtran_10km_path, tropical_p
         return ("lw", low // 10 + 1) if low < SHORT_WAVE_CM1 else ("sw", sw_band[low // 100 * 100])
 
     def rows_of(nu, values, boxes):
-        keep = (nu > SHORT_WAVE_CM1 + 10) & (nu < LAST_CM1 - 20)
+        keep = (nu > SHORT_WAVE_CM1 + 2) & (nu < LAST_CM1 - 20)
         return triangle_weights(nu[keep], boxes), values[keep]
 
     table = {}
@@ -279,7 +287,8 @@ def main(sp_lw, sp_sw, fl7_path, lowtran_2km_path, lowtran_10km_path, tropical_p
             print(f"{low} {e.p0:.6g} {e.t0:.6g} {e.doppler:.6g} {e.a:.6g} {e.b:.6g} {e.c:.6g} {len(k)}",
                   *(f"{x * z:.6g} {x * (1 - z):.6g} {y:.6g}" for x, y, z in zip(k, w, alpha)))
 
-    # Water continuum. The foreign part is rescaled where MODTRAN's differs (1900-2250 cm-1).
+    # Water continuum. The foreign part is rescaled where MODTRAN's differs (1900-2250 cm-1), both where the file has one
+    # value per 100 cm-1.
     wanted = -np.log(np.maximum(per_band(fl7["nu"], fl7["CONT"]), 1e-9))
     x_w, n = tropical["H2O"], tropical["n"]
     rho = n * (M_AIR * (1 - x_w) + GASES["H2O"][0] * x_w)
@@ -293,6 +302,8 @@ def main(sp_lw, sp_sw, fl7_path, lowtran_2km_path, lowtran_10km_path, tropical_p
                 continue
             p0, t0, k, (a, b, c) = found
             factor = 1.0
+            if low >= SHORT_WAVE_CM1:  # the short-wave file has one value per 100 cm-1
+                factor = tau / sum(continuum_depth(sw_continuum, band, tropical, q, rho, x_w, n, length))
             if kind == 2 and 1900 <= low < 2250 and 0.002 < tau < 7:
                 parts = {}
                 for other, density in ((1, n * x_w * q * rho), (2, n * q * (1 - q) * rho)):

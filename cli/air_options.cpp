@@ -1,0 +1,212 @@
+#include "cli/air_options.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/load_sweep.h"
+#include "jobs/environment/weather_from_message.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+namespace {
+
+constexpr AfglProfile kProfiles[] = {
+    AfglProfile::kTropical,        AfglProfile::kMidlatitudeSummer, AfglProfile::kMidlatitudeWinter,
+    AfglProfile::kSubarcticSummer, AfglProfile::kSubarcticWinter,   AfglProfile::kUsStandard1976};
+
+std::string list(const auto& names) {
+  std::string out;
+  for (const auto& name : names) absl::StrAppend(&out, out.empty() ? "" : " | ", name);
+  return out;
+}
+
+std::string profile_names() {
+  std::vector<std::string> names;
+  for (const AfglProfile p : kProfiles) names.emplace_back(name_of(p));
+  return list(names);
+}
+
+std::string aerosol_list() { return list(aerosol_names()); }
+
+}  // namespace
+
+AirOptions::AirOptions(CLI::App& command) : group_(command.add_option_group("The air")) {
+  group_
+      ->add_option(
+          "--sweep", sweep_,
+          "The air of a sweep with air.model = \"atmosphere\", instead of all that follows")
+      ->type_name("FILE");
+  group_->add_option("--season", season_, "Which season of the sweep; needed if it has several")
+      ->type_name("NAME");
+  group_->add_option("--profile", profile_, profile_names())->type_name("NAME");
+  group_
+      ->add_option("--profile-file", profile_file_,
+                   "A radiosonde in CSV (docs/methods/atmosphere.md); --profile is then what lies "
+                   "above it and its other gases")
+      ->type_name("FILE");
+  group_->add_option("--aerosol", aerosol_, aerosol_list())->type_name("NAME");
+  group_->add_option("--visibility-m", visibility_m_, "Meteorological range: 100 to 100000");
+  group_->add_option(
+      "--air-temperature-k,--temperature-k", air_temperature_k_,
+      "Weather at the surface, to which the lowest 2 km are bent: all three or none");
+  group_->add_option("--relative-humidity-percent,--humidity-percent,--humidity",
+                     relative_humidity_percent_, "0 to 100, over water");
+  group_->add_option("--pressure-pa", pressure_pa_, "50000 to 110000");
+  group_->add_option("--wind-speed-m-s", wind_speed_m_s_, "Navy aerosol: now");
+  group_->add_option("--wind-speed-24h-m-s", wind_speed_24h_m_s_,
+                     "Navy aerosol: mean of the last 24 h; default: now");
+  group_->add_option("--air-mass", air_mass_,
+                     "Navy aerosol: 1 open ocean to 10 continental; default 3");
+  group_->add_flag("--winter-troposphere", winter_troposphere_,
+                   "Aerosol amounts above 2 km of autumn and winter");
+  group_->add_option("--co2-ppmv", co2_ppmv_, "Default 425");
+  group_->add_flag("--no-refraction", straight_, "Straight rays");
+}
+
+bool AirOptions::given() const {
+  for (const CLI::Option* option : group_->get_options()) {
+    if (option->count() > 0) return true;
+  }
+  return false;
+}
+
+absl::StatusOr<AirProfile> AirOptions::profile() const {
+  if (profile_.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--profile is missing (or --sweep), expected one of ", profile_names()));
+  }
+  const auto base = afgl_profile_named(profile_);
+  if (!base.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--profile ", profile_, ": expected one of ", profile_names()));
+  }
+  AirProfile out = afgl_profile(*base);
+  if (!profile_file_.empty()) {
+    const auto text = read_file(profile_file_);
+    if (!text.ok()) {
+      return absl::NotFoundError(absl::StrCat(profile_file_, ": ", text.status().message()));
+    }
+    auto sounding = parse_profile_csv(*text, profile_file_, out);
+    if (!sounding.ok()) return sounding;
+    out = *std::move(sounding);
+  }
+  const int stated = air_temperature_k_.has_value() + relative_humidity_percent_.has_value() +
+                     pressure_pa_.has_value();
+  if (stated == 0) return out;
+  if (stated != 3) {
+    return absl::InvalidArgumentError(
+        "the weather at the surface is --air-temperature-k, --relative-humidity-percent and "
+        "--pressure-pa together");
+  }
+  return bend_to_surface(out, {*air_temperature_k_, *relative_humidity_percent_, *pressure_pa_});
+}
+
+absl::StatusOr<AerosolSpec> AirOptions::aerosol() const {
+  const auto kind = aerosol_named(aerosol_);
+  if (!kind.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(aerosol_.empty() ? "--aerosol is missing, " : "--aerosol " + aerosol_ + ": ",
+                     "expected one of ", aerosol_list()));
+  }
+  AerosolSpec out;
+  out.kind = *kind;
+  out.summer_troposphere = !winter_troposphere_;
+  const bool navy = out.kind == AerosolKind::kNavyMaritime;
+  if (!navy && (wind_speed_m_s_ || wind_speed_24h_m_s_ || air_mass_)) {
+    return absl::InvalidArgumentError(
+        "--wind-speed-m-s, --wind-speed-24h-m-s and --air-mass belong to --aerosol navy_maritime");
+  }
+  if (navy && !wind_speed_m_s_) {
+    return absl::InvalidArgumentError("--aerosol navy_maritime needs --wind-speed-m-s");
+  }
+  if (out.kind == AerosolKind::kNone && visibility_m_) {
+    return absl::InvalidArgumentError("--visibility-m belongs to an aerosol, not to none");
+  }
+  if (out.kind != AerosolKind::kNone && !navy && !visibility_m_) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--aerosol ", aerosol_, " needs --visibility-m"));
+  }
+  out.visibility_m = visibility_m_.value_or(0);
+  out.wind_speed_m_s = wind_speed_m_s_.value_or(0);
+  out.wind_speed_24h_m_s = wind_speed_24h_m_s_.value_or(out.wind_speed_m_s);
+  out.air_mass = air_mass_.value_or(out.air_mass);
+  return out;
+}
+
+absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
+  for (const CLI::Option* option : group_->get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() > 0 && name != "--sweep" && name != "--season") {
+      return absl::InvalidArgumentError(absl::StrCat(name, " contradicts --sweep, which has it"));
+    }
+  }
+  auto file = load_sweep_file(sweep_);
+  if (!file.ok()) return file.status();
+  std::string model_bytes;
+  if (file->sweep.model().has_file()) {
+    const auto model =
+        (std::filesystem::path(sweep_).parent_path() / file->sweep.model().file()).string();
+    auto bytes = read_file(model);
+    if (!bytes.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(model, ": ", bytes.status().message()));
+    }
+    model_bytes = *std::move(bytes);
+  }
+  const auto sweep = resolve_sweep(*file, model_bytes);
+  if (!sweep.ok()) return sweep.status();
+  if (!has_atmosphere(*sweep)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        sweep_, ": air.model is \"", sweep->sweep().air().model(), "\", expected \"atmosphere\""));
+  }
+  std::vector<std::string> seasons;
+  const schema::Condition* chosen = nullptr;
+  for (const schema::Condition& c : sweep->condition()) {
+    if (std::find(seasons.begin(), seasons.end(), c.season()) == seasons.end()) {
+      seasons.push_back(c.season());
+    }
+    if (chosen == nullptr && (season_.empty() || c.season() == season_)) chosen = &c;
+  }
+  if (chosen == nullptr || (season_.empty() && seasons.size() > 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(season_.empty() ? "--season is missing, " : "--season " + season_ + ": ",
+                     "expected one of ", list(seasons)));
+  }
+  const auto weather = weather_from_message(chosen->weather(), chosen->surroundings());
+  if (!weather.ok()) return weather.status();
+  auto atmosphere = Atmosphere::make(weather->air);
+  if (!atmosphere.ok()) return atmosphere.status();
+  const schema::Place& place = sweep->sweep().place();
+  return ChosenAir{
+      *std::move(atmosphere), weather->refraction,
+      absl::StrCat(std::filesystem::path(sweep_).filename().string(), ", ", chosen->season()),
+      ChosenAir::Place{place.latitude_deg(), place.longitude_deg(), place.height_m(),
+                       chosen->time_utc()}};
+}
+
+absl::StatusOr<ChosenAir> AirOptions::choose() const {
+  if (!sweep_.empty()) return of_sweep();
+  if (!season_.empty()) return absl::InvalidArgumentError("--season belongs to --sweep");
+  AtmosphereSpec spec;
+  auto air = profile();
+  if (!air.ok()) return air.status();
+  spec.profile = *std::move(air);
+  const auto particles = aerosol();
+  if (!particles.ok()) return particles.status();
+  spec.aerosol = *particles;
+  spec.co2_ppmv = co2_ppmv_.value_or(spec.co2_ppmv);
+  std::string title =
+      absl::StrCat(profile_file_.empty() ? profile_ : profile_file_, ", aerosol ", aerosol_);
+  if (visibility_m_) absl::StrAppendFormat(&title, " %g km", *visibility_m_ / 1000);
+  if (air_temperature_k_) {
+    absl::StrAppendFormat(&title, ", %g K, %g %% humidity", *air_temperature_k_,
+                          *relative_humidity_percent_);
+  }
+  auto atmosphere = Atmosphere::make(std::move(spec));
+  if (!atmosphere.ok()) return atmosphere.status();
+  return ChosenAir{*std::move(atmosphere), !straight_, std::move(title), std::nullopt};
+}
+
+}  // namespace irsig

@@ -1,0 +1,452 @@
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "cli/air_options.h"
+#include "cli/commands.h"
+#include "cli/load_sweep.h"
+#include "core/atmosphere/imported_path.h"
+#include "core/geo/sun.h"
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
+#include "view/atomic_file.h"
+#include "view/plot_curves.h"
+
+// irsig show atmosphere | sky | sun: what core/atmosphere answers, as CSV or drawn.
+namespace irsig {
+namespace {
+
+// Which of the air's bands are shown.
+struct BandRange {
+  double lambda_min_um = 1e4 / kAirLastCm1, lambda_max_um = 1e4 / kAirFirstCm1;
+
+  void add_to(CLI::App& command) {
+    command.add_option("--lambda-min-um", lambda_min_um, "Default: all, from 2.94 um");
+    command.add_option("--lambda-max-um", lambda_max_um, "Default: all, to 15.4 um");
+  }
+  [[nodiscard]] absl::Status check() const {
+    if (!(lambda_min_um < lambda_max_um)) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--lambda-min-um ", lambda_min_um, " is not below --lambda-max-um ", lambda_max_um));
+    }
+    if (lambda_min_um > 1e4 / kAirFirstCm1 || lambda_max_um < 1e4 / kAirLastCm1) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%g to %g um: the air's table covers 2.94 to 15.4 um", lambda_min_um, lambda_max_um));
+    }
+    return absl::OkStatus();
+  }
+  [[nodiscard]] bool has(std::size_t band) const {
+    const double lambda_um = air_band_lambda_um(band);
+    return lambda_um >= lambda_min_um && lambda_um <= lambda_max_um;
+  }
+};
+
+// The sun where the air is, if there is to be any.
+struct SunOptions {
+  std::optional<double> zenith_deg, azimuth_deg;
+
+  void add_to(CLI::App& command, const char* azimuth_meaning) {
+    command.add_option("--sun-zenith-deg", zenith_deg, "With sunlight: 0 to 180, airless");
+    command.add_option("--sun-azimuth-deg", azimuth_deg, azimuth_meaning);
+  }
+  [[nodiscard]] absl::StatusOr<std::optional<SunPlace>> place(double azimuth_of_path_deg) const {
+    if (!zenith_deg && !azimuth_deg) return std::optional<SunPlace>();
+    if (!zenith_deg || !azimuth_deg) {
+      return absl::InvalidArgumentError("--sun-zenith-deg and --sun-azimuth-deg belong together");
+    }
+    if (!(*zenith_deg >= 0 && *zenith_deg <= 180)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--sun-zenith-deg ", *zenith_deg, ": expected 0 to 180"));
+    }
+    return std::optional(SunPlace{*zenith_deg, *azimuth_deg - azimuth_of_path_deg});
+  }
+};
+
+absl::Status check_number(const char* option, double value, double min, double max) {
+  if (value >= min && value <= max) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrFormat("%s %g: expected %g to %g", option, value, min, max));
+}
+
+void warn_of_scattering(const PathRadiance& path) {
+  if (!path.beyond_single_scattering()) return;
+  std::fprintf(
+      stderr,
+      "irsig: warning: scattering optical depth %.2g: more than one scattering counts, and "
+      "the model error holds all that is scattered\n",
+      path.scattering_optical_depth);
+}
+
+// ---- drawing
+
+Curve curve_of(const std::string& name, const AirSpectrum& value, double lambda_min_um,
+               double lambda_max_um) {
+  Curve out{name, {}, {}};
+  for (std::size_t b = kAirBandCount; b-- > 0;) {  // increasing wavelength
+    const double lambda_um = air_band_lambda_um(b);
+    if (lambda_um < lambda_min_um || lambda_um > lambda_max_um) continue;
+    out.x.push_back(lambda_um);
+    out.y.push_back(value[b]);
+  }
+  return out;
+}
+
+struct DrawnSpectrum {
+  std::string name;
+  AirSpectrum transmittance, radiance_w_m2_sr_um;  // empty: not known
+};
+
+// Transmittance above, radiance below; the two windows side by side unless a range was asked for.
+std::string draw(const std::string& title, const std::string& subtitle,
+                 const std::vector<DrawnSpectrum>& spectra, const BandRange& range,
+                 const char* radiance_title) {
+  struct Window {
+    double min_um, max_um;
+  };
+  std::vector<Window> windows = {{3, 5.5}, {7.5, 14}};
+  if (range.lambda_min_um > 3 || range.lambda_max_um < 14) {
+    windows = {{range.lambda_min_um, range.lambda_max_um}};
+  }
+  std::vector<CurvePanel> panels;
+  for (const bool radiance : {false, true}) {
+    for (const Window& w : windows) {
+      CurvePanel panel{radiance ? radiance_title : "Transmittance",
+                       "Wavelength in \u00b5m",
+                       radiance ? "W/(m\u00b2 sr \u00b5m)" : "Mean over 10 cm\u207b\u00b9",
+                       {},
+                       0,
+                       radiance ? 0.0 : 1.0};
+      for (const DrawnSpectrum& s : spectra) {
+        const AirSpectrum& value = radiance ? s.radiance_w_m2_sr_um : s.transmittance;
+        if (!value.empty()) panel.curve.push_back(curve_of(s.name, value, w.min_um, w.max_um));
+      }
+      if (!panel.curve.empty()) panels.push_back(std::move(panel));
+    }
+  }
+  return plot_curves(title, subtitle, panels, windows.size());
+}
+
+// ---- show atmosphere
+
+struct AtmosphereCommand {
+  explicit AtmosphereCommand(CLI::App& command) : air(command) {
+    command.add_option("--observer-height-m,--observer-m", observer_height_m, "Above the sea")
+        ->required();
+    command.add_option("--target-height-m,--target-m", target_height_m,
+                       "Above the sea; not with --level");
+    command.add_option("--range-m", range_m, "Along the straight line; 0 to 1e6")->required();
+    command.add_flag("--level", level,
+                     "A path that follows the Earth's curvature at the observer's height, as other "
+                     "codes have it");
+    sun.add_to(command, "From the path's direction, clockwise: 0 looks towards the sun");
+    command.add_option("--surroundings-temperature-k", surroundings_temperature_k,
+                       "Blackbody around the path, whose radiation is scattered into it; default: "
+                       "none");
+    command
+        .add_option("--modtran", modtran_file,
+                    "Another code's output (tape7, .7sc or CSV) of this line of sight, shown "
+                    "beside ours")
+        ->type_name("FILE");
+    command.add_option("--modtran-name", modtran_name,
+                       "What the drawing calls it; default MODTRAN");
+    command.add_option("--svg", svg_file, "Draw it, instead of the CSV")->type_name("FILE");
+    bands.add_to(command);
+  }
+
+  AirOptions air;
+  SunOptions sun;
+  BandRange bands;
+  double observer_height_m = 0, range_m = 0;
+  std::optional<double> target_height_m, surroundings_temperature_k;
+  bool level = false;
+  std::string modtran_file, modtran_name = "MODTRAN", svg_file;
+
+  [[nodiscard]] absl::Status run() const {
+    const auto chosen = air.choose();
+    if (!chosen.ok()) return chosen.status();
+    if (absl::Status s = bands.check(); !s.ok()) return s;
+    const auto path = line_of_sight(*chosen);
+    if (!path.ok()) return path.status();
+    PathLight light;
+    const auto place = sun.place(0);
+    if (!place.ok()) return place.status();
+    light.sun = *place;
+    if (surroundings_temperature_k) {
+      if (absl::Status s =
+              check_number("--surroundings-temperature-k", *surroundings_temperature_k, 0, 400);
+          !s.ok()) {
+        return s;
+      }
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        light.surroundings_w_m2_sr_um.push_back(
+            planck_radiance_w_m2_sr_um(air_band_lambda_um(b), *surroundings_temperature_k));
+      }
+    }
+    const PathRadiance ours = chosen->atmosphere.radiance(*path, light);
+    warn_of_scattering(ours);
+
+    const auto other = imported();
+    if (!other.ok()) return other.status();
+    if (svg_file.empty()) {
+      print(ours, *other);
+      return absl::OkStatus();
+    }
+    std::vector<DrawnSpectrum> spectra = {{"irsig", ours.transmittance, ours.total_w_m2_sr_um}};
+    if (other->has_value()) {
+      spectra.push_back({modtran_name, (*other)->transmittance, (*other)->radiance_w_m2_sr_um});
+    }
+    return replace_file(
+        svg_file, draw(absl::StrFormat(level ? "Level path of %g km at %g m" : "%g km from %g m",
+                                       range_m / 1000, observer_height_m) +
+                           (level ? "" : absl::StrFormat(" to %g m", *target_height_m)),
+                       chosen->title, spectra, bands, "Path radiance"));
+  }
+
+ private:
+  [[nodiscard]] absl::StatusOr<LightPath> line_of_sight(const ChosenAir& chosen) const {
+    for (const absl::Status& s :
+         {check_number("--observer-height-m", observer_height_m, 0, 1e8),
+          check_number("--target-height-m", target_height_m.value_or(0), 0, 1e8),
+          check_number("--range-m", range_m, 0, level ? 1e6 : 1e8)}) {
+      if (!s.ok()) return s;
+    }
+    if (level == target_height_m.has_value()) {
+      return absl::InvalidArgumentError(
+          level ? "--level has one height, --observer-height-m; --target-height-m contradicts it"
+                : "--target-height-m is missing (or --level, for one height all along)");
+    }
+    if (level) return level_path(observer_height_m, range_m);
+    return look_between(chosen.atmosphere.profile(), observer_height_m, *target_height_m, range_m,
+                        chosen.refraction);
+  }
+
+  // What the other code has for this line of sight.
+  [[nodiscard]] absl::StatusOr<std::optional<ImportedPath>> imported() const {
+    if (modtran_file.empty()) return std::optional<ImportedPath>();
+    const auto text = read_file(modtran_file);
+    if (!text.ok()) {
+      return absl::NotFoundError(absl::StrCat(modtran_file, ": ", text.status().message()));
+    }
+    const auto paths = parse_imported_paths(*text, modtran_file);
+    if (!paths.ok()) return paths.status();
+    const auto found =
+        find_path(*paths, observer_height_m, target_height_m.value_or(observer_height_m), range_m);
+    if (!found.ok()) return found.status();
+    return std::optional(**found);
+  }
+
+  void print(const PathRadiance& ours, const std::optional<ImportedPath>& other) const {
+    std::printf(
+        "wavenumber_cm1,lambda_um,transmittance,thermal_radiance_w_m2_sr_um,"
+        "scattered_radiance_w_m2_sr_um,path_radiance_w_m2_sr_um,model_error_transmittance,"
+        "model_error_path_radiance_w_m2_sr_um%s%s\n",
+        other ? ",imported_transmittance" : "",
+        other && !other->radiance_w_m2_sr_um.empty() ? ",imported_path_radiance_w_m2_sr_um" : "");
+    const auto cell = [](double v) {
+      return std::isnan(v) ? std::string(",") : absl::StrFormat(",%.9g", v);
+    };
+    for (std::size_t b = kAirBandCount; b-- > 0;) {
+      if (!bands.has(b)) continue;
+      std::printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", air_band_centre_cm1(b),
+                  air_band_lambda_um(b), ours.transmittance[b], ours.thermal_w_m2_sr_um[b],
+                  ours.scattered_w_m2_sr_um[b], ours.total_w_m2_sr_um[b],
+                  ours.model_error_transmittance[b], ours.model_error_w_m2_sr_um[b]);
+      if (other) {
+        std::printf("%s", cell(other->transmittance[b]).c_str());
+        if (!other->radiance_w_m2_sr_um.empty()) {
+          std::printf("%s", cell(other->radiance_w_m2_sr_um[b]).c_str());
+        }
+      }
+      std::printf("\n");
+    }
+  }
+};
+
+// ---- show sky
+
+struct SkyCommand {
+  explicit SkyCommand(CLI::App& command) : air(command) {
+    command.add_option("--height-m", height_m, "From where, above the sea")->required();
+    command
+        .add_option(
+            "--zenith-deg", zenith_deg,
+            "Directions, separated by commas: 0 up, 90 horizontal, to 180 (the air in front "
+            "of the surface)")
+        ->required()
+        ->delimiter(',');
+    command
+        .add_option("--azimuth-deg", azimuth_deg,
+                    "Azimuths, separated by commas, each with every zenith angle; default 0")
+        ->delimiter(',');
+    sun.add_to(command, "As --azimuth-deg, clockwise from north");
+    command.add_option("--svg", svg_file, "Draw it, instead of the CSV")->type_name("FILE");
+    bands.add_to(command);
+  }
+
+  AirOptions air;
+  SunOptions sun;
+  BandRange bands;
+  double height_m = 0;
+  std::vector<double> zenith_deg, azimuth_deg = {0};
+  std::string svg_file;
+
+  [[nodiscard]] absl::Status run() const {
+    const auto chosen = air.choose();
+    if (!chosen.ok()) return chosen.status();
+    if (absl::Status s = bands.check(); !s.ok()) return s;
+    if (absl::Status s = check_number("--height-m", height_m, 0, 1e8); !s.ok()) return s;
+    for (const double zenith : zenith_deg) {
+      if (absl::Status s = check_number("--zenith-deg", zenith, 0, 180); !s.ok()) return s;
+    }
+    std::string csv;
+    std::vector<DrawnSpectrum> spectra;
+    for (const double azimuth : azimuth_deg) {
+      for (const double zenith : zenith_deg) {
+        PathLight light;
+        const auto place = sun.place(azimuth);
+        if (!place.ok()) return place.status();
+        light.sun = *place;
+        const LightPath path = look(chosen->atmosphere.profile(), height_m, zenith,
+                                    std::numeric_limits<double>::infinity(), chosen->refraction);
+        const PathRadiance sky = chosen->atmosphere.radiance(path, light);
+        warn_of_scattering(sky);
+        append(csv, zenith, azimuth, sky);
+        spectra.push_back(
+            {absl::StrFormat("%g\u00b0", zenith) +
+                 (azimuth_deg.size() > 1 ? absl::StrFormat(", %g\u00b0", azimuth) : ""),
+             sky.transmittance, sky.total_w_m2_sr_um});
+      }
+    }
+    if (!svg_file.empty()) {
+      return replace_file(svg_file,
+                          draw(absl::StrFormat("The sky from %g m, by zenith angle", height_m),
+                               chosen->title, spectra, bands, "Sky radiance"));
+    }
+    std::printf(
+        "zenith_deg,azimuth_deg,wavenumber_cm1,lambda_um,transmittance,"
+        "thermal_radiance_w_m2_sr_um,scattered_radiance_w_m2_sr_um,sky_radiance_w_m2_sr_um,"
+        "model_error_sky_radiance_w_m2_sr_um\n%s",
+        csv.c_str());
+    return absl::OkStatus();
+  }
+
+ private:
+  void append(std::string& csv, double zenith, double azimuth, const PathRadiance& sky) const {
+    for (std::size_t b = kAirBandCount; b-- > 0;) {
+      if (!bands.has(b)) continue;
+      absl::StrAppendFormat(&csv, "%g,%g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", zenith, azimuth,
+                            air_band_centre_cm1(b), air_band_lambda_um(b), sky.transmittance[b],
+                            sky.thermal_w_m2_sr_um[b], sky.scattered_w_m2_sr_um[b],
+                            sky.total_w_m2_sr_um[b], sky.model_error_w_m2_sr_um[b]);
+    }
+  }
+};
+
+// ---- show sun
+
+struct SunCommand {
+  explicit SunCommand(CLI::App& command) : air(command) {
+    command.add_option("--latitude-deg", latitude_deg, "North positive; with --sweep: its place's");
+    command.add_option("--longitude-deg", longitude_deg,
+                       "East positive; with --sweep: its place's");
+    command.add_option("--height-m", height_m,
+                       "Above the WGS 84 ellipsoid; with --sweep: its place's");
+    command.add_option(
+        "--time", time,
+        "RFC 3339 with offset: 2025-12-21T10:30:00+09:00; with --sweep: the season's "
+        "first");
+    bands.add_to(command);
+  }
+
+  AirOptions air;
+  BandRange bands;
+  std::optional<double> latitude_deg, longitude_deg, height_m;
+  std::string time;
+
+  [[nodiscard]] absl::Status run() const {
+    std::optional<ChosenAir> chosen;
+    if (air.given()) {
+      auto found = air.choose();
+      if (!found.ok()) return found.status();
+      chosen = *std::move(found);
+    }
+    const auto where = place(chosen);
+    if (!where.ok()) return where.status();
+    const auto utc = parse_rfc3339(where->time);
+    if (!utc.ok()) return utc.status();
+    const auto sun = sun_position(*utc, where->latitude_deg, where->longitude_deg, where->height_m);
+    if (!sun.ok()) return sun.status();
+    if (!chosen) {
+      std::printf("sun_azimuth_deg,sun_zenith_deg,sun_distance_au\n%.15g,%.15g,%.15g\n",
+                  sun->azimuth_deg, sun->zenith_deg, sun->distance_au);
+      return absl::OkStatus();
+    }
+    if (absl::Status s = bands.check(); !s.ok()) return s;
+    if (absl::Status s = check_number("--height-m", where->height_m, 0, 1e8); !s.ok()) return s;
+    const AirSpectrum here = chosen->atmosphere.sun_irradiance_w_m2_um(
+        where->height_m, SunPlace{sun->zenith_deg, 0, sun->distance_au});
+    std::printf(
+        "sun_azimuth_deg,sun_zenith_deg,sun_distance_au,wavenumber_cm1,lambda_um,"
+        "sun_irradiance_w_m2_um,sun_irradiance_in_space_w_m2_um\n");
+    for (std::size_t b = kAirBandCount; b-- > 0;) {
+      if (!bands.has(b)) continue;
+      const double lambda_um = air_band_lambda_um(b);
+      std::printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", sun->azimuth_deg, sun->zenith_deg,
+                  sun->distance_au, air_band_centre_cm1(b), lambda_um, here[b],
+                  solar_irradiance_w_m2_um(lambda_um) / (sun->distance_au * sun->distance_au));
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  // What the options say, and where they are silent what the sweep says.
+  [[nodiscard]] absl::StatusOr<ChosenAir::Place> place(
+      const std::optional<ChosenAir>& chosen) const {
+    const bool sweep = chosen && chosen->place;
+    for (const auto& [given, name] :
+         {std::pair{latitude_deg.has_value(), "--latitude-deg"},
+          std::pair{longitude_deg.has_value(), "--longitude-deg"},
+          std::pair{height_m.has_value(), "--height-m"}, std::pair{!time.empty(), "--time"}}) {
+      if (!given && !sweep) return absl::InvalidArgumentError(absl::StrCat(name, " is missing"));
+    }
+    const ChosenAir::Place silent = sweep ? *chosen->place : ChosenAir::Place{};
+    return ChosenAir::Place{latitude_deg.value_or(silent.latitude_deg),
+                            longitude_deg.value_or(silent.longitude_deg),
+                            height_m.value_or(silent.height_m), time.empty() ? silent.time : time};
+  }
+};
+
+template <typename Command>
+void add(CLI::App& show, int& exit_code, const char* name, const char* about) {
+  CLI::App* command = show.add_subcommand(name, about);
+  const auto given = std::make_shared<Command>(*command);
+  const std::string prefix = absl::StrCat("show ", name, ": ");
+  command->callback([given, prefix, &exit_code] {
+    const absl::Status status = given->run();
+    // Errors in files begin with the file's name; those of options say which command it was.
+    const bool of_option = absl::StrCat(status.message()).starts_with("--");
+    exit_code = report(status.ok() || !of_option
+                           ? status
+                           : absl::Status(status.code(), absl::StrCat(prefix, status.message())));
+  });
+}
+
+}  // namespace
+
+void add_show_atmosphere(CLI::App& show, int& exit_code) {
+  add<AtmosphereCommand>(show, exit_code, "atmosphere",
+                         "Transmittance and radiance of a path through the air, 2.94 to 15.4 um");
+  add<SkyCommand>(show, exit_code, "sky", "Radiance of the sky in some directions");
+  add<SunCommand>(show, exit_code, "sun",
+                  "Where the sun is, without refraction; with air: its direct light, normal to the "
+                  "beam");
+}
+
+}  // namespace irsig

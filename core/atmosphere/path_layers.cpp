@@ -1,0 +1,230 @@
+#include "core/atmosphere/path_layers.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/atmosphere/path_sums.h"
+#include "core/base/check.h"
+#include "core/base/constants.h"
+#include "core/spectral/planck.h"
+
+namespace irsig {
+namespace {
+
+// Above the lowest height; the amounts of water and aerosol fall by a factor e within 2 km.
+constexpr std::array kSunHeightsM = {0.0, 400.0, 1000.0, 2000.0, 3500.0, 6000.0, 10e3, 16e3, 30e3};
+
+// Ends of layers by the share of the path's air in front of them. Near layers shine in bands that
+// the air closes, far ones in the windows.
+constexpr std::array kLayerEnds = {2e-4, 1e-3, 4e-3, 0.015, 0.05, 0.12,
+                                   0.25, 0.42, 0.62, 0.82,  0.95};
+
+AirSpectrum planck_spectrum(double temperature_k, const BandChoice& bands) {
+  AirSpectrum b(kAirBandCount, 0.0);
+  for (std::size_t i = 0; i < kAirBandCount; ++i) {
+    if (chosen(bands, i)) b[i] = planck_radiance_w_m2_sr_um(air_band_lambda_um(i), temperature_k);
+  }
+  return b;
+}
+
+// The nodes of a path at which its layers end.
+std::vector<std::size_t> layer_ends(const AirProfile& profile, const LightPath& path) {
+  const std::size_t steps = path.step_m.size();
+  std::vector<double> air(steps + 1, 0.0);
+  for (std::size_t i = 0; i < steps; ++i) {
+    const AirLevel a = air_at(profile, path.node[i].height_m);
+    const AirLevel b = air_at(profile, path.node[i + 1].height_m);
+    air[i + 1] = air[i] + path.step_m[i] * 0.5 *
+                              (a.pressure_pa / a.temperature_k + b.pressure_pa / b.temperature_k);
+  }
+  std::vector<std::size_t> end;
+  for (const double share : kLayerEnds) {
+    const auto at = static_cast<std::size_t>(
+        std::lower_bound(air.begin(), air.end(), share * air.back()) - air.begin());
+    if (at > 0 && at < steps && (end.empty() || at > end.back())) end.push_back(at);
+  }
+  if (steps > 0) end.push_back(steps);
+  return end;
+}
+
+double ratio_of(double whole, double near, double none) {
+  return none > 0 ? whole * near / none : 0;
+}
+
+}  // namespace
+
+SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg) {
+  const double top_m = atmosphere.profile().level.back().height_m;
+  for (const double above_m : kSunHeightsM) {
+    const double at_m = height_m + above_m;
+    if (at_m >= top_m && above_m > 0) break;
+    std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg);
+    const bool lit = amounts.has_value();
+    point_.push_back({at_m, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
+  }
+}
+
+bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
+  std::size_t above = 1;
+  while (above + 1 < point_.size() && point_[above].height_m < height_m) ++above;
+  const Point& a = point_[std::min(above, point_.size()) - 1];
+  const Point& b = point_[std::min(above, point_.size() - 1)];
+  if (!a.lit && !b.lit) return false;
+  if (!a.lit || !b.lit || b.height_m <= a.height_m) {
+    sum += a.lit ? a.amounts : b.amounts;
+    return true;
+  }
+  // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way
+  // between the heights the difference does not matter.
+  constexpr double kScaleM = 3000;
+  const double f = std::clamp(std::expm1((a.height_m - height_m) / kScaleM) /
+                                  std::expm1((a.height_m - b.height_m) / kScaleM),
+                              0.0, 1.05);
+  const auto add = [f](std::vector<double>& out, const std::vector<double>& low,
+                       const std::vector<double>& high) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] += std::max(0.0, low[i] + f * (high[i] - low[i]));
+    }
+  };
+  add(sum.gas_scaled_kg_m2, a.amounts.gas_scaled_kg_m2, b.amounts.gas_scaled_kg_m2);
+  add(sum.gas_plain_kg_m2, a.amounts.gas_plain_kg_m2, b.amounts.gas_plain_kg_m2);
+  for (std::size_t g = 0; g < kGreyAbsorberCount; ++g) {
+    add(sum.optical_depth[g], a.amounts.optical_depth[g], b.amounts.optical_depth[g]);
+  }
+  return true;
+}
+
+PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands)
+    : bands_(bands) {
+  const AirProfile& profile = atmosphere.profile();
+  const double humidity_percent = relative_humidity_percent(profile.level.front());
+  thermal_w_m2_sr_um = surroundings_share = AirSpectrum(kAirBandCount, 0.0);
+  AbsorberAmounts sum;
+  transmittance = irsig::transmittance(sum, bands_);
+  if (path.node.empty()) {
+    node_.push_back({0, std::move(sum), transmittance});
+    return;
+  }
+  const auto temperature_at = [&](std::size_t node) {
+    const double t = air_at(profile, path.node[node].height_m).temperature_k;
+    if (path.node[node].height_m < kThermosphereM) warmest_k_ = std::max(warmest_k_, t);
+    return t;
+  };
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  const auto add_node = [&](std::size_t i) {
+    node_.push_back({path.node[i].height_m, sum, transmittance});
+  };
+  const std::vector<std::size_t> ends = layer_ends(profile, path);
+  AirSpectrum planck_near = planck_spectrum(temperature_at(0), bands_);
+  add_node(0);
+  StepScattering merged;
+  Emission emission{dark, dark};
+  for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
+    StepScattering step;
+    add_step(sum, &step, atmosphere.spec(), humidity_percent, path, i);
+    const AirSpectrum t_far = irsig::transmittance(sum, bands_);
+    const AirSpectrum planck_far = planck_spectrum(temperature_at(i + 1), bands_);
+    add_emission(emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far);
+    add_surroundings(emission.surroundings_share, step, transmittance, t_far);
+    merge(merged, step);
+    transmittance = t_far;
+    planck_near = planck_far;
+    if (i + 1 != ends[next]) continue;
+    ++next;
+    add_node(i + 1);
+    layer_.push_back(std::exchange(merged, StepScattering()));
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      thermal_w_m2_sr_um[b] += emission.thermal_w_m2_sr_um[b];
+      surroundings_share[b] += emission.surroundings_share[b];
+    }
+    emission_.push_back(std::exchange(emission, Emission{dark, dark}));
+  }
+}
+
+PathLayers::Emission PathLayers::behind(const AbsorberAmounts& near) const {
+  Emission out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
+  AirSpectrum seen_near = irsig::transmittance(near, bands_);
+  for (std::size_t l = 0; l < layer_.size(); ++l) {
+    const AirSpectrum &t_near = node_[l].transmittance, &t_far = node_[l + 1].transmittance;
+    AirSpectrum seen_far = irsig::transmittance(node_[l + 1].amounts + near, bands_);
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      const double grey = layer_[l].grey_depth[b];
+      const double mean = mean_of_decay(t_near[b], t_far[b], grey);
+      const double seen = mean_of_decay(seen_near[b], seen_far[b], grey);
+      // What the layer absorbs, and with it emits: where near air has taken the lines out, most of
+      // what is left is scattered.
+      const double scattering = layer_[l].aerosol_depth[b] + layer_[l].molecular_depth[b];
+      const double absorbed = t_near[b] - t_far[b] - scattering * mean;
+      const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen;
+      out.thermal_w_m2_sr_um[b] +=
+          ratio_of(emission_[l].thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
+      out.surroundings_share[b] += ratio_of(emission_[l].surroundings_share[b], seen, mean);
+    }
+    seen_near = std::move(seen_far);
+  }
+  return out;
+}
+
+ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts* near) const {
+  const auto at_node = [&](const Node& node) {
+    AbsorberAmounts sum = near ? node.amounts + *near : node.amounts;
+    return sun.add_to(sum, node.height_m) ? irsig::transmittance(sum, bands_)
+                                          : AirSpectrum(kAirBandCount, 0.0);
+  };
+  ScatteredSun out;
+  AirSpectrum t_near = at_node(node_.front());
+  for (std::size_t l = 0; l < layer_.size(); ++l) {
+    AirSpectrum t_far = at_node(node_[l + 1]);
+    const StepScattering& step = layer_[l];
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      const double light = mean_of_sunlight(t_near[b], t_far[b], step.grey_depth[b]);
+      out.molecular[b] += light * step.molecular_depth[b];
+      const double aerosol = light * step.aerosol_depth[b];
+      if (aerosol <= 0) continue;
+      out.aerosol[b] += aerosol;
+      out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
+    }
+    t_near = std::move(t_far);
+  }
+  return out;
+}
+
+AirSpectrum ScatteredSun::per_sr(const PhaseMean& phase) const {
+  AirSpectrum out(kAirBandCount, 0.0);
+  const double rayleigh = phase.molecular_per_sr();
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    out[b] = molecular[b] * rayleigh;
+    if (aerosol[b] > 0) out[b] += aerosol[b] * phase.aerosol_per_sr(asymmetry[b]);
+  }
+  return out;
+}
+
+double ScatteredSun::per_sr(std::size_t band, double cosine) const {
+  return aerosol[band] * henyey_greenstein_per_sr(asymmetry[band], cosine) +
+         molecular[band] * rayleigh_per_sr(cosine);
+}
+
+void PhaseMean::add(double weight, double cosine) {
+  static const std::array<double, kPoints> asymmetry = [] {
+    std::array<double, kPoints> g{};
+    for (std::size_t i = 0; i < kPoints; ++i) g[i] = -std::expm1(-kStep * static_cast<double>(i));
+    return g;
+  }();
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    aerosol_[i] += weight * henyey_greenstein_per_sr(asymmetry[i], cosine);
+  }
+  molecular_ += weight * rayleigh_per_sr(cosine);
+  weight_ += weight;
+}
+
+double PhaseMean::aerosol_per_sr(double asymmetry) const {
+  const double at = -std::log1p(-std::clamp(asymmetry, 0.0, 0.97)) / kStep;
+  const auto i = std::min(static_cast<std::size_t>(at), kPoints - 2);
+  const double f = at - static_cast<double>(i);
+  return (aerosol_[i] + f * (aerosol_[i + 1] - aerosol_[i])) / weight_;
+}
+
+}  // namespace irsig

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/atmosphere/atmosphere.h"
+
+namespace irsig {
+
+// What a stretch of a path scatters.
+struct StepScattering {
+  AirSpectrum aerosol_depth = AirSpectrum(kAirBandCount, 0.0);
+  AirSpectrum molecular_depth = AirSpectrum(kAirBandCount, 0.0);
+  AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);  // of the aerosol
+  // All that is grey, scattering included: what is known of an optical depth whose transmittance
+  // has underflowed.
+  AirSpectrum grey_depth = AirSpectrum(kAirBandCount, 0.0);
+};
+
+// Mean of a quantity that decays exponentially from a to b.
+[[nodiscard]] double logarithmic_mean(double a, double b);
+// The same over a stretch of at least grey_depth; b = 0: by more than a double can tell.
+[[nodiscard]] double mean_of_decay(double a, double b, double grey_depth);
+// The same of sunlight, of which a and b may also be 0 in the Earth's shadow.
+[[nodiscard]] double mean_of_sunlight(double a, double b, double grey_depth);
+
+// Amounts of the sun's path to any height of one vertical, for one zenith angle: computed at a few
+// heights and interpolated as if all gases thinned out over the same height. The zenith angle is
+// taken to be the same all along a path that is lit, so that a path over 100 km errs by 1 deg of
+// sun.
+class SunAmounts {
+ public:
+  // From `height_m` to the top of the air.
+  SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg);
+
+  // Adds what lies between a height and the sun; false: the Earth is in the way.
+  [[nodiscard]] bool add_to(AbsorberAmounts& sum, double height_m) const;
+  // Whether the sun shines on the lowest height.
+  [[nodiscard]] bool lit() const { return point_.front().lit; }
+
+ private:
+  struct Point {
+    double height_m;
+    bool lit;
+    AbsorberAmounts amounts;
+  };
+  std::vector<Point> point_;
+};
+
+// Above, air is hot (380 K at 120 km) and too thin to matter: model errors leave it out.
+inline constexpr double kThermosphereM = 90e3;
+
+// Tables of aerosol models describe a given day's particles, and what they scatter, to perhaps a
+// third (docs/validation.md, "Atmosphere").
+inline constexpr double kAerosolRelativeError = 0.3;
+
+// One sigma of the model (docs/methods/atmosphere.md), not of the numerics, for all a path holds.
+//   scattered     sunlight and surroundings in the path's radiance
+//   surroundings  their mean radiance, if it has a part in it: light that is scattered more than
+//                 once lies between it and the air's own, so that the error is their difference
+struct ModelError {
+  AirSpectrum transmittance, radiance_w_m2_sr_um;
+};
+[[nodiscard]] ModelError model_error(const AbsorberAmounts& amounts,
+                                     const AirSpectrum& transmittance, const AirSpectrum& scattered,
+                                     double warmest_k, const BandChoice& bands = {},
+                                     const AirSpectrum* surroundings = nullptr);
+
+// Phase functions averaged over directions of sight: Henyey and Greenstein's for the aerosol,
+// Rayleigh's for molecules. Their integral over all directions is 1.
+class PhaseMean {
+ public:
+  // cosine: of the angle between the direction of sight, away from the observer, and the sun.
+  void add(double weight, double cosine);
+
+  [[nodiscard]] double aerosol_per_sr(double asymmetry) const;
+  [[nodiscard]] double molecular_per_sr() const { return molecular_ / weight_; }
+
+ private:
+  // At equal steps of -ln(1 - asymmetry), to 0.97: forward, the phase function's logarithm is
+  // linear in it.
+  static constexpr std::size_t kPoints = 36;
+  static constexpr double kStep = 0.1;
+  std::array<double, kPoints> aerosol_{};
+  double molecular_ = 0, weight_ = 0;
+};
+
+// Light scattered once, without the phase function's dependence on angle, per unit of irradiance
+// outside the air: aerosol with its mean asymmetry, molecules.
+struct ScatteredSun {
+  AirSpectrum aerosol = AirSpectrum(kAirBandCount, 0.0);
+  AirSpectrum asymmetry = AirSpectrum(kAirBandCount, 0.0);
+  AirSpectrum molecular = AirSpectrum(kAirBandCount, 0.0);
+
+  [[nodiscard]] AirSpectrum per_sr(const PhaseMean& phase) const;
+  [[nodiscard]] double per_sr(std::size_t band, double cosine) const;
+};
+
+// A path taken apart once, so that it can be seen through any near air and under any sun for the
+// price of one transmittance a layer (core/atmosphere/atmosphere.h prices it at two a step).
+//
+// As a whole it is summed over all its steps, whose sums by layers (at most 12) are kept. Near air
+// weakens what a layer emits by the ratio of what it absorbs of light from behind it, and what it
+// scatters by the ratio of the mean transmittances. Against Atmosphere::radiance of the same path,
+// near air and sun: tests/physics/environment_nodes_test.cpp.
+class PathLayers {
+ public:
+  PathLayers(const Atmosphere& atmosphere, const LightPath& path, const BandChoice& bands);
+
+  // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
+  AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_share;
+  [[nodiscard]] const AbsorberAmounts& amounts() const { return node_.back().amounts; }
+  // Of a ray that misses the air or has no length: nothing in it.
+  [[nodiscard]] bool empty() const { return layer_.empty(); }
+  [[nodiscard]] double warmest_k() const { return warmest_k_; }
+
+  // The same behind near air.
+  struct Emission {
+    AirSpectrum thermal_w_m2_sr_um, surroundings_share;
+  };
+  [[nodiscard]] Emission behind(const AbsorberAmounts& near) const;
+
+  // Sunlight that the path scatters once to the observer, behind near air if any.
+  [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun,
+                                       const AbsorberAmounts* near = nullptr) const;
+
+ private:
+  struct Node {
+    double height_m;
+    AbsorberAmounts amounts;  // from the observer
+    AirSpectrum transmittance;
+  };
+  BandChoice bands_;
+  std::vector<Node> node_;
+  std::vector<StepScattering> layer_;
+  std::vector<Emission> emission_;  // of each layer, seen without near air
+  double warmest_k_ = 0;
+};
+
+}  // namespace irsig

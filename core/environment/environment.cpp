@@ -1,0 +1,191 @@
+#include "core/environment/environment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/constants.h"
+#include "core/environment/interpolation_error.h"
+#include "core/environment/sun_light.h"
+#include "core/environment/view_light.h"
+#include "core/environment/weather_light.h"
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+// Sines of the elevation of the rings. Towards the horizon the air gets thick within a degree.
+constexpr std::array kSkySines = {0.0f,   0.003f, 0.008f, 0.015f, 0.024f, 0.034f, 0.045f, 0.058f,
+                                  0.072f, 0.088f, 0.106f, 0.126f, 0.148f, 0.173f, 0.2f,   0.23f,
+                                  0.264f, 0.302f, 0.345f, 0.393f, 0.447f, 0.507f, 0.575f, 0.65f,
+                                  0.735f, 0.82f,  0.9f,   0.96f,  1.0f};
+// Below the horizon: from the dip at which the sea begins to the nadir, as shares of the way.
+constexpr std::array kLowerSines = {0.0,   0.0006, 0.0015, 0.003, 0.006, 0.011, 0.02,
+                                    0.033, 0.05,   0.07,   0.095, 0.13,  0.17,  0.22,
+                                    0.28,  0.35,   0.43,   0.52,  0.65,  0.8,   1.0};
+constexpr std::uint32_t kAzimuths = 24;
+
+absl::Status check(const WeatherSpec& w) {
+  const LowerSpec& l = w.lower;
+  if (!(l.temperature_k >= 100 && l.temperature_k <= 400)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("surface temperature_k %g: expected 100 to 400", l.temperature_k));
+  }
+  const bool grey = l.kind == LowerSpec::Kind::kGreySea || l.kind == LowerSpec::Kind::kGround;
+  if (grey && !(l.emissivity >= 0 && l.emissivity <= 1)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("surface emissivity %g: expected 0 to 1", l.emissivity));
+  }
+  if (l.kind == LowerSpec::Kind::kRoughSea && !(l.wind_speed_m_s >= 0 && l.wind_speed_m_s <= 20)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "wind_speed_m_s %g: the sea's slopes are known from 0 to 20", l.wind_speed_m_s));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+// What does not depend on the view is computed once, by whoever asks first; what it is does not
+// depend on who asked.
+struct Environment::Parts {
+  struct Weather {
+    WeatherSpec spec;
+    std::optional<Atmosphere> atmosphere;
+    double height_m = 0;  // of the target, as the profile counts
+    std::once_flag once;
+    std::unique_ptr<const WeatherLight> light;
+  };
+  struct Condition {
+    ConditionEnvironment spec;
+    std::once_flag once;
+    std::unique_ptr<const SunLight> sun;
+  };
+
+  std::deque<Weather> weather;
+  std::deque<Condition> condition;
+  NodeWavelengths wavelengths;
+  DirectionNodes nodes;
+
+  const WeatherLight& light_of(Weather& w) {
+    std::call_once(w.once, [&] {
+      w.light = std::make_unique<WeatherLight>(w.spec, *w.atmosphere, w.height_m, nodes,
+                                               wavelengths.bands);
+    });
+    return *w.light;
+  }
+  const SunLight& sun_of(Condition& c) {
+    Weather& w = weather[c.spec.weather];
+    const WeatherLight& light = light_of(w);
+    std::call_once(c.once, [&] {
+      c.sun = std::make_unique<SunLight>(c.spec, light, w.spec.lower, *w.atmosphere, w.height_m,
+                                         nodes, wavelengths.bands);
+    });
+    return *c.sun;
+  }
+};
+
+Environment::Environment(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Environment::~Environment() = default;
+
+const DirectionNodes& Environment::nodes() const { return parts_->nodes; }
+std::size_t Environment::conditions() const { return parts_->condition.size(); }
+
+absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
+    std::vector<WeatherSpec> weather, std::vector<ConditionEnvironment> condition,
+    double target_height_m, std::vector<double> node_um) {
+  if (weather.empty() || condition.empty() || node_um.empty()) {
+    return absl::InvalidArgumentError("an environment needs a weather, a condition, a wavelength");
+  }
+  if (!(target_height_m > 0 && target_height_m <= 100e3)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("target_height_m %g: expected above 0, to 100000", target_height_m));
+  }
+  auto parts = std::make_unique<Parts>();
+  absl::StatusOr<NodeWavelengths> wavelengths = node_wavelengths(node_um);
+  if (!wavelengths.ok()) return wavelengths.status();
+  parts->wavelengths = *std::move(wavelengths);
+
+  double dip = 0;
+  for (std::size_t i = 0; i < weather.size(); ++i) {
+    const auto named = [i](const absl::Status& s) {
+      return absl::Status(s.code(), absl::StrCat("weather ", i, ": ", s.message()));
+    };
+    if (const absl::Status s = check(weather[i]); !s.ok()) return named(s);
+    Parts::Weather& w = parts->weather.emplace_back();
+    w.spec = std::move(weather[i]);
+    absl::StatusOr<Atmosphere> atmosphere = Atmosphere::make(w.spec.air);
+    if (!atmosphere.ok()) return named(atmosphere.status());
+    w.atmosphere.emplace(*std::move(atmosphere));
+    const AirProfile& profile = w.atmosphere->profile();
+    w.height_m = profile.level.front().height_m + target_height_m;
+    dip = std::max(dip, sin_of_dip(profile, w.height_m, w.spec.refraction));
+  }
+  bool sun = false;
+  for (std::size_t i = 0; i < condition.size(); ++i) {
+    const ConditionEnvironment& c = condition[i];
+    if (c.weather >= parts->weather.size()) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("condition %d: there is no weather %d", i, c.weather));
+    }
+    if (c.sun && !(std::abs(length(c.sun_direction) - 1) < 1e-6 && c.sun_distance_au > 0)) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("condition %d: the sun needs a unit vector and a distance", i));
+    }
+    sun = sun || (c.sun && c.sun_direction.z < 0);
+    parts->condition.emplace_back().spec = c;
+  }
+  // The first ring below the horizon lies safely on the sea.
+  const double first = dip * 1.001 + 1e-5;
+  std::vector<float> lower;
+  for (const double share : kLowerSines) {
+    lower.push_back(static_cast<float>(first + share * (1 - first)));
+  }
+  lower.back() = 1.0f;
+  parts->nodes =
+      DirectionNodes({kSkySines.begin(), kSkySines.end()}, std::move(lower), sun ? kAzimuths : 1);
+  return std::unique_ptr<const Environment>(new Environment(std::move(parts)));
+}
+
+absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
+    const Line& line, std::span<const std::uint32_t> conditions) const {
+  std::vector<ViewEnvironment> out(conditions.size());
+  // In the order asked for; conditions that share a weather share what it does to the view.
+  std::map<std::uint32_t, std::unique_ptr<ViewLight>> by_weather;
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    if (conditions[i] >= parts_->condition.size()) {
+      return absl::InvalidArgumentError(absl::StrCat("there is no condition ", conditions[i]));
+    }
+    Parts::Condition& condition = parts_->condition[conditions[i]];
+    Parts::Weather& weather = parts_->weather[condition.spec.weather];
+    const SunLight& sun = parts_->sun_of(condition);
+    std::unique_ptr<ViewLight>& view = by_weather[condition.spec.weather];
+    if (!view) {
+      absl::StatusOr<ViewLight> made =
+          ViewLight::make(weather.spec, *weather.atmosphere, *weather.light, weather.height_m, line,
+                          parts_->nodes, parts_->wavelengths);
+      if (!made.ok()) return made.status();
+      view = std::make_unique<ViewLight>(*std::move(made));
+    }
+    out[i] = view->seen_under(sun);
+  }
+  return out;
+}
+
+std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um) {
+  std::vector<double> edge;
+  for (std::size_t i = 0; i <= kAirBandCount; ++i) {
+    const double um = 1e4 / (kAirLastCm1 - kAirBandWidthCm1 * static_cast<double>(i));
+    if (um > lambda_min_um && um < lambda_max_um) edge.push_back(um);
+  }
+  return edge;
+}
+
+}  // namespace irsig

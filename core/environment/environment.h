@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/atmosphere/atmosphere.h"
+#include "core/atmosphere/imported_path.h"
+#include "core/environment/direction_nodes.h"
+#include "core/environment/sea_surface.h"
+
+namespace irsig {
+
+// What lies below the horizon.
+struct LowerSpec {
+  enum class Kind {
+    kRoughSea,  // facets with Cox and Munk's slopes for the wind: emission, reflected sky
+    kFlatSea,   // a mirror of water; the sun in it is left out
+    kGreySea,   // emissivity, diffuse
+    kGround     // emissivity, diffuse; the target stands on it as on the sea
+  } kind = Kind::kRoughSea;
+  double temperature_k = 0;
+  double emissivity = 1;      // kGreySea, kGround
+  double wind_speed_m_s = 0;  // kRoughSea
+};
+
+// One season's weather: everything that does not move with the sun.
+struct WeatherSpec {
+  AtmosphereSpec air;  // its profile already bent to the surface
+  bool refraction = true;
+  LowerSpec lower;
+  // Somebody else's transmittance and path radiance instead of the embedded model's; null: none.
+  std::shared_ptr<const ImportedPaths> imported;
+};
+
+// The air, sky and sea of one condition of a sweep.
+struct ConditionEnvironment {
+  std::uint32_t weather = 0;  // index
+  bool sun = false;           // whether it is to shine; below the horizon it gives nothing
+  Vec<Body> sun_direction;    // unit vector, airless
+  double sun_distance_au = 1;
+};
+
+// What one condition does to one view, on the wavelengths of the sweep (index i). Radiances in
+// W/(m2 sr um), irradiances in W/(m2 um). "Apparent": what of it arrives at the sensor, the air's
+// lines joined by summed absorber amounts (core/atmosphere/absorber_amounts.h), without the path's
+// own radiance. Inside one of the air's bands radiances follow Planck's function at the target's
+// air temperature, and sunlight the sun's spectrum.
+//
+// Below the horizon: what the surface emits and reflects of the sky, seen through the air in front
+// of it; light that a rough sea mirrors from below the horizon has met the sea before. The sun that
+// a rough sea mirrors is in behind_apparent only: for the target's reflections it is a light of its
+// own (sea_glint.h). What a grey surface reflects of the sun is in the nodes.
+//
+// Accuracy (tests/physics/environment_nodes_test.cpp, mid-latitude summer, maritime aerosol of 23
+// km): night sky from the nodes 1.1e-3 in the mean over 1000 directions; sunlit sky at 3.7 um as
+// planes see it 1e-3, as lobes 30 deg wide see it 1 %; night sky behind air within 0.5 %; sunlit
+// sky in one direction 4 %, of which half is that of the sums compared with.
+// Limits: one zenith angle of the sun for all of a path; sunlight is scattered once.
+struct ViewEnvironment {
+  using Spectrum = std::vector<double>;
+  Spectrum transmittance;                     // band means: of what surfaces emit
+  Spectrum path_radiance;                     // emitted and scattered between target and sensor
+  Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
+  std::vector<Spectrum> node, node_apparent;  // [direction node]: sky, then lower
+  std::vector<Spectrum> behind_apparent;      // [node of Line::behind]
+
+  // Relative interpolation error of the nodes' radiance between them: mean over the side's solid
+  // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
+  // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
+  double sky_interpolation = 0, lower_interpolation = 0;
+  // One sigma of the models, not of the numerics.
+  Spectrum model_error_transmittance, model_error_path_radiance;
+  double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
+};
+
+// The embedded atmosphere with its sky, sun and sea, for all conditions of a sweep. Immutable but
+// for a cache of what does not depend on the view; any number of threads may ask. What is returned
+// for a line of sight depends on that line and the condition alone.
+class Environment {
+ public:
+  // target_height_m: of the point that stands for the target, above the sea or ground (> 0).
+  // node_um: the wavelengths; OUT_OF_RANGE if one lies outside the atmosphere's table.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<const Environment>> make(
+      std::vector<WeatherSpec> weather, std::vector<ConditionEnvironment> condition,
+      double target_height_m, std::vector<double> node_um);
+  ~Environment();
+
+  // The directions at which sky and sea are given; one azimuth if no condition has a sun.
+  [[nodiscard]] const DirectionNodes& nodes() const;
+
+  // From the target to a sensor.
+  struct Line {
+    double range_m;
+    double elevation_deg;   // of the sensor, at the target, geometric; -90 .. 90
+    Vec<Body> direction;    // unit vector towards the sensor
+    DirectionNodes behind;  // where the background is wanted: directions away from the sensor, at
+                            // the line's own azimuth (behind.direction(node) has it)
+  };
+  // INVALID_ARGUMENT: a sensor below the surface, or hidden by the Earth; a line that the imported
+  // paths do not cover.
+  [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(
+      const Line& line, std::span<const std::uint32_t> conditions) const;
+
+  [[nodiscard]] std::size_t conditions() const;
+
+ private:
+  struct Parts;
+  explicit Environment(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+// Edges of the air's bands between two wavelengths, increasing: where spectra jump. [um]
+[[nodiscard]] std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um);
+
+}  // namespace irsig

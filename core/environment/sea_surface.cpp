@@ -1,0 +1,100 @@
+#include "core/environment/sea_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+#include "core/base/check.h"
+#include "core/materials/fresnel.h"
+#include "core/materials/optical/material_library.h"
+#include "core/materials/spectra.h"
+
+namespace irsig {
+namespace {
+
+// Rings of equal probability, each with its mean square slope, times directions of the slope.
+// Against four times as many of both: emissivities within 5e-4 down to 1 deg of elevation
+// (tests/physics/environment_sea_test.cpp).
+constexpr int kSlopeRings = 16, kSlopeDirections = 32;
+
+const OpticalConstants& water() {
+  static const OpticalConstants constants = [] {
+    const absl::StatusOr<LibraryEntry> entry = library_entry("sea_water");
+    IRSIG_CHECK(entry.ok());
+    return std::get<CookTorrance>(entry->spec.model).constants;
+  }();
+  return constants;
+}
+
+Vec<Body> mirror(Vec<Body> v, Vec<Body> normal) { return 2 * dot(v, normal) * normal - v; }
+
+// -x ln x + x: the integral of -ln from 0.
+double integral_of_minus_ln(double x) { return x > 0 ? x - x * std::log(x) : 0; }
+
+}  // namespace
+
+double sea_slope_variance(double wind_speed_m_s) { return 0.003 + 0.00512 * wind_speed_m_s; }
+
+std::complex<double> sea_water_index(double lambda_um) {
+  const OpticalConstant c = constants_at(water(), lambda_um);
+  return {c.n, c.k};
+}
+
+double water_reflectance(std::complex<double> index, double cos_incidence) {
+  return fresnel_exact(std::clamp(cos_incidence, 0.0, 1.0), index.real(), index.imag());
+}
+
+std::vector<SeaFacet> flat_sea(Vec<Body> to_observer) {
+  return {{1, -to_observer.z, {-to_observer.x, -to_observer.y, to_observer.z}}};
+}
+
+std::vector<SeaFacet> sea_facets(Vec<Body> to_observer, double wind_speed_m_s) {
+  IRSIG_CHECK(to_observer.z < 0);
+  const double variance = sea_slope_variance(wind_speed_m_s);
+  const double azimuth = std::atan2(to_observer.y, to_observer.x);
+  std::vector<SeaFacet> facet;
+  double sum = 0;
+  for (int i = 0; i < kSlopeRings; ++i) {
+    // tan^2 is distributed exponentially with mean `variance`.
+    const double a = static_cast<double>(i) / kSlopeRings;
+    const double b = static_cast<double>(i + 1) / kSlopeRings;
+    const double slope =
+        std::sqrt(variance * kSlopeRings * (integral_of_minus_ln(b) - integral_of_minus_ln(a)));
+    const double up = 1 / std::sqrt(1 + slope * slope);
+    for (int j = 0; j < kSlopeDirections; ++j) {
+      const double turn = azimuth + 2 * std::numbers::pi * (j + 0.5) / kSlopeDirections;
+      const Vec<Body> normal = {up * slope * std::cos(turn), up * slope * std::sin(turn), -up};
+      const double cosine = dot(normal, to_observer);
+      if (cosine <= 0) continue;
+      sum += cosine / up;
+      facet.push_back({cosine / up, cosine, mirror(to_observer, normal)});
+    }
+  }
+  for (SeaFacet& f : facet) f.share /= sum;
+  return facet;
+}
+
+double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s) {
+  const Vec<Body> normal = normalized(to_observer + to_sun);
+  const double up = -normal.z;
+  if (up <= 0 || to_sun.z >= 0 || dot(normal, to_observer) <= 0) return 0;
+  const double variance = sea_slope_variance(wind_speed_m_s);
+  const double tan2 = 1 / (up * up) - 1;
+  const double density = std::exp(-tan2 / variance) / (std::numbers::pi * variance);
+  return density / (4 * up * up * up * up * sea_projected_area(-to_observer.z, wind_speed_m_s));
+}
+
+// Facets towards the observer: cos (1 + erf(q)) / 2 + sin sqrt(variance) exp(-q^2) / (2 sqrt(pi)),
+// q = cot / sqrt(variance): the mean of max(0, cos + sin slope) over a Gaussian slope.
+double sea_projected_area(double cos_zenith, double wind_speed_m_s) {
+  const double variance = sea_slope_variance(wind_speed_m_s);
+  const double sine = std::sqrt(std::max(0.0, 1 - cos_zenith * cos_zenith));
+  const double width = sine * std::sqrt(variance);
+  if (width <= 0) return cos_zenith;
+  const double q = cos_zenith / width;
+  return 0.5 * cos_zenith * (1 + std::erf(q)) +
+         0.5 * std::numbers::inv_sqrtpi * width * std::exp(-q * q);
+}
+
+}  // namespace irsig

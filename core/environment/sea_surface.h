@@ -1,0 +1,48 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+// Mean square slope of a clean sea surface, upwind + crosswind, taken isotropic: [cox1954, clean
+// sea]
+//   0.003 + 0.00512 wind
+//   wind_speed_m_s at 12.5 m, 0-20.
+[[nodiscard]] double sea_slope_variance(double wind_speed_m_s);
+
+// Complex refractive index of sea water (1.33 + 0i and so on), 2.5-16 um: pure water's at 25 C,
+// from the material library's sea_water. [hale1973]
+[[nodiscard]] std::complex<double> sea_water_index(double lambda_um);
+
+// Unpolarised Fresnel reflectance of water at an angle of incidence.
+[[nodiscard]] double water_reflectance(std::complex<double> index, double cos_incidence);
+
+// The slopes through which a rough sea is seen from one direction: facets weighted by their share
+// of what is seen (their projected area, hidden ones left out).
+//
+// The mean emissivity is the sum of share (1 - reflectance), within 2e-3 of the integral over
+// slopes: at 10 um, 5 m/s and 85 deg from the zenith 0.679 (flat: 0.454). [masuda1988] Facets hide
+// each other only by facing away: no shadows, which lower emissivity within a few degrees of the
+// horizon.
+struct SeaFacet {
+  double share;          // adds up to 1
+  double cos_incidence;  // on the facet
+  Vec<Body> mirrored;  // where the facet mirrors the line of sight to (unit vector, z < 0: the sky)
+};
+//   to_observer  unit vector from the sea towards the observer, z < 0
+[[nodiscard]] std::vector<SeaFacet> sea_facets(Vec<Body> to_observer, double wind_speed_m_s);
+// One facet that lies level.
+[[nodiscard]] std::vector<SeaFacet> flat_sea(Vec<Body> to_observer);
+
+// Sunlight mirrored by the facets that face the right way, per unit of irradiance normal to the
+// beam and of reflectance: P(slope) / (4 n_z^4 projected area).                        [1/sr]
+[[nodiscard]] double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s);
+
+// Area of the facets that face the observer, projected towards him, per area of sea: cos(zenith)
+// as long as none face away.
+[[nodiscard]] double sea_projected_area(double cos_zenith, double wind_speed_m_s);
+
+}  // namespace irsig

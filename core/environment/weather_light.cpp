@@ -1,0 +1,344 @@
+#include "core/environment/weather_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/base/check.h"
+#include "core/base/constants.h"
+#include "core/environment/interpolation_error.h"
+#include "core/spectral/planck.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Sines of the elevation at which the mean reflectance of a rough sea is tabulated, for light that
+// meets the sea twice.
+constexpr std::array kGrazing = {0.002, 0.03, 0.07, 0.13, 0.22, 0.35, 0.55, 1.0};
+
+// One sigma. Emissivities measured at sea agree with facet models to about 1 % above 20 deg of
+// elevation and 5 % nearer the horizon, where waves hide each other [masuda1988]; a mirror misses
+// what waves do there (0.45 instead of 0.68 at 5 deg). A grey surface is as good as its number.
+double surface_model_relative(LowerSpec::Kind kind) {
+  switch (kind) {
+    case LowerSpec::Kind::kRoughSea:
+      return 0.02;
+    case LowerSpec::Kind::kFlatSea:
+      return 0.15;
+    case LowerSpec::Kind::kGreySea:
+    case LowerSpec::Kind::kGround:
+      return 0.05;
+  }
+  return 0;
+}
+
+double zenith_deg_of(double sine_up) {
+  return std::acos(std::clamp(sine_up, -1.0, 1.0)) / kRadPerDeg;
+}
+
+std::vector<SeaFacet> facets_of(const LowerSpec& spec, Vec<Body> to_observer) {
+  return spec.kind == LowerSpec::Kind::kFlatSea ? flat_sea(to_observer)
+                                                : sea_facets(to_observer, spec.wind_speed_m_s);
+}
+
+// Light from a hemisphere's cell: where on average it meets the facets.
+struct Gathered {
+  double share = 0, cosine = 0;
+  void add(double s, double c) {
+    share += s;
+    cosine += s * c;
+  }
+  [[nodiscard]] double mean_cosine() const { return cosine / share; }
+};
+
+}  // namespace
+
+std::vector<double> ring_weights(const std::vector<double>& sine) {
+  std::vector<double> w(sine.size(), 0.0);
+  if (sine.size() == 1) return {1.0};
+  w.front() += sine.front();
+  w.back() += 1 - sine.back();
+  for (std::size_t i = 0; i + 1 < sine.size(); ++i) {
+    const double half = 0.5 * (sine[i + 1] - sine[i]);
+    w[i] += half;
+    w[i + 1] += half;
+  }
+  return w;
+}
+
+double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance) {
+  double sum = 0, count = 0;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (radiance[b] <= 0) continue;
+    sum += error[b] / radiance[b];
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
+  double above = 90, below = 180;  // zenith angles of rays that pass and that meet the surface
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (above + below);
+    (look(air, height_m, middle, kInfinity, refraction).end == PathEnd::kSurface ? below : above) =
+        middle;
+  }
+  return -std::cos(below * kRadPerDeg);
+}
+
+WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+                           const DirectionNodes& nodes, const BandChoice& bands)
+    : spec_(spec.lower),
+      atmosphere_(atmosphere),
+      height_m_(height_m),
+      nodes_(nodes),
+      bands_(bands),
+      refraction_(spec.refraction) {
+  surface_planck = AirSpectrum(kAirBandCount, 0.0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (chosen(bands, b)) {
+      surface_planck[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), spec_.temperature_k);
+    }
+  }
+  if (spec_.kind == LowerSpec::Kind::kRoughSea) {
+    for (const double sine : kGrazing) {
+      AirSpectrum reflectance(kAirBandCount, 0.0);
+      const std::vector<SeaFacet> facets =
+          sea_facets({-std::sqrt(1 - sine * sine), 0, -sine}, spec_.wind_speed_m_s);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        if (!chosen(bands, b)) continue;
+        const std::complex<double> index = sea_water_index(air_band_lambda_um(b));
+        for (const SeaFacet& f : facets) {
+          reflectance[b] += f.share * water_reflectance(index, f.cos_incidence);
+        }
+      }
+      rough_reflectance_.push_back(std::move(reflectance));
+    }
+  }
+
+  const auto sines = [&](std::uint32_t first, std::uint32_t last) {
+    std::vector<double> s;
+    for (std::uint32_t n = first; n < last; n += nodes.azimuths()) {
+      s.push_back(std::abs(nodes.sin_elevation(n)));
+    }
+    return s;
+  };
+  const std::vector<double> up = sines(0, nodes.sky()), down = sines(nodes.sky(), nodes.count());
+  // Half way between the rings, for the error of interpolating.
+  std::vector<SkyRing> sky_between;
+  std::vector<LowerRing> lower_between;
+  for (std::size_t i = 0; i < up.size(); ++i) {
+    sky.push_back(make_sky(up[i]));
+    if (i + 1 < up.size()) sky_between.push_back(make_sky(0.5 * (up[i] + up[i + 1])));
+  }
+  for (std::size_t i = 0; i < down.size(); ++i) {
+    lower.push_back(make_lower(down[i]));
+    if (i + 1 < down.size()) lower_between.push_back(make_lower(0.5 * (down[i] + down[i + 1])));
+  }
+  solve_surroundings();
+  for (SkyRing& r : sky) finish(r);
+  for (SkyRing& r : sky_between) finish(r);
+  for (LowerRing& r : lower) finish(r);
+  for (LowerRing& r : lower_between) finish(r);
+
+  const auto interpolation = [&](const auto& ring, const auto& between) {
+    InterpolationError of(bands);
+    for (std::size_t i = 0; i < between.size(); ++i) {
+      AirSpectrum linear = ring[i].total;
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        linear[b] = 0.5 * (linear[b] + ring[i + 1].total[b]);
+      }
+      of.add(ring[i + 1].sin_elevation - ring[i].sin_elevation, linear, between[i].total);
+    }
+    return of.worst();
+  };
+  sky_interpolation = interpolation(sky, sky_between);
+  lower_interpolation = interpolation(lower, lower_between);
+
+  sky_mean = sky_model_error = AirSpectrum(kAirBandCount, 0.0);
+  const std::vector<double> weight = ring_weights(up);
+  for (std::size_t i = 0; i < sky.size(); ++i) {
+    const PathLayers& path = sky[i].layers;
+    AirSpectrum scattered = path.surroundings_share;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
+    const ModelError model = model_error(path.amounts(), path.transmittance, scattered,
+                                         path.warmest_k(), bands, &surroundings);
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      sky_model_error[b] += weight[i] * model.radiance_w_m2_sr_um[b];
+      sky_mean[b] += weight[i] * sky[i].total[b];
+    }
+  }
+  lower_model_relative = surface_model_relative(spec_.kind);
+}
+
+SkyRing WeatherLight::make_sky(double sin_elevation) const {
+  const LightPath path =
+      look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation), kInfinity, refraction_);
+  return {sin_elevation, PathLayers(atmosphere_, path, bands_), {}};
+}
+
+LowerRing WeatherLight::make_lower(double sin_elevation) const {
+  LightPath path =
+      look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation), kInfinity, refraction_);
+  // Air that bends rays back up lets some pass below the lowest that pass elsewhere.
+  for (double steeper = sin_elevation; path.end != PathEnd::kSurface;) {
+    IRSIG_CHECK(steeper < 1);
+    steeper = std::min(1.0, steeper + 2e-4);
+    path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-steeper), kInfinity, refraction_);
+  }
+  const double cos_zenith =
+      path.node.empty()
+          ? sin_elevation
+          : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
+  LowerRing ring{sin_elevation, PathLayers(atmosphere_, path, bands_), {}, {}, {}, 0, {}, {}, {}};
+  ring.emission = AirSpectrum(kAirBandCount, 0.0);
+  ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
+  if (spec_.kind == LowerSpec::Kind::kGreySea || spec_.kind == LowerSpec::Kind::kGround) {
+    reflect_diffusely(ring);
+  } else {
+    reflect_from_facets(ring, cos_zenith);
+  }
+  return ring;
+}
+
+// Light that a facet mirrors from below the horizon has met the sea before: there it is emitted, or
+// reflected from the sky as high above the horizon, by the mean reflectance in that direction.
+void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const {
+  const Vec<Body> to_observer = {-std::sqrt(1 - cos_zenith * cos_zenith), 0, -cos_zenith};
+  std::vector<Gathered> once(nodes_.sky()), twice(nodes_.sky());
+  double mean_sine = 0;
+  for (const SeaFacet& f : facets_of(spec_, to_observer)) {
+    const double up = std::max(std::abs(f.mirrored.z), 1e-12);
+    DirectionNodes::Share share[4];
+    const int n = nodes_.shares(static_cast<float>(f.mirrored.x), static_cast<float>(f.mirrored.y),
+                                static_cast<float>(-up), share);
+    for (int i = 0; i < n; ++i) {
+      std::vector<Gathered>& to = f.mirrored.z < 0 ? once : twice;
+      to[share[i].node].add(f.share * static_cast<double>(share[i].weight), f.cos_incidence);
+    }
+    mean_sine += f.share * up;
+  }
+  const std::uint32_t azimuths = nodes_.azimuths();
+  double nearest = kInfinity;
+  for (std::uint32_t r = 0; r < ring.from_ring.size(); ++r) {
+    const double away = std::abs(nodes_.sin_elevation(r * azimuths) - mean_sine);
+    if (away < nearest) ring.mirrored_ring = r;
+    nearest = std::min(nearest, away);
+  }
+  std::vector<std::complex<double>> index(kAirBandCount);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (chosen(bands_, b)) index[b] = sea_water_index(air_band_lambda_um(b));
+  }
+  AirSpectrum reflected(kAirBandCount, 0.0);
+  for (std::uint32_t node = 0; node < nodes_.sky(); ++node) {
+    if (once[node].share <= 0 && twice[node].share <= 0) continue;
+    const double sine = nodes_.sin_elevation(node);
+    std::size_t k = 0;
+    while (k + 2 < kGrazing.size() && kGrazing[k + 1] < sine) ++k;
+    const double f = std::clamp((sine - kGrazing[k]) / (kGrazing[k + 1] - kGrazing[k]), 0.0, 1.0);
+    LowerRing::Cell cell{node / azimuths, node % azimuths, AirSpectrum(kAirBandCount, 0.0)};
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      if (!chosen(bands_, b)) continue;
+      double weight = 0;
+      if (once[node].share > 0) {
+        weight += once[node].share * water_reflectance(index[b], once[node].mean_cosine());
+      }
+      if (twice[node].share > 0) {
+        weight += twice[node].share * water_reflectance(index[b], twice[node].mean_cosine()) *
+                  ((1 - f) * rough_reflectance_[k][b] + f * rough_reflectance_[k + 1][b]);
+      }
+      cell.weight[b] = weight;
+      ring.from_ring[cell.ring][b] += weight;
+      reflected[b] += weight;
+    }
+    ring.cell.push_back(std::move(cell));
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    ring.emission[b] = (1 - reflected[b]) * surface_planck[b];
+  }
+}
+
+// The sky's irradiance over pi: every ring by twice its sine.
+void WeatherLight::reflect_diffusely(LowerRing& ring) const {
+  const std::uint32_t azimuths = nodes_.azimuths();
+  std::vector<double> sine;
+  for (std::uint32_t n = 0; n < nodes_.sky(); n += azimuths)
+    sine.push_back(nodes_.sin_elevation(n));
+  std::vector<double> weight = ring_weights(sine);
+  double sum = 0;
+  for (std::size_t r = 0; r < sine.size(); ++r) sum += weight[r] *= sine[r];
+  for (std::uint32_t r = 0; r < sine.size(); ++r) {
+    const AirSpectrum of_ring(kAirBandCount, (1 - spec_.emissivity) * weight[r] / sum);
+    ring.from_ring[r] = of_ring;
+    for (std::uint32_t a = 0; a < azimuths; ++a) {
+      ring.cell.push_back(
+          {r, a, AirSpectrum(kAirBandCount, of_ring[0] / static_cast<double>(azimuths))});
+    }
+    if (sine[r] <= 0.5) ring.mirrored_ring = r;
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    ring.emission[b] = spec_.emissivity * surface_planck[b];
+  }
+}
+
+// x = mean over all directions of (thermal sky + its share of x) above and of (emission + mean
+// reflected sky) below: linear in x, band by band.
+void WeatherLight::solve_surroundings() {
+  std::vector<double> sine_up, sine_down;
+  for (const SkyRing& r : sky) sine_up.push_back(r.sin_elevation);
+  for (const LowerRing& r : lower) sine_down.push_back(r.sin_elevation);
+  const std::vector<double> up = ring_weights(sine_up), down = ring_weights(sine_down);
+  surroundings = AirSpectrum(kAirBandCount, 0.0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (!chosen(bands_, b)) continue;
+    double thermal = 0, share = 0, emitted = 0;
+    for (std::size_t r = 0; r < sky.size(); ++r) {
+      thermal += up[r] * sky[r].layers.thermal_w_m2_sr_um[b];
+      share += up[r] * sky[r].layers.surroundings_share[b];
+    }
+    for (std::size_t r = 0; r < lower.size(); ++r) emitted += down[r] * lower[r].emission[b];
+    const double sky_part =
+        1 - 0.5 * (surface_planck[b] > 0 ? emitted / surface_planck[b] : 0);  // 1 - emissivity / 2
+    surroundings[b] = (sky_part * thermal + 0.5 * emitted) / (1 - sky_part * share);
+  }
+}
+
+void WeatherLight::finish(SkyRing& ring) const {
+  ring.total = ring.layers.thermal_w_m2_sr_um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    ring.total[b] += ring.layers.surroundings_share[b] * surroundings[b];
+  }
+}
+
+AirSpectrum WeatherLight::sky_ratio(std::uint32_t ring, const AbsorberAmounts& near) const {
+  const PathLayers::Emission seen = sky[ring].layers.behind(near);
+  AirSpectrum ratio(kAirBandCount, 0.0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (sky[ring].total[b] <= 0) continue;
+    ratio[b] = (seen.thermal_w_m2_sr_um[b] + seen.surroundings_share[b] * surroundings[b]) /
+               sky[ring].total[b];
+  }
+  return ratio;
+}
+
+void WeatherLight::finish(LowerRing& ring) const {
+  ring.reflected = AirSpectrum(kAirBandCount, 0.0);
+  for (std::size_t r = 0; r < ring.from_ring.size(); ++r) {
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      ring.reflected[b] += ring.from_ring[r][b] * sky[r].total[b];
+    }
+  }
+  ring.reflected_ratio = sky_ratio(ring.mirrored_ring, ring.layers.amounts());
+  ring.total = ring.layers.thermal_w_m2_sr_um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    ring.total[b] += ring.layers.surroundings_share[b] * surroundings[b] +
+                     ring.layers.transmittance[b] * ring.emission[b] +
+                     ring.reflected_ratio[b] * ring.reflected[b];
+  }
+}
+
+}  // namespace irsig

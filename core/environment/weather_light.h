@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/atmosphere/path_layers.h"
+#include "core/environment/environment.h"
+
+namespace irsig {
+
+// The thermal light of one weather at the target, on the air's bands: sky, air below the horizon
+// and sea, ring by ring of a set of direction nodes. Private to core/environment.
+
+struct SkyRing {
+  double sin_elevation;
+  PathLayers layers;
+  AirSpectrum total;  // [W m^-2 sr^-1 um^-1]
+};
+
+// The surface below the horizon as seen in one direction, azimuth 0.
+struct LowerRing {
+  // What the surface reflects, by the direction of the sky that it comes from.
+  struct Cell {
+    std::uint32_t ring, turn;  // of the sky; steps of azimuth from the direction of sight
+    AirSpectrum weight;        // share x reflectance
+  };
+  double sin_elevation;  // > 0: below the horizon by so much
+  PathLayers layers;     // of the air in front of the surface
+  std::vector<Cell> cell;
+  std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together
+  AirSpectrum emission;                // of the surface, with what it reflects of itself
+  std::uint32_t mirrored_ring;         // of the sky, where most of the reflection comes from
+  AirSpectrum reflected;               // thermal sky, at the surface
+  AirSpectrum reflected_ratio;         // of it at the target, by summed amounts
+  AirSpectrum total;                   // at the target
+};
+
+class WeatherLight {
+ public:
+  WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+               const DirectionNodes& nodes, const BandChoice& bands);
+
+  std::vector<SkyRing> sky;  // rings of the nodes
+  std::vector<LowerRing> lower;
+  AirSpectrum surroundings;  // mean radiance around, scattered into paths
+  AirSpectrum surface_planck;
+  // Means over the hemisphere above: radiance, and one sigma of its model.
+  AirSpectrum sky_mean, sky_model_error;
+  double lower_model_relative = 0;
+  double sky_interpolation = 0, lower_interpolation = 0;
+
+  // Radiance of the sky's ring through so much air in front, over its own.
+  [[nodiscard]] AirSpectrum sky_ratio(std::uint32_t ring, const AbsorberAmounts& near) const;
+
+ private:
+  [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
+  [[nodiscard]] LowerRing make_lower(double sin_elevation) const;
+  void reflect_from_facets(LowerRing& ring, double cos_zenith) const;
+  void reflect_diffusely(LowerRing& ring) const;
+  void finish(SkyRing& ring) const;
+  void finish(LowerRing& ring) const;
+  void solve_surroundings();
+
+  const LowerSpec& spec_;
+  const Atmosphere& atmosphere_;
+  double height_m_;
+  const DirectionNodes& nodes_;
+  const BandChoice& bands_;
+  bool refraction_;
+  std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
+};
+
+// Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
+[[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);
+
+// Mean over the bands of error / radiance.
+[[nodiscard]] double mean_relative(const AirSpectrum& error, const AirSpectrum& radiance);
+
+// The sine of the depression at which the sea's horizon lies, seen from a height.
+[[nodiscard]] double sin_of_dip(const AirProfile& air, double height_m, bool refraction);
+
+}  // namespace irsig

@@ -1,0 +1,181 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
+#include "jobs/check_weather.h"
+
+namespace irsig {
+namespace {
+
+// Days of a year without a leap day: a day more or less decides nothing here.
+constexpr std::array<int, 12> kDaysBefore = {0, 31, 59, 90, 120, 151, 181, 212, 243, 273, 304, 334};
+
+int day_of_year(int month, int day) {
+  return kDaysBefore[static_cast<std::size_t>(month - 1)] + day;
+}
+
+// The upper limb of the sun, raised by refraction, touches the horizon.
+constexpr double kSunriseDeg = -0.833;
+
+// From the first day of the meteorological season to the last of the astronomical one, in the
+// north.
+struct NamedSeason {
+  const char* name;
+  int first_day, last_day;  // of the year; winter goes across its end
+  const char* dates;
+  const char* southern_dates;
+};
+constexpr std::array<NamedSeason, 5> kSeasons = {
+    {{"winter", 335, 80, "December 1 to March 21", "June 1 to September 21"},
+     {"spring", 60, 173, "March 1 to June 22", "September 1 to December 22"},
+     {"summer", 152, 267, "June 1 to September 24", "December 1 to March 24"},
+     {"autumn", 244, 356, "September 1 to December 22", "March 1 to June 22"},
+     {"fall", 244, 356, "September 1 to December 22", "March 1 to June 22"}}};
+
+// Days from a day to the nearest of the season; 0 inside.
+int days_outside(const NamedSeason& season, int day) {
+  const auto around = [](int from, int to) { return ((to - from) % 365 + 365) % 365; };
+  const int length = around(season.first_day, season.last_day);
+  const int since = around(season.first_day, day);
+  return since <= length ? 0 : std::min(since - length, 365 - since);
+}
+
+std::set<std::string> words_of(const std::string& name) {
+  std::set<std::string> words;
+  std::string word;
+  for (const char c : absl::AsciiStrToLower(name) + " ") {
+    if (absl::ascii_isalpha(static_cast<unsigned char>(c))) {
+      word += c;
+    } else if (!word.empty()) {
+      words.insert(word);
+      word.clear();
+    }
+  }
+  return words;
+}
+
+void check_season_name(schema::ResolvedSweep& resolved, int s, Findings& findings) {
+  const schema::Season& season = resolved.sweep().season(s);
+  const schema::Place& place = resolved.sweep().place();
+  const std::set<std::string> words = words_of(season.name());
+  const bool south = place.latitude_deg() < 0;
+  int day = day_of_year(std::atoi(season.date().substr(5, 2).c_str()),
+                        std::atoi(season.date().substr(8).c_str()));
+  if (south) day = (day + 182) % 365;
+  for (const NamedSeason& named : kSeasons) {
+    if (!words.contains(named.name)) continue;
+    const int outside = days_outside(named, day);
+    if (outside == 0) continue;
+    const std::string path = absl::StrCat("season[", s, "].name");
+    const std::string what =
+        absl::StrCat(path, " = \"", season.name(), "\" and date = ", season.date(),
+                     " at place.latitude_deg = ", place.latitude_deg());
+    const std::string expected = absl::StrCat(named.name, " lasts from ",
+                                              south ? named.southern_dates : named.dates, " there");
+    if (outside > 31) {
+      findings.add(path, absl::StrCat(what, " contradict each other: ", expected));
+    } else {
+      warn_season(resolved, s, absl::StrCat(what, " are ", outside, " days apart: ", expected));
+    }
+  }
+}
+
+void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Condition& condition,
+                        double elevation_deg, Findings& findings) {
+  const std::set<std::string> words = words_of(condition.season());
+  if (words.contains("polar") || words.contains("white") || words.contains("sun")) return;
+  const bool night = words.contains("night") || words.contains("midnight");
+  const bool day = words.contains("noon") || words.contains("midday") || words.contains("daytime");
+  if (!(night && elevation_deg > 0) && !(day && elevation_deg < kSunriseDeg)) return;
+  const std::string path = absl::StrCat("season[", condition.season_index(), "].name");
+  findings.add(path,
+               absl::StrCat(path, " = \"", condition.season(), "\" contradicts time[",
+                            condition.time_index(), "] = \"",
+                            resolved.sweep().time(static_cast<int>(condition.time_index())),
+                            "\": the sun is then ", std::abs(std::round(elevation_deg * 10) / 10),
+                            " deg ", elevation_deg > 0 ? "above" : "below", " the horizon"));
+}
+
+// The sun's largest elevation on the day of a condition, to 0.1 deg.
+double highest_sun_deg(const schema::Place& place, const schema::Condition& condition) {
+  double highest_deg = -90;
+  schema::Condition hour = condition;
+  const std::string date = condition.time_utc().substr(0, 10);
+  for (int h = 0; h < 24; ++h) {
+    for (const char* minute : {"00", "20", "40"}) {
+      hour.set_time_utc(absl::StrCat(date, "T", h < 10 ? "0" : "", h, ":", minute, ":00Z"));
+      highest_deg = std::max(highest_deg, sun_there(place, hour).elevation_deg);
+    }
+  }
+  return highest_deg;
+}
+
+// Sunlight that is asked for and never comes.
+void check_sun_rises(schema::ResolvedSweep& resolved, double highest_deg) {
+  const schema::Place place = resolved.sweep().place();
+  const int times = resolved.sweep().time_size();
+  bool polar_night = false;
+  for (int s = 0; s < resolved.sweep().season_size(); ++s) {
+    const double of_day_deg = highest_sun_deg(place, resolved.condition(s * times));
+    if (of_day_deg > kSunriseDeg) continue;
+    polar_night = true;
+    warn_season(resolved, s,
+                absl::StrCat("season[", s, "].date = ", resolved.sweep().season(s).date(),
+                             " is polar night at place.latitude_deg = ", place.latitude_deg(),
+                             ": transport.sun = true, but the sun stays ",
+                             std::round(-of_day_deg * 10) / 10, " deg below the horizon all day"));
+  }
+  if (polar_night || highest_deg > kSunriseDeg) return;
+  for (int s = 0; s < resolved.sweep().season_size(); ++s)
+    warn_season(resolved, s,
+                absl::StrCat("transport.sun = true, but the sun is below the horizon at every time "
+                             "of this sweep, by ",
+                             std::round(-highest_deg * 10) / 10, " deg or more"));
+}
+
+}  // namespace
+
+void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& what) {
+  for (schema::Condition& condition : *resolved.mutable_condition()) {
+    if (static_cast<int>(condition.season_index()) != season_index) continue;
+    const auto& known = condition.warning();
+    if (std::find(known.begin(), known.end(), what) == known.end())
+      condition.add_warning(one_line(what));
+  }
+}
+
+SunThere sun_there(const schema::Place& place, const schema::Condition& condition) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  const auto time = parse_rfc3339(condition.time_utc());
+  if (!time.ok()) return {0, kUnknown};  // resolve_conditions wrote it
+  const auto sun =
+      sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+  return {day_of_year(time->month, time->day), sun.ok() ? 90 - sun->zenith_deg : kUnknown};
+}
+
+void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
+  if (!resolved.sweep().has_place()) return;
+  for (int s = 0; s < resolved.sweep().season_size(); ++s) check_season_name(resolved, s, findings);
+  double highest_deg = -90;
+  for (const schema::Condition& condition : resolved.condition()) {
+    const double elevation_deg = sun_there(resolved.sweep().place(), condition).elevation_deg;
+    highest_deg = std::max(highest_deg, elevation_deg);
+    check_hour_in_name(resolved, condition, elevation_deg, findings);
+  }
+  if (resolved.sweep().transport().sun()) check_sun_rises(resolved, highest_deg);
+}
+
+void check_weather(schema::ResolvedSweep& resolved, Findings& findings) {
+  check_calendar(resolved, findings);
+  check_surfaces(resolved, findings);
+}
+
+}  // namespace irsig

@@ -1,0 +1,232 @@
+#include "jobs/check_weather.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "core/atmosphere/air_profile.h"
+#include "jobs/environment/weather_from_message.h"
+
+namespace irsig {
+namespace {
+
+// One season of a sweep with the embedded atmosphere.
+class SeasonGate {
+ public:
+  SeasonGate(schema::ResolvedSweep& resolved, int s, Findings& findings)
+      : resolved_(resolved),
+        sweep_(resolved.sweep()),
+        season_(sweep_.season(s)),
+        condition_(resolved.condition(s * sweep_.time_size())),
+        weather_(condition_.weather()),
+        findings_(findings),
+        index_(s) {}
+
+  void check() {
+    check_profile();
+    check_pressure();
+    check_aerosol();
+    if (condition_.surroundings().kind() == "sea") check_sea();
+    if (condition_.surroundings().kind() == "ground") check_ground();
+    for (int p = 0; p < sweep_.part_size(); ++p) check_part(p);
+  }
+
+ private:
+  void contradiction(const std::string& path, const std::string& what) {
+    findings_.add(path, absl::StrCat(path, " ", what));
+  }
+  void odd(const std::string& path, const std::string& what) {
+    warn_season(resolved_, index_, absl::StrCat(path, " ", what));
+  }
+
+  // Where a key of this season is stated: by the season, or by the sweep's own table.
+  [[nodiscard]] std::string of_season(const std::string& key) const {
+    return absl::StrCat("season[", index_, "].", key);
+  }
+  [[nodiscard]] std::string of_surroundings(const std::string& key, bool in_season) const {
+    return in_season ? of_season("surroundings." + key) : "surroundings." + key;
+  }
+  // How the air's temperature came to be, for messages.
+  [[nodiscard]] std::string air_text() const {
+    return weather_.surface_stated()
+               ? absl::StrCat("air_temperature_k = ", weather_.air_temperature_k())
+               : absl::StrCat("the profile's air at the surface, ", weather_.air_temperature_k(),
+                              " K");
+  }
+
+  // A profile that somebody chose, against date and place.
+  void check_profile() {
+    const bool own = season_.has_profile();
+    if (own || (sweep_.air().has_profile() && !season_.has_profile_file()))
+      check_profile_name(own ? of_season("profile") : "air.profile");
+    if (!weather_.surface_stated()) return;
+    schema::Weather unbent = weather_;
+    unbent.set_surface_stated(false);
+    const auto profile = profile_surface_k(unbent);
+    const double warmer_k = weather_.air_temperature_k() - profile;
+    if (std::abs(warmer_k) > 25)
+      odd(of_season("air_temperature_k"),
+          absl::StrCat("= ", weather_.air_temperature_k(), " is ", std::abs(warmer_k), " K ",
+                       warmer_k > 0 ? "above" : "below", " the surface of the profile \"",
+                       weather_.profile(), "\" (", profile, " K) that is bent to it"));
+  }
+
+  static double profile_surface_k(const schema::Weather& unbent);
+
+  void check_profile_name(const std::string& path) {
+    if (!sweep_.has_place()) return;
+    const double latitude_deg = sweep_.place().latitude_deg();
+    const std::string& name = weather_.profile();
+    int month = std::atoi(season_.date().substr(5, 2).c_str());
+    if (latitude_deg < 0) month = (month + 5) % 12 + 1;  // six months later
+    const bool of_summer = name.ends_with("summer"), of_winter = name.ends_with("winter");
+    const bool in_winter = month <= 2 || month >= 11, in_summer = month >= 5 && month <= 8;
+    const std::string what =
+        absl::StrCat("= \"", name, "\" and ", of_season("date"), " = ", season_.date(),
+                     " at place.latitude_deg = ", latitude_deg);
+    if ((of_summer && in_winter) || (of_winter && in_summer)) {
+      contradiction(path, absl::StrCat(what, " contradict each other: the date is in ",
+                                       in_winter ? "winter" : "summer"));
+    } else if ((of_summer && (month == 3 || month == 10)) ||
+               (of_winter && (month == 4 || month == 9))) {
+      odd(path, absl::StrCat(what, ": the date is near the other half of the year"));
+    }
+    const double poleward_deg = std::abs(latitude_deg);
+    if ((name == "tropical" && poleward_deg > 45) ||
+        (name.starts_with("midlatitude") && (poleward_deg < 15 || poleward_deg > 70)) ||
+        (name.starts_with("subarctic") && poleward_deg < 40)) {
+      odd(path, absl::StrCat("= \"", name, "\" is far from place.latitude_deg = ", latitude_deg));
+    }
+  }
+
+  // Sea level has had 870 to 1085 hPa; 15 % and 8 % about the standard atmosphere's.
+  void check_pressure() {
+    if (!sweep_.has_place()) return;
+    const double height_m = sweep_.place().height_m();
+    const double standard_pa = 101325 * std::pow(std::max(0.0, 1 - 2.25577e-5 * height_m), 5.25588);
+    const double ratio = weather_.pressure_pa() / standard_pa;
+    const std::string path =
+        weather_.surface_stated() ? of_season("pressure_pa") : std::string("place.height_m");
+    const std::string what =
+        weather_.surface_stated()
+            ? absl::StrCat("= ", weather_.pressure_pa(), " and place.height_m = ", height_m)
+            : absl::StrCat("= ", height_m, " and the profile's ", weather_.pressure_pa(),
+                           " Pa at the surface");
+    const std::string expected =
+        absl::StrCat("the standard atmosphere has ", std::round(standard_pa), " Pa there");
+    if (!(ratio > 0.85 && ratio < 1.08)) {
+      contradiction(
+          path,
+          absl::StrCat(what, " contradict each other: ", expected,
+                       weather_.surface_stated() ? "" : ", expected the season's surface weather"));
+    } else if (!(ratio > 0.95 && ratio < 1.05)) {
+      odd(path, absl::StrCat(what, " fit badly: ", expected));
+    }
+  }
+
+  void check_aerosol() {
+    const bool fog = weather_.aerosol() == "advection_fog" || weather_.aerosol() == "radiation_fog";
+    const std::string visibility =
+        season_.has_visibility_m() ? of_season("visibility_m") : "air.visibility_m";
+    if (fog && weather_.relative_humidity_percent() < 95)
+      odd("air.aerosol",
+          absl::StrCat("= \"", weather_.aerosol(), "\", but the air at the surface has ",
+                       weather_.relative_humidity_percent(), " % relative humidity in season \"",
+                       season_.name(), "\": fog needs 95 % or more"));
+    if (fog && weather_.visibility_m() > 1000)
+      odd(visibility, absl::StrCat("= ", weather_.visibility_m(), " in air.aerosol = \"",
+                                   weather_.aerosol(), "\": fog is a visibility below 1 km"));
+    if (!fog && weather_.visibility_m() > 0 && weather_.visibility_m() < 1000)
+      odd(visibility, absl::StrCat("= ", weather_.visibility_m(), " is fog, but air.aerosol = \"",
+                                   weather_.aerosol(), "\""));
+  }
+
+  // Against the air above: `limit` is a contradiction, `odd_limit` odd.
+  void check_step(const std::string& path, double surface_k, double odd_limit_k, double limit_k) {
+    const double step_k = surface_k - weather_.air_temperature_k();
+    const std::string what = absl::StrCat("= ", surface_k, " and ", air_text(), " in season \"",
+                                          season_.name(), "\" differ by ", std::abs(step_k), " K");
+    if (std::abs(step_k) > limit_k) {
+      contradiction(path, absl::StrCat(what, ", expected at most ", limit_k, " K"));
+    } else if (std::abs(step_k) > odd_limit_k) {
+      odd(path, what);
+    }
+  }
+
+  void check_sea() {
+    const double sea_k = condition_.surroundings().sea_temperature_k();
+    const std::string path =
+        of_surroundings("sea_temperature_k", season_.surroundings().has_sea_temperature_k());
+    if (sea_k < 271.3) {
+      contradiction(path, absl::StrCat("= ", sea_k,
+                                       " is ice, expected 271.3 K, where sea water "
+                                       "freezes, or more"));
+    } else if (sea_k > 308) {
+      contradiction(path, absl::StrCat("= ", sea_k,
+                                       " is warmer than any sea, expected at most "
+                                       "308 K"));
+    } else {
+      check_step(path, sea_k, 15, 30);
+    }
+    if (sweep_.has_place() && sweep_.place().height_m() > 3000)
+      odd("place.height_m",
+          absl::StrCat("= ", sweep_.place().height_m(), ", but surroundings.kind = \"sea\""));
+  }
+
+  // Dry soil in the sun is 40 K above the air at 1.5 m, snow in a calm night 15 K below.
+  void check_ground() {
+    const double ground_k = condition_.surroundings().ground_temperature_k();
+    const std::string path =
+        of_surroundings("ground_temperature_k", season_.surroundings().has_ground_temperature_k());
+    if (!(ground_k >= 180 && ground_k <= 370)) {
+      contradiction(path, absl::StrCat("= ", ground_k, ", expected 180 to 370 K"));
+    } else {
+      check_step(path, ground_k, 30, 60);
+    }
+  }
+
+  // What cools by radiation ends at the sky's temperature; the broadband one of a clear sky is
+  // 0.0552 T^1.5 of the air's [swinbank1963], 20 K less where the air is driest.
+  void check_part(int p) {
+    const schema::Part& part = sweep_.part(p);
+    const double part_k = condition_.part_temperature_k(p);
+    const bool in_season = season_.part_temperature_k().contains(part.name());
+    const std::string path = in_season ? of_season("part_temperature_k." + part.name())
+                                       : absl::StrCat("part[", p, "].temperature_k");
+    const double coldest_sky_k = 0.0552 * std::pow(weather_.air_temperature_k(), 1.5) - 20;
+    if (part_k < coldest_sky_k) {
+      odd(path,
+          absl::StrCat("= ", part_k, " is colder than any sky above ", air_text(), " in season \"",
+                       season_.name(), "\" (", std::round(coldest_sky_k), " K)"));
+    } else if (part_k < weather_.air_temperature_k() - 20) {
+      odd(path, absl::StrCat("= ", part_k, " is more than 20 K colder than ", air_text(),
+                             " in season \"", season_.name(), "\""));
+    }
+  }
+
+  schema::ResolvedSweep& resolved_;
+  const schema::Sweep& sweep_;
+  const schema::Season& season_;
+  const schema::Condition& condition_;
+  const schema::Weather& weather_;
+  Findings& findings_;
+  int index_;
+};
+
+double SeasonGate::profile_surface_k(const schema::Weather& unbent) {
+  const auto profile = profile_from_message(unbent);
+  return profile.ok() ? profile->level.front().temperature_k : unbent.air_temperature_k();
+}
+
+}  // namespace
+
+void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings) {
+  if (!has_atmosphere(resolved)) return;
+  for (int s = 0; s < resolved.sweep().season_size(); ++s)
+    SeasonGate(resolved, s, findings).check();
+  if (findings.empty()) check_lines(resolved, findings);
+}
+
+}  // namespace irsig

@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "core/atmosphere/air_profile.h"
+#include "jobs/environment/weather_from_message.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kDefaultCo2Ppmv = 425;  // AtmosphereSpec's: the mean of 2024
+constexpr double kDefaultAirMass = 3;    // AerosolSpec's
+constexpr double kMostWindMS = 20;       // Cox and Munk's slopes, the Navy's aerosol
+
+SectionCheck::Names profile_names() {
+  SectionCheck::Names names;
+  for (const AfglProfile p : {AfglProfile::kTropical, AfglProfile::kMidlatitudeSummer,
+                              AfglProfile::kMidlatitudeWinter, AfglProfile::kSubarcticSummer,
+                              AfglProfile::kSubarcticWinter, AfglProfile::kUsStandard1976}) {
+    names.push_back(name_of(p).data());  // of string literals
+  }
+  return names;
+}
+
+bool navy(const schema::Air& air) { return air.aerosol() == "navy_maritime"; }
+
+void check_homogeneous(const SectionCheck& check) {
+  check.only({"model", "absorption_m2_kg", "pressure_pa", "gas_constant_j_kg_k", "path_emission"},
+             "to model \"homogeneous\"");
+  check.require({"absorption_m2_kg"}, "expected the mass absorption coefficient in m2/kg");
+  check.require({"pressure_pa"}, "expected the air pressure in Pa (101325 at sea level)");
+  check.require({"gas_constant_j_kg_k"},
+                "expected the specific gas constant in J/(kg K) (287 for dry air)");
+  check.require({"path_emission"}, "expected true or false: whether the air itself radiates");
+  check.within("absorption_m2_kg", 0, 1e6);
+  check.within("pressure_pa", 0, 1e9);
+  check.above("gas_constant_j_kg_k", 0);
+}
+
+void check_atmosphere(const schema::Sweep& sweep, const SectionCheck& check) {
+  const schema::Air& air = sweep.air();
+  check.only({"model", "profile", "profile_file", "aerosol", "visibility_m", "air_mass", "co2_ppmv",
+              "refraction"},
+             "to model \"atmosphere\"");
+  (void)check.at_most_one({"profile", "profile_file"});
+  (void)check.one_of("profile", profile_names());
+  const auto aerosols = aerosol_names();
+  check.require({"aerosol"},
+                "expected the particles in the air: \"maritime\", \"rural\", \"none\" ...");
+  const bool known = check.one_of("aerosol", {aerosols.begin(), aerosols.end()});
+  check.within("visibility_m", 100, 100e3);
+  check.within("air_mass", 1, 10);
+  check.within("co2_ppmv", 0, 10000);
+  if (!known) return;
+  if (air.has_air_mass() && !navy(air))
+    check.error("air_mass", absl::StrCat("does not apply to aerosol \"", air.aerosol(),
+                                         "\", expected only with \"navy_maritime\""));
+  if (air.aerosol() == "none") {
+    if (air.has_visibility_m()) check.error("visibility_m", "does not apply to aerosol \"none\"");
+    return;
+  }
+  const bool in_every_season =
+      std::all_of(sweep.season().begin(), sweep.season().end(),
+                  [](const schema::Season& s) { return s.has_visibility_m(); });
+  if (!in_every_season && !navy(air))
+    check.require({"visibility_m"},
+                  "expected the meteorological range in metres, here or in every season");
+}
+
+// Of air at `temperature_k`; bisection, since it is for a message.
+double dew_point_k(double temperature_k, double humidity_percent) {
+  const double vapour_pa = humidity_percent / 100 * saturation_pressure_pa(temperature_k);
+  double low_k = 150, high_k = 400;
+  for (int i = 0; i < 60; ++i) {
+    const double middle_k = (low_k + high_k) / 2;
+    (saturation_pressure_pa(middle_k) < vapour_pa ? low_k : high_k) = middle_k;
+  }
+  return low_k;
+}
+
+void check_surface_weather(const schema::Season& season, const SectionCheck& check) {
+  const SectionCheck::Names names = {"air_temperature_k", "relative_humidity_percent",
+                                     "pressure_pa"};
+  const auto stated =
+      std::count_if(names.begin(), names.end(), [&](const char* name) { return check.has(name); });
+  if (stated > 0)
+    check.require(names,
+                  "expected the weather at the surface in all of air_temperature_k, "
+                  "relative_humidity_percent and pressure_pa, or in none of them");
+  // The limits of bend_to_surface().
+  check.within("air_temperature_k", 180, 340);
+  check.within("pressure_pa", 5e4, 1.1e5);
+  if (season.relative_humidity_percent() > 100 && season.has_air_temperature_k()) {
+    check.error("relative_humidity_percent",
+                absl::StrCat("= ", season.relative_humidity_percent(), " puts the dew point at ",
+                             absl::SixDigits(dew_point_k(season.air_temperature_k(),
+                                                         season.relative_humidity_percent())),
+                             " K, above air_temperature_k = ", season.air_temperature_k(),
+                             ", expected a number from 0 to 100"));
+  } else {
+    check.within("relative_humidity_percent", 0, 100);
+  }
+}
+
+void check_wind(const schema::Air& air, const schema::Surroundings& surroundings,
+                const SectionCheck& check) {
+  const bool rough = surroundings.kind() == "sea" && surroundings.sea_model() == "cox_munk";
+  const std::string why =
+      rough ? "sea_model = \"cox_munk\"" : absl::StrCat("air.aerosol = \"", air.aerosol(), "\"");
+  check.within("wind_speed_m_s", 0, kMostWindMS);
+  check.within("wind_speed_24h_m_s", 0, kMostWindMS);
+  if (rough || navy(air)) {
+    check.require(
+        {"wind_speed_m_s"},
+        absl::StrCat("expected the wind 10 m above the surface: ", why, " depends on it"));
+  } else if (check.has("wind_speed_m_s")) {
+    check.error("wind_speed_m_s",
+                "does not apply, expected only with sea_model \"cox_munk\" or aerosol "
+                "\"navy_maritime\"");
+  }
+  if (!navy(air) && check.has("wind_speed_24h_m_s"))
+    check.error("wind_speed_24h_m_s",
+                "does not apply, expected only with air.aerosol = \"navy_maritime\"");
+}
+
+// Whether the season's profile follows from place and date.
+bool by_place(const schema::Sweep& sweep, const schema::Season& season) {
+  if (season.has_profile()) return false;
+  return season.has_profile_file() || !sweep.air().has_profile();
+}
+
+void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& season,
+                             const schema::Surroundings& surroundings, const SectionCheck& check,
+                             Findings& findings) {
+  const schema::Air& air = sweep.air();
+  if (season.has_sun_irradiance_w_m2())
+    check.error("sun_irradiance_w_m2",
+                "does not apply to air.model \"atmosphere\", which computes the sun's irradiance");
+  check_surface_weather(season, check);
+  check_wind(air, surroundings, check);
+  check.within("visibility_m", 100, 100e3);
+  if (air.aerosol() == "none" && season.has_visibility_m())
+    check.error("visibility_m", "does not apply to air.aerosol \"none\"");
+  (void)check.at_most_one({"profile", "profile_file"});
+  (void)check.one_of("profile", profile_names());
+  if (by_place(sweep, season) && !sweep.place().has_latitude_deg())
+    findings.add(sweep.has_place() ? "place" : "air",
+                 "place.latitude_deg is missing, expected it or air.profile: the atmosphere's "
+                 "profile follows from latitude and date");
+}
+
+void resolve_profile(const SweepFile& file, int season_index, int month, schema::Weather& weather,
+                     Findings& findings) {
+  const schema::Sweep& sweep = file.sweep;
+  const schema::Season& season = sweep.season(season_index);
+  weather.set_profile(season.has_profile()      ? season.profile()
+                      : by_place(sweep, season) ? std::string(name_of(default_afgl_profile(
+                                                      sweep.place().latitude_deg(), month)))
+                                                : sweep.air().profile());
+  const bool own_file = season.has_profile_file();
+  if (!own_file && (season.has_profile() || !sweep.air().has_profile_file())) return;
+  const std::string path =
+      own_file ? absl::StrCat("season[", season_index, "].profile_file") : "air.profile_file";
+  const auto text = file.content.find(path);
+  if (text == file.content.end()) {
+    findings.add(path, path + " was not read");
+    return;
+  }
+  weather.set_profile_file_name(own_file ? season.profile_file() : sweep.air().profile_file());
+  weather.set_profile_csv(text->second);
+}
+
+}  // namespace
+
+void check_air(const schema::Sweep& sweep, Findings& findings) {
+  constexpr const char* kModels = "expected model = \"vacuum\", \"homogeneous\" or \"atmosphere\"";
+  if (!sweep.has_air()) {
+    findings.add("air", absl::StrCat("[air] is missing, ", kModels));
+    return;
+  }
+  const SectionCheck check(sweep.air(), "air", findings);
+  check.require({"model"}, "expected \"vacuum\", \"homogeneous\" or \"atmosphere\"");
+  if (!check.one_of("model", {"vacuum", "homogeneous", "atmosphere"})) return;
+  if (sweep.air().model() == "vacuum") check.only({"model"}, "to model \"vacuum\"");
+  if (sweep.air().model() == "homogeneous") check_homogeneous(check);
+  if (sweep.air().model() == "atmosphere") check_atmosphere(sweep, check);
+}
+
+void check_season_air(const schema::Sweep& sweep, int season_index,
+                      const schema::Surroundings& surroundings, Findings& findings) {
+  const schema::Season& season = sweep.season(season_index);
+  const SectionCheck check(season, absl::StrCat("season[", season_index, "]"), findings);
+  const std::string& model = sweep.air().model();
+  if (model == "atmosphere") {
+    check_weather_of_season(sweep, season, surroundings, check, findings);
+    return;
+  }
+  if (model == "vacuum" || model == "homogeneous")
+    check.only({"name", "date", "part_temperature_k", "surroundings", "sun_irradiance_w_m2",
+                "air_temperature_k"},
+               absl::StrCat("to air.model \"", model, "\""));
+  if (model == "homogeneous")
+    check.require({"air_temperature_k"}, "expected the air's temperature: the air is homogeneous");
+  check.within("air_temperature_k", 0, kHottestK);
+  if (season.has_air_temperature_k() && season.air_temperature_k() == 0 && model == "homogeneous")
+    check.error("air_temperature_k",
+                "= 0, expected a temperature above 0: the air's density depends on it");
+}
+
+schema::Weather resolve_weather(const SweepFile& file, int season_index, int month,
+                                Findings& findings) {
+  const schema::Air& air = file.sweep.air();
+  const schema::Season& season = file.sweep.season(season_index);
+  schema::Weather weather;
+  resolve_profile(file, season_index, month, weather, findings);
+  weather.set_aerosol(air.aerosol());
+  weather.set_visibility_m(season.has_visibility_m() ? season.visibility_m() : air.visibility_m());
+  if (navy(air)) {
+    weather.set_air_mass(air.has_air_mass() ? air.air_mass() : kDefaultAirMass);
+    weather.set_wind_speed_24h_m_s(season.has_wind_speed_24h_m_s() ? season.wind_speed_24h_m_s()
+                                                                   : season.wind_speed_m_s());
+  }
+  weather.set_wind_speed_m_s(season.wind_speed_m_s());
+  // LOWTRAN's rule: the season of what lies above 2 km is the profile's.
+  weather.set_summer_troposphere(weather.profile().find("winter") == std::string::npos);
+  weather.set_co2_ppmv(air.has_co2_ppmv() ? air.co2_ppmv() : kDefaultCo2Ppmv);
+  weather.set_refraction(!air.has_refraction() || air.refraction());
+  weather.set_surface_stated(season.has_air_temperature_k());
+  weather.set_air_temperature_k(season.air_temperature_k());
+  weather.set_relative_humidity_percent(season.relative_humidity_percent());
+  weather.set_pressure_pa(season.pressure_pa());
+  if (season.has_modtran_file()) {
+    const std::string path = absl::StrCat("season[", season_index, "].modtran_file");
+    const auto text = file.content.find(path);
+    if (text == file.content.end()) {
+      findings.add(path, path + " was not read");
+    } else {
+      weather.set_modtran_file_name(season.modtran_file());
+      weather.set_modtran_text(text->second);
+    }
+  }
+  if (!findings.empty() || weather.surface_stated()) return weather;
+  // What the profile has there, so that nobody has to ask again.
+  const auto profile = profile_from_message(weather);
+  if (!profile.ok()) {
+    const std::string path = absl::StrCat("season[", season_index, "]");
+    findings.add(path, absl::StrCat(path, " has no profile: ", profile.status().message()));
+    return weather;
+  }
+  const AirLevel& surface = profile->level.front();
+  weather.set_air_temperature_k(surface.temperature_k);
+  weather.set_relative_humidity_percent(relative_humidity_percent(surface));
+  weather.set_pressure_pa(surface.pressure_pa);
+  return weather;
+}
+
+void write_air_defaults(schema::Air& air) {
+  if (air.model() != "atmosphere") return;
+  if (!air.has_co2_ppmv()) air.set_co2_ppmv(kDefaultCo2Ppmv);
+  if (!air.has_refraction()) air.set_refraction(true);
+  if (navy(air) && !air.has_air_mass()) air.set_air_mass(kDefaultAirMass);
+}
+
+}  // namespace irsig

@@ -1,0 +1,81 @@
+#include "jobs/weather_files.h"
+
+#include "absl/strings/str_cat.h"
+#include "core/atmosphere/air_profile.h"
+#include "core/atmosphere/imported_path.h"
+#include "jobs/section_check.h"
+
+namespace irsig {
+namespace {
+
+// The text becomes part of every condition of its season.
+constexpr std::size_t kMostBytes = 8000000;
+
+class Reader {
+ public:
+  Reader(SweepFile& file, const FileReader& read) : file_(file), read_(read) {}
+
+  void profile(const std::string& path, const std::string& name) {
+    if (!take(path, name)) return;
+    const std::string& text = file_.content[path];
+    // What is wrong in it does not depend on the air above its last level.
+    const auto parsed =
+        parse_profile_csv(text, one_line(name), afgl_profile(AfglProfile::kUsStandard1976));
+    if (!parsed.ok()) add(std::string(parsed.status().message()));
+  }
+
+  void paths(const std::string& path, const std::string& name) {
+    if (!take(path, name)) return;
+    const std::string& text = file_.content[path];
+    const auto parsed = parse_imported_paths(text, one_line(name));
+    if (!parsed.ok()) add(std::string(parsed.status().message()));
+  }
+
+  [[nodiscard]] absl::Status status() const {
+    return wrong_.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong_);
+  }
+
+ private:
+  void add(const std::string& lines) {
+    absl::StrAppend(&wrong_, wrong_.empty() ? "" : "\n", lines);
+  }
+
+  bool take(const std::string& path, const std::string& name) {
+    const absl::StatusOr<std::string> bytes = read_(name);
+    std::string wrong;
+    if (!bytes.ok()) {
+      wrong = std::string(bytes.status().message());
+    } else if (bytes->empty()) {
+      wrong = "is empty";
+    } else if (bytes->size() > kMostBytes) {
+      wrong = absl::StrCat("has ", bytes->size(), " bytes, expected at most ", kMostBytes);
+    }
+    if (wrong.empty()) {
+      file_.content[path] = *bytes;
+    } else {
+      add(absl::StrCat(file_.location(path), ": ", path, " = \"", one_line(name), "\": ", wrong));
+    }
+    return wrong.empty();
+  }
+
+  SweepFile& file_;
+  const FileReader& read_;
+  std::string wrong_;
+};
+
+}  // namespace
+
+absl::Status read_weather_files(SweepFile& file, const FileReader& read) {
+  Reader reader(file, read);
+  if (file.sweep.air().has_profile_file())
+    reader.profile("air.profile_file", file.sweep.air().profile_file());
+  for (int i = 0; i < file.sweep.season_size(); ++i) {
+    const schema::Season& season = file.sweep.season(i);
+    const std::string path = absl::StrCat("season[", i, "].");
+    if (season.has_profile_file()) reader.profile(path + "profile_file", season.profile_file());
+    if (season.has_modtran_file()) reader.paths(path + "modtran_file", season.modtran_file());
+  }
+  return reader.status();
+}
+
+}  // namespace irsig

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "jobs/material_files.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+
+// Puts the text of every profile_file and modtran_file of [air] and [[season]] into file.content.
+// Call it between parse_sweep and resolve_sweep, which refuses a file that was not read. Errors
+// (INVALID_ARGUMENT, all of them, file:line:column): a file that cannot be read or is larger than
+// 8 MB, at its key; what is wrong in it, at its own lines.
+[[nodiscard]] absl::Status read_weather_files(SweepFile& file, const FileReader& read);
+
+}  // namespace irsig

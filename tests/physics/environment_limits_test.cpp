@@ -1,0 +1,398 @@
+// Rationale: sky, sea and sun must obey what is exact whatever the tables say. Expected: the errors
+// of products of band means that are known; the blackbody wherever all is of one temperature; the
+// limits of no air and of opaque air; the same bits in any order and number of threads. Source: the
+// random-overlap sums of core/atmosphere (atmosphere_limits_test.cpp), Kirchhoff, Planck.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "core/environment/environment.h"
+#include "core/spectral/planck.h"
+
+namespace irsig {
+namespace {
+
+std::vector<double> wavelengths() {
+  std::vector<double> um;
+  for (double x = 3.4; x < 5; x += 0.04) um.push_back(x);
+  for (double x = 8; x < 12; x += 0.08) um.push_back(x);
+  return um;
+}
+
+AtmosphereSpec summer(AerosolKind aerosol = AerosolKind::kMaritime) {
+  AtmosphereSpec spec{afgl_profile(AfglProfile::kMidlatitudeSummer), {}};
+  spec.aerosol.kind = aerosol;
+  spec.aerosol.visibility_m = 23e3;
+  return spec;
+}
+
+WeatherSpec sea_weather() {
+  WeatherSpec w{summer(), true, {}, nullptr};
+  w.lower.temperature_k = 293;
+  w.lower.wind_speed_m_s = 5;
+  return w;
+}
+
+ConditionEnvironment sunny(double zenith_deg, double azimuth_deg, std::uint32_t weather = 0) {
+  const double z = zenith_deg * M_PI / 180, a = azimuth_deg * M_PI / 180;
+  return {weather, true, {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)}, 1};
+}
+
+Environment::Line line(double range_m, double elevation_deg) {
+  return {range_m, elevation_deg, body_from_aspect(30, elevation_deg),
+          DirectionNodes({0.0f, 0.1f, 0.5f}, {0.05f, 0.2f, 0.7f}, 4)};
+}
+
+std::unique_ptr<const Environment> environment(std::vector<WeatherSpec> weather,
+                                               std::vector<ConditionEnvironment> condition,
+                                               double height_m = 10) {
+  auto made = Environment::make(std::move(weather), std::move(condition), height_m, wavelengths());
+  EXPECT_TRUE(made.ok()) << made.status();
+  return *std::move(made);
+}
+
+ViewEnvironment seen(const Environment& e, const Environment::Line& l,
+                     std::uint32_t condition = 0) {
+  const auto views = e.view(l, std::vector<std::uint32_t>{condition});
+  EXPECT_TRUE(views.ok()) << views.status();
+  return (*views)[0];
+}
+
+double in_band(const AirSpectrum& per_um, double min_um, double max_um) {
+  double sum = 0;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    const double um = air_band_lambda_um(b);
+    if (um >= min_um && um <= max_um) sum += um * um * per_um[b];
+  }
+  return sum;
+}
+
+TEST(EnvironmentLimits, ProductsOfBandMeansErrAsKnown) {
+  // 5 km of mid-latitude summer at sea level. Sun 30 deg from the zenith; sky: the mean over the
+  // hemisphere that a wall mirrors lies near 45 to 60 deg.
+  const Atmosphere air = *Atmosphere::make(summer(AerosolKind::kNone));
+  const AbsorberAmounts near = air.amounts(level_path(10, 5000));
+  const auto ratio = [&](const AirSpectrum& alone, const AirSpectrum& behind, double min_um,
+                         double max_um) {
+    AirSpectrum product = transmittance(near);
+    for (std::size_t b = 0; b < kAirBandCount; ++b) product[b] *= alone[b];
+    return in_band(product, min_um, max_um) / in_band(behind, min_um, max_um);
+  };
+  const AirSpectrum sun = air.sun_irradiance_w_m2_um(10, {30, 0});
+  const AirSpectrum sun_seen = air.sun_irradiance_w_m2_um(10, {30, 0}, &near);
+  EXPECT_NEAR(ratio(sun, sun_seen, 3.34, 5), 0.92, 0.01);
+  EXPECT_NEAR(ratio(sun, sun_seen, 8, 12), 0.89, 0.01);
+  const auto sky = [&](double zenith_deg, double min_um, double max_um) {
+    return ratio(air.sky_radiance(10, zenith_deg).thermal_w_m2_sr_um,
+                 air.sky_radiance(10, zenith_deg, {}, &near).thermal_w_m2_sr_um, min_um, max_um);
+  };
+  EXPECT_NEAR(sky(45, 3.34, 5), 1.42, 0.02);
+  EXPECT_NEAR(sky(60, 8, 12), 1.14, 0.02);
+
+  // And what a view holds is the exact one, not the product.
+  WeatherSpec w = sea_weather();
+  w.air = summer(AerosolKind::kNone);
+  const auto e = environment({w}, {sunny(30, 0)});
+  const ViewEnvironment v = seen(*e, line(5000, 0.03));
+  const LightPath leg =
+      *look_between(air.profile(), 10 + 5000 * std::sin(0.03 * M_PI / 180) + 1.96, 10, 5000);
+  const AbsorberAmounts amounts = air.amounts(leg);
+  const AirSpectrum direct = air.sun_irradiance_w_m2_um(10, {30, 0}, &amounts);
+  double product_error = 0;
+  const std::vector<double> um = wavelengths();
+  for (std::size_t i = 0; i < um.size(); ++i) {
+    const std::size_t b = *air_band(um[i]);
+    if (direct[b] < 1e-4) continue;
+    EXPECT_NEAR(v.sun_apparent[i] / v.sun[i],
+                direct[b] / air.sun_irradiance_w_m2_um(10, {30, 0})[b], 2e-3)
+        << um[i];
+    product_error =
+        std::max(product_error, std::abs(v.transmittance[i] * v.sun[i] / v.sun_apparent[i] - 1));
+  }
+  EXPECT_GT(product_error, 0.1);
+}
+
+// All of one temperature.
+AirProfile isothermal() {
+  AirProfile profile = afgl_profile(AfglProfile::kMidlatitudeSummer);
+  for (AirLevel& level : profile.level) {
+    level.temperature_k = 290;
+    level.gas.h2o_ppmv = std::min(level.gas.h2o_ppmv, 1e4);
+  }
+  return profile;
+}
+
+TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
+  // Opaque, and half of it scatters: emission, reflection and scattering have to add up.
+  WeatherSpec w{{isothermal(), {AerosolKind::kAdvectionFog, 200}}, true, {}, nullptr};
+  w.lower = {LowerSpec::Kind::kRoughSea, 290, 1, 7};
+  const std::vector<double> um = wavelengths();
+  for (const LowerSpec::Kind kind :
+       {LowerSpec::Kind::kRoughSea, LowerSpec::Kind::kFlatSea, LowerSpec::Kind::kGround}) {
+    w.lower.kind = kind;
+    w.lower.emissivity = 0.7;
+    const auto e = environment({w}, {{}});
+    for (const Environment::Line& l : {line(50, 5), line(3000, 1), line(20e3, 40)}) {
+      const ViewEnvironment v = seen(*e, l);
+      for (std::size_t i = 0; i < um.size(); ++i) {
+        const double planck = planck_radiance_w_m2_sr_um(um[i], 290);
+        for (std::size_t n = 0; n < v.node.size(); ++n) {
+          EXPECT_NEAR(v.node[n][i] / planck, 1, 1e-6) << um[i] << " node " << n;
+          EXPECT_NEAR((v.node_apparent[n][i] + v.path_radiance[i]) / planck, 1, 2e-3)
+              << um[i] << " node " << n;
+        }
+        for (const auto& b : v.behind_apparent) {
+          EXPECT_NEAR((b[i] + v.path_radiance[i]) / planck, 1, 2e-3) << um[i];
+        }
+      }
+    }
+  }
+}
+
+TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
+  // Black sea, no scattering but the molecules': what is seen below the horizon is the blackbody
+  // at the target and, with the path's radiance, at the sensor.
+  WeatherSpec w{{isothermal(), {}}, true, {LowerSpec::Kind::kGreySea, 290, 1, 0}, nullptr};
+  const auto e = environment({w}, {{}});
+  const std::vector<double> um = wavelengths();
+  const std::size_t sky = e->nodes().sky();
+  for (const Environment::Line& l : {line(1000, 2), line(30e3, 10), line(200e3, 30)}) {
+    const ViewEnvironment v = seen(*e, l);
+    for (std::size_t i = 0; i < um.size(); ++i) {
+      const double planck = planck_radiance_w_m2_sr_um(um[i], 290);
+      for (std::size_t n = sky; n < v.node.size(); ++n) {
+        EXPECT_NEAR(v.node[n][i] / planck, 1, 1e-4) << um[i];
+        EXPECT_NEAR((v.node_apparent[n][i] + v.path_radiance[i]) / planck, 1, 1e-4) << um[i];
+      }
+      // Sky: the emissivity of the whole path, which near air lengthens.
+      for (std::size_t n = 0; n < sky; ++n) {
+        EXPECT_LE(v.node[n][i], planck * (1 + 1e-9));
+        EXPECT_GE(v.node_apparent[n][i] + v.path_radiance[i], v.node[n][i] - 2e-3 * planck);
+        EXPECT_LE(v.node_apparent[n][i] + v.path_radiance[i], planck * (1 + 2e-3));
+      }
+    }
+  }
+}
+
+TEST(EnvironmentLimits, NoRangeNoAir) {
+  const auto e = environment({sea_weather()}, {sunny(50, 120)});
+  const ViewEnvironment v = seen(*e, line(0, 20));
+  for (std::size_t i = 0; i < v.transmittance.size(); ++i) {
+    EXPECT_EQ(v.transmittance[i], 1);
+    EXPECT_EQ(v.path_radiance[i], 0);
+    EXPECT_NEAR(v.sun_apparent[i], v.sun[i], 1e-12 * v.sun[i]);
+    for (std::size_t n = 0; n < v.node.size(); ++n) {
+      EXPECT_NEAR(v.node_apparent[n][i] / v.node[n][i], 1, 1e-9) << n;
+    }
+  }
+}
+
+TEST(EnvironmentLimits, OpaqueAirHidesEverything) {
+  WeatherSpec w = sea_weather();
+  w.air.aerosol = {AerosolKind::kRadiationFog, 100};
+  const auto e = environment({w}, {sunny(40, 0)});
+  const ViewEnvironment v = seen(*e, line(20e3, 0.2));
+  const std::vector<double> um = wavelengths();
+  for (std::size_t i = 0; i < um.size(); ++i) {
+    EXPECT_LT(v.transmittance[i], 1e-12);
+    EXPECT_LT(v.sun_apparent[i], 1e-12);
+    for (const auto& n : v.node_apparent) EXPECT_LT(n[i], 1e-9);
+    // Air of 294 K over a sea of 293 K.
+    EXPECT_NEAR(v.path_radiance[i] / planck_radiance_w_m2_sr_um(um[i], 294.2), 1, 0.05) << um[i];
+  }
+}
+
+TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
+  const Environment::Line l = line(5000, 0.03);
+  const double nan = std::nan("");
+  ImportedPath path{14.6,
+                    10,
+                    5000,
+                    nan,
+                    nan,
+                    nan,
+                    nan,
+                    nan,
+                    0,
+                    AirSpectrum(kAirBandCount, 0.4),
+                    AirSpectrum(kAirBandCount, 3.5),
+                    {},
+                    12};
+  const auto with = [&](ImportedPath p) {
+    WeatherSpec w = sea_weather();
+    w.imported = std::make_shared<const ImportedPaths>(ImportedPaths{"tape7", {std::move(p)}});
+    return environment({w}, {sunny(50, 120), {}});
+  };
+  const auto own = environment({sea_weather()}, {sunny(50, 120), {}});
+  const ViewEnvironment embedded = seen(*own, l);
+  const ViewEnvironment v = seen(*with(path), l);
+  const std::vector<double> um = wavelengths();
+  for (std::size_t i = 0; i < um.size(); ++i) {
+    EXPECT_EQ(v.transmittance[i], 0.4);
+    const double centre_um = air_band_lambda_um(*air_band(um[i]));
+    EXPECT_NEAR(
+        v.path_radiance[i] / 3.5,
+        planck_radiance_w_m2_sr_um(um[i], 294.1) / planck_radiance_w_m2_sr_um(centre_um, 294.1),
+        1e-4);
+    EXPECT_NEAR(v.sun_apparent[i], 0.4 * v.sun[i], 1e-12);
+    for (std::size_t n = 0; n < v.node.size(); ++n) {
+      EXPECT_EQ(v.node[n][i], embedded.node[n][i]);
+      EXPECT_NEAR(v.node_apparent[n][i], 0.4 * v.node[n][i], 1e-9 * v.node[n][i]);
+    }
+  }
+  EXPECT_GT(v.sun_model_relative, embedded.sun_model_relative);
+  EXPECT_GT(v.sky_model_relative, embedded.sky_model_relative);
+
+  // Transmittance alone: the embedded model's air, as much of it as the transmittance says.
+  ImportedPath dark = path;
+  dark.radiance_w_m2_sr_um.clear();
+  const ViewEnvironment night = seen(*with(dark), l, 1), night_own = seen(*own, l, 1);
+  for (std::size_t i = 0; i < um.size(); ++i) {
+    EXPECT_NEAR(night.path_radiance[i] / 0.6,
+                night_own.path_radiance[i] / (1 - night_own.transmittance[i]),
+                1e-6 * night.path_radiance[i]);
+  }
+
+  // Other lines of sight and missing wavelengths are refused.
+  EXPECT_EQ(with(path)->view(line(9000, 0.03), std::vector<std::uint32_t>{0}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  path.transmittance[*air_band(4.0)] = nan;
+  EXPECT_EQ(with(path)->view(l, std::vector<std::uint32_t>{0}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+TEST(EnvironmentLimits, SkyAndSeaMeetAtTheHorizon) {
+  // Through kilometres of air both are the air's: across the horizon nothing
+  // jumps by more than what the sea there mirrors from a higher, colder sky.
+  const auto e = environment({sea_weather()}, {{}});
+  const DirectionNodes& nodes = e->nodes();
+  const ViewEnvironment v = seen(*e, line(2000, 3));
+  const std::vector<double> um = wavelengths();
+  for (std::size_t i = 0; i < um.size(); ++i) {
+    const double sky = v.node[0][i], sea = v.node[nodes.sky()][i];
+    const double air = planck_radiance_w_m2_sr_um(um[i], 294.2);
+    EXPECT_LT(std::abs(sky - sea), 0.35 * air) << um[i];
+    EXPECT_GT(sky, v.node[nodes.sky() - 1][i]) << um[i];  // brighter than the zenith
+    // Straight down one sees the sea of 293 K through 10 m of air.
+    EXPECT_NEAR(v.node[nodes.count() - 1][i] / planck_radiance_w_m2_sr_um(um[i], 293), 1, 0.06);
+    EXPECT_GT(sea, 0.5 * air);
+    EXPECT_LT(sea, 1.01 * air);
+  }
+}
+
+TEST(EnvironmentLimits, HardCasesAreFiniteAndNotNegative) {
+  std::vector<WeatherSpec> weather;
+  const auto bent = [](AfglProfile profile, SurfaceWeather surface) {
+    return *bend_to_surface(afgl_profile(profile), surface);
+  };
+  for (const AirProfile& profile :
+       {bent(AfglProfile::kSubarcticWinter, {213.15, 0, 103e3}),
+        bent(AfglProfile::kTropical, {323.15, 30, 100e3}),
+        bent(AfglProfile::kMidlatitudeSummer, {288, 100, 101e3}),
+        // Inversion: 10 K colder at the surface than the profile has it.
+        bent(AfglProfile::kMidlatitudeSummer, {284, 80, 101e3})}) {
+    for (const double visibility_m : {200.0, 100e3}) {
+      WeatherSpec w = sea_weather();
+      w.air.profile = profile;
+      w.air.aerosol.visibility_m = visibility_m;
+      w.lower.temperature_k = std::clamp(profile.level[0].temperature_k, 271.0, 310.0);
+      w.lower.wind_speed_m_s = visibility_m < 1e3 ? 0 : 20;
+      weather.push_back(std::move(w));
+    }
+  }
+  std::vector<ConditionEnvironment> conditions;
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t i = 0; i < weather.size(); ++i) {
+    conditions.push_back(sunny(i % 2 == 0 ? 89.99 : 0, 100.0 * i, i));
+    all.push_back(i);
+  }
+  for (const double height_m : {0.5, 3000.0}) {
+    const auto e = environment(weather, conditions, height_m);
+    for (const Environment::Line& l :
+         {line(1, 0), line(100e3, 90), line(400, -0.003), line(1500e3, 10), line(0.2, -60)}) {
+      const auto views = e->view(l, all);
+      ASSERT_TRUE(views.ok()) << views.status();
+      for (const ViewEnvironment& v : *views) {
+        const auto check = [](const std::vector<double>& spectrum) {
+          for (const double x : spectrum) {
+            ASSERT_TRUE(std::isfinite(x));
+            ASSERT_GE(x, 0);
+          }
+        };
+        for (const auto* spectrum : {&v.transmittance, &v.path_radiance, &v.sun, &v.sun_apparent,
+                                     &v.model_error_transmittance, &v.model_error_path_radiance}) {
+          check(*spectrum);
+        }
+        for (const auto* nodes : {&v.node, &v.node_apparent, &v.behind_apparent}) {
+          for (const auto& spectrum : *nodes) check(spectrum);
+        }
+        for (const double x : v.transmittance) ASSERT_LE(x, 1);
+        for (const double x : {v.sky_interpolation, v.lower_interpolation, v.sky_model_relative,
+                               v.lower_model_relative, v.sun_model_relative}) {
+          ASSERT_TRUE(std::isfinite(x) && x >= 0 && x < 1) << x;
+        }
+        for (const double x : {v.sky_interpolation, v.lower_interpolation}) {
+          ASSERT_LT(x, 0.01);
+        }
+      }
+    }
+  }
+}
+
+TEST(EnvironmentLimits, SameBitsInAnyOrderAndFromAnyThread) {
+  WeatherSpec winter = sea_weather();
+  winter.air.profile = afgl_profile(AfglProfile::kMidlatitudeWinter);
+  winter.lower.temperature_k = 280;
+  const std::vector<ConditionEnvironment> conditions = {
+      sunny(60, 10), {}, sunny(40, 200, 1), sunny(95, 0, 1)};
+  const auto a = environment({sea_weather(), winter}, conditions);
+  const auto b = environment({sea_weather(), winter}, conditions);
+  const Environment::Line l = line(8000, 12);
+  const auto all = *a->view(l, std::vector<std::uint32_t>{0, 1, 2, 3});
+  std::vector<ViewEnvironment> one(4);
+  std::vector<std::thread> threads;
+  for (const std::uint32_t c : {3u, 1u, 2u, 0u}) {
+    threads.emplace_back([&, c] { one[c] = (*b->view(l, std::vector<std::uint32_t>{c}))[0]; });
+  }
+  for (std::thread& t : threads) t.join();
+  for (std::size_t c = 0; c < 4; ++c) {
+    EXPECT_EQ(all[c].node, one[c].node);
+    EXPECT_EQ(all[c].node_apparent, one[c].node_apparent);
+    EXPECT_EQ(all[c].behind_apparent, one[c].behind_apparent);
+    EXPECT_EQ(all[c].path_radiance, one[c].path_radiance);
+    EXPECT_EQ(all[c].sun_apparent, one[c].sun_apparent);
+  }
+  // The sun below the horizon gives nothing, though it was asked for.
+  for (const double x : all[3].sun) EXPECT_EQ(x, 0);
+}
+
+TEST(EnvironmentLimits, WhatIsNotCoveredIsRefused) {
+  EXPECT_EQ(Environment::make({sea_weather()}, {{}}, 10, {2.0}).status().code(),
+            absl::StatusCode::kOutOfRange);
+  EXPECT_FALSE(Environment::make({sea_weather()}, {sunny(10, 0, 1)}, 10, {4.0}).ok());
+  EXPECT_FALSE(Environment::make({sea_weather()}, {{}}, 0, {4.0}).ok());
+  WeatherSpec storm = sea_weather();
+  storm.lower.wind_speed_m_s = 30;
+  EXPECT_FALSE(Environment::make({storm}, {{}}, 10, {4.0}).ok());
+  const auto e = environment({sea_weather()}, {{}});
+  const std::vector<std::uint32_t> first = {0};
+  EXPECT_EQ(e->view(line(1000, -5), first).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(e->view(line(100e3, -0.01), std::vector<std::uint32_t>{7}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  // 40 km away and 13 m high: behind the bulge of the sea for a target 10 m high.
+  EXPECT_EQ(e->view(line(40e3, -0.1755), first).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  // A ship 10 m high is seen from 20 m over 20 km, below its own horizontal.
+  EXPECT_TRUE(e->view(line(20e3, -0.0613), first).ok());
+}
+
+TEST(EnvironmentLimits, BandEdgesAreTheAirs) {
+  const std::vector<double> edge = air_band_edges_um(4.0, 4.1);
+  ASSERT_EQ(edge.size(), 6u);
+  EXPECT_DOUBLE_EQ(edge.front(), 1e4 / 2490);
+  EXPECT_DOUBLE_EQ(edge.back(), 1e4 / 2440);
+}
+
+}  // namespace
+}  // namespace irsig

@@ -1,0 +1,195 @@
+"""irsig show atmosphere, sky and sun: the air by itself, and a sweep's.
+
+usage: cli_atmosphere_test.py <irsig executable> <source folder>
+"""
+import csv
+import io
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+
+IRSIG = str(pathlib.Path(sys.argv[1]).resolve())
+EXAMPLES = pathlib.Path(sys.argv[2]).resolve() / "jobs/examples"
+
+AIR = ("--profile", "midlatitude_summer", "--aerosol", "rural", "--visibility-m", "23000")
+SEA = ("--observer-m", "20", "--target-m", "10", "--range-m", "5000")
+
+
+def irsig(*arguments, exit_code=0):
+    done = subprocess.run([IRSIG, "show", *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    if done.returncode != exit_code:
+        raise AssertionError(f"{arguments}: exit code {done.returncode}\n{done.stdout}\n{done.stderr}")
+    return done.stdout if exit_code == 0 else done.stdout + done.stderr
+
+
+def rows(text):
+    return [{k: float(v) for k, v in r.items() if v} for r in csv.DictReader(io.StringIO(text))]
+
+
+def at(table, wavenumber_cm1):
+    return next(r for r in table if r["wavenumber_cm1"] == wavenumber_cm1)
+
+
+def planck(lambda_um, temperature_k):
+    return 1.191042972e8 / lambda_um ** 5 / math.expm1(14387.76877 / (lambda_um * temperature_k))
+
+
+class Atmosphere(unittest.TestCase):
+    def test_path(self):
+        table = rows(irsig("atmosphere", *AIR, *SEA))
+        self.assertEqual(len(table), 275)
+        self.assertEqual([r["lambda_um"] for r in table], sorted(r["lambda_um"] for r in table))
+        for r in table:
+            self.assertTrue(0 <= r["transmittance"] <= 1)
+            self.assertAlmostEqual(r["lambda_um"] * r["wavenumber_cm1"], 1e4, places=3)
+            self.assertAlmostEqual(r["path_radiance_w_m2_sr_um"],
+                                   r["thermal_radiance_w_m2_sr_um"] + r["scattered_radiance_w_m2_sr_um"], places=7)
+            self.assertGreaterEqual(r["model_error_transmittance"], 0)
+        # 4.26 um is black after 5 km, and as warm as the air (294.1 K); the windows are open.
+        black = at(table, 2345)
+        self.assertLess(black["transmittance"], 1e-6)
+        self.assertAlmostEqual(black["path_radiance_w_m2_sr_um"] / planck(black["lambda_um"], 294.1), 1, delta=0.01)
+        self.assertTrue(0.2 < at(table, 905)["transmittance"] < 0.6)
+
+    def test_weather_sun_and_surroundings_change_it(self):
+        clear = at(rows(irsig("atmosphere", *AIR, *SEA)), 2555)
+        surface = ("--pressure-pa", 101325, "--temperature-k", 288.15)
+        dry = at(rows(irsig("atmosphere", *AIR, *SEA, *surface, "--humidity", 10)), 905)
+        humid = at(rows(irsig("atmosphere", *AIR, *SEA, *surface, "--humidity", 95)), 905)
+        self.assertGreater(dry["transmittance"], humid["transmittance"] + 0.1)
+        sunny = at(rows(irsig("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 50, "--sun-azimuth-deg", 20)), 2555)
+        self.assertEqual(clear["scattered_radiance_w_m2_sr_um"], 0)
+        self.assertGreater(sunny["scattered_radiance_w_m2_sr_um"], 0.001)
+        self.assertEqual(clear["thermal_radiance_w_m2_sr_um"], sunny["thermal_radiance_w_m2_sr_um"])
+        around = at(rows(irsig("atmosphere", *AIR, *SEA, "--surroundings-temperature-k", 290)), 905)
+        self.assertGreater(around["scattered_radiance_w_m2_sr_um"], 0.01)
+
+    def test_band_limits(self):
+        table = rows(irsig("atmosphere", *AIR, *SEA, "--lambda-min-um", 8, "--lambda-max-um", 12))
+        self.assertTrue(all(8 <= r["lambda_um"] <= 12 for r in table))
+        self.assertEqual(len(table), 42)
+
+    def test_another_codes_output_beside_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "other.csv"
+            file.write_text("# observer_height_m: 20\n# target_height_m: 10\n# range_m: 5000\n"
+                            "wavenumber_cm1,transmittance\n1000,0.4\n1010,0.4\n1020,0.5\n")
+            table = rows(irsig("atmosphere", *AIR, *SEA, "--modtran", file))
+            self.assertAlmostEqual(at(table, 1005)["imported_transmittance"], 0.4)
+            self.assertAlmostEqual(at(table, 1015)["imported_transmittance"], 0.45)
+            self.assertNotIn("imported_transmittance", at(table, 905))
+            text = irsig("atmosphere", *AIR, "--observer-m", 20, "--target-m", 10, "--range-m", 8000, "--modtran", file,
+                         exit_code=2)
+            self.assertIn("no line of sight from 20 m to 10 m over 8000 m; it covers 20 m to 10 m over 5000 m", text)
+            file.write_text("# observer_height_m: 20\nwavenumber_cm1,transmittance\n1000,1.5\n")
+            text = irsig("atmosphere", *AIR, *SEA, "--modtran", file, exit_code=2)
+            self.assertIn('other.csv:2:1: no line "# target_height_m: ..."', text)
+
+    def test_drawing(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "path.svg"
+            self.assertEqual(irsig("atmosphere", *AIR, *SEA, "--svg", file), "")
+            text = " ".join(xml.etree.ElementTree.parse(file).getroot().itertext())
+            for expected in ("5 km from 20 m to 10 m", "midlatitude_summer, aerosol rural 23 km", "Transmittance",
+                             "Path radiance"):
+                self.assertIn(expected, text)
+            irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,80", "--svg", file)
+            text = " ".join(xml.etree.ElementTree.parse(file).getroot().itertext())
+            self.assertIn("80\u00b0", text)
+
+    def test_errors_say_what_is_expected(self):
+        for arguments, expected in (
+                (("atmosphere", "--aerosol", "none", *SEA), "show atmosphere: --profile is missing (or --sweep), expected one of tropical"),
+                (("atmosphere", "--profile", "arctic", "--aerosol", "none", *SEA), "--profile arctic: expected one of"),
+                (("atmosphere", "--profile", "tropical", *SEA), "--aerosol is missing, expected one of"),
+                (("atmosphere", "--profile", "tropical", "--aerosol", "rural", *SEA), "--aerosol rural needs --visibility-m"),
+                (("atmosphere", "--profile", "tropical", "--aerosol", "navy_maritime", *SEA), "needs --wind-speed-m-s"),
+                (("atmosphere", *AIR, "--observer-m", 20, "--range-m", 5000), "--target-height-m is missing"),
+                (("atmosphere", *AIR, *SEA, "--level"), "--level has one height"),
+                (("atmosphere", *AIR, *SEA, "--temperature-k", 290), "together"),
+                (("atmosphere", *AIR, *SEA, "--temperature-k", 290, "--humidity", 140, "--pressure-pa", 1e5),
+                 "relative_humidity_percent 140: expected 0 to 100"),
+                (("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 30), "belong together"),
+                (("atmosphere", *AIR, *SEA, "--lambda-min-um", 16, "--lambda-max-um", 17), "covers 2.94 to 15.4 um"),
+                (("atmosphere", *AIR, "--observer-m", 20, "--target-m", 10, "--range-m", 60000), "the Earth hides"),
+                (("sky", *AIR, "--height-m", 10, "--zenith-deg", 190), "--zenith-deg 190: expected 0 to 180"),
+                (("sun", "--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0, "--time", "noon"), "noon")):
+            with self.subTest(expected=expected):
+                self.assertIn(expected, irsig(*arguments, exit_code=2))
+
+    def test_thick_fog_is_flagged(self):
+        done = subprocess.run([IRSIG, "show", "atmosphere", "--profile", "us_standard_1976", "--aerosol", "advection_fog",
+                               "--visibility-m", "200", *SEA], capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("scattering optical depth", done.stderr)
+
+
+class Sky(unittest.TestCase):
+    def test_directions(self):
+        table = rows(irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,60,85", "--azimuth-deg", "0,180",
+                           "--sun-zenith-deg", 50, "--sun-azimuth-deg", 180, "--lambda-min-um", 3.5, "--lambda-max-um", 11.1))
+        sky = {(r["zenith_deg"], r["azimuth_deg"]): r for r in table if r["wavenumber_cm1"] == 905}
+        self.assertEqual(len(sky), 6)
+        thermal = [sky[z, 0]["thermal_radiance_w_m2_sr_um"] for z in (0, 60, 85)]
+        self.assertEqual(thermal, sorted(thermal), "the sky is warmer towards the horizon")
+        # Particles scatter forwards: brighter on the sun's side.
+        blue = {(r["zenith_deg"], r["azimuth_deg"]): r for r in table if r["wavenumber_cm1"] == 2555}
+        self.assertGreater(blue[60, 180]["scattered_radiance_w_m2_sr_um"],
+                           1.5 * blue[60, 0]["scattered_radiance_w_m2_sr_um"])
+
+
+class Sun(unittest.TestCase):
+    PLACE = ("--latitude-deg", 25, "--longitude-deg", 130, "--height-m", 0)
+
+    def test_position_alone(self):
+        (sun,) = rows(irsig("sun", *self.PLACE, "--time", "2025-12-21T10:30:00+09:00"))
+        self.assertEqual(set(sun), {"sun_azimuth_deg", "sun_zenith_deg", "sun_distance_au"})
+        self.assertAlmostEqual(sun["sun_zenith_deg"], 55.1, places=1)
+
+    def test_direct_light_through_the_air(self):
+        table = rows(irsig("sun", *self.PLACE, "--time", "2025-06-21T12:00:00+09:00", *AIR))
+        self.assertEqual(len(table), 275)
+        for r in table:
+            self.assertTrue(0 <= r["sun_irradiance_w_m2_um"] <= r["sun_irradiance_in_space_w_m2_um"])
+        window = at(table, 2555)
+        self.assertTrue(0.6 < window["sun_irradiance_w_m2_um"] / window["sun_irradiance_in_space_w_m2_um"] < 0.95)
+
+    def test_none_at_night(self):
+        table = rows(irsig("sun", *self.PLACE, "--time", "2025-06-21T00:30:00+09:00", *AIR))
+        self.assertTrue(all(r["sun_irradiance_w_m2_um"] == 0 for r in table))
+
+
+class Sweep(unittest.TestCase):
+    """The seasons of frigate.toml, whose air is the embedded atmosphere."""
+
+    FRIGATE = ("--sweep", EXAMPLES / "frigate.toml")
+
+    def test_seasons_differ(self):
+        winter, summer = (at(rows(irsig("atmosphere", *self.FRIGATE, "--season", season, *SEA)), 905)
+                          for season in ("winter", "summer"))
+        self.assertGreater(winter["transmittance"], summer["transmittance"] + 0.05)
+
+    def test_sun_of_its_place_and_time(self):
+        sun = at(rows(irsig("sun", *self.FRIGATE, "--season", "winter")), 2555)
+        self.assertTrue(50 < sun["sun_zenith_deg"] < 60)
+        evening = at(rows(irsig("sun", *self.FRIGATE, "--season", "winter", "--time", "2025-12-21T17:00:00+09:00")), 2555)
+        self.assertGreater(evening["sun_zenith_deg"], 80)
+
+    def test_errors(self):
+        for arguments, expected in (
+                (("atmosphere", *self.FRIGATE, *SEA), "--season is missing, expected one of winter | "),
+                (("atmosphere", *self.FRIGATE, "--season", "monsoon", *SEA), "--season monsoon: expected one of winter"),
+                (("atmosphere", *self.FRIGATE, "--season", "winter", "--co2-ppmv", 400, *SEA),
+                 "--co2-ppmv contradicts --sweep"),
+                (("atmosphere", *AIR, "--season", "winter", *SEA), "--season belongs to --sweep"),
+                (("atmosphere", "--sweep", EXAMPLES / "disk.toml", *SEA), 'expected "atmosphere"')):
+            with self.subTest(expected=expected):
+                self.assertIn(expected, irsig(*arguments, exit_code=2))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

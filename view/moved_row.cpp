@@ -1,0 +1,265 @@
+#include "view/moved_row.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+namespace irsig {
+namespace {
+
+constexpr std::size_t kCauses = SightLine::kCauses;
+
+using S = StoredSignature;
+using Sp = schema::Spectrum;
+using Integrals = SightLine::Integrals;
+using Values = google::protobuf::RepeatedField<float>;
+
+struct CauseColumns {
+  const Values& (Sp::*value)() const;
+  const Values& (Sp::*value_stderr)() const;
+  double S::*in_band;
+  double S::*in_band_stderr;
+};
+// In the order of SightLine.
+constexpr CauseColumns kCauseColumns[kCauses] = {
+    {&Sp::emitted_w_sr_um, &Sp::emitted_stderr_w_sr_um, &S::emitted_w_sr, &S::emitted_stderr_w_sr},
+    {&Sp::sun_reflected_w_sr_um, &Sp::sun_reflected_stderr_w_sr_um, &S::sun_reflected_w_sr,
+     &S::sun_reflected_stderr_w_sr},
+    {&Sp::sky_reflected_w_sr_um, &Sp::sky_reflected_stderr_w_sr_um, &S::sky_reflected_w_sr,
+     &S::sky_reflected_stderr_w_sr},
+    {&Sp::sea_reflected_w_sr_um, &Sp::sea_reflected_stderr_w_sr_um, &S::sea_reflected_w_sr,
+     &S::sea_reflected_stderr_w_sr},
+    {&Sp::parts_reflected_w_sr_um, &Sp::parts_reflected_stderr_w_sr_um, &S::parts_reflected_w_sr,
+     &S::parts_reflected_stderr_w_sr}};
+
+struct Number {
+  double value, stderr_;
+};
+
+// What a row holds of one wavelength, or of the whole band.
+struct Held {
+  Number apparent, contrast, background, area_m2;
+  std::array<double, kCauses> cause_stderr;
+};
+
+// The same channel as it arrives from one range.
+struct Seen {
+  double transmittance = 0, path = 0, behind = 0, target = 0;
+  std::array<double, kCauses> share{};  // of each cause
+};
+
+struct Moved {
+  Number apparent, contrast, background;
+  double apparent_bound, contrast_bound;  // of bias, perspective left out
+};
+
+double cause_at(const Sp& spectrum, std::size_t cause, std::size_t k) {
+  return (spectrum.*kCauseColumns[cause].value)().Get(static_cast<int>(k));
+}
+
+// Bins first .. last - 1 together.
+Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_t last) {
+  Seen out;
+  double width = 0;
+  std::array<double, kCauses> weight{}, arriving{};
+  for (std::size_t k = first; k < last; ++k) {
+    width += at.width[k];
+    out.transmittance += at.transmittance[k];
+    out.path += at.path_radiance[k];
+    out.behind += at.behind[k];
+    for (std::size_t c = 0; c < kCauses; ++c) {
+      const double value = cause_at(spectrum, c, k);
+      out.target += value * at.arriving[c][k];
+      out.share[c] += std::abs(value) * at.arriving[c][k];
+      weight[c] += std::abs(value) * at.width[k];
+      arriving[c] += at.arriving[c][k];
+    }
+  }
+  out.transmittance /= width;
+  for (std::size_t c = 0; c < kCauses; ++c)
+    out.share[c] = weight[c] > 0 ? out.share[c] / weight[c] : arriving[c] / width;
+  return out;
+}
+
+Moved moved(const Held& held, const Seen& from, const Seen& to, double spread) {
+  const double area = held.area_m2.value;
+  const double keep = from.transmittance > 0 ? to.transmittance / from.transmittance : 0;
+  const double target = to.target - keep * from.target;
+  const double path = to.path - keep * from.path;
+  const double behind = to.behind - keep * from.behind;
+  double noise = 0;
+  for (std::size_t c = 0; c < kCauses; ++c)
+    noise += held.cause_stderr[c] * std::abs(to.share[c] - keep * from.share[c]);
+  // What the shares alone miss at the stored range.
+  const double off = std::abs(keep - 1);
+  const double target_bound =
+      off * std::abs(held.apparent.value - area * from.path - from.target) + spread;
+  const double behind_bound =
+      off * area * std::abs(held.background.value - from.path - from.behind);
+  return {{keep * held.apparent.value + target + area * path,
+           keep * held.apparent.stderr_ + noise + held.area_m2.stderr_ * std::abs(path)},
+          {keep * held.contrast.value + target - area * behind,
+           keep * held.contrast.stderr_ + noise + held.area_m2.stderr_ * std::abs(behind)},
+          {keep * (held.background.value - from.path) + behind + to.path,
+           keep * held.background.stderr_},
+          target_bound,
+          target_bound + behind_bound};
+}
+
+// How far reflected sky and sea may be off in one bin: their directions' way from one range to the
+// other, against that of the mean.
+double spread_of(const SightLine& from, const SightLine& to, const Sp& spectrum, std::size_t k) {
+  double bound = 0;
+  for (const auto& [cause, from_side, to_side] :
+       {std::tuple{SightLine::kSky, &from.sky, &to.sky}, {SightLine::kSea, &from.sea, &to.sea}}) {
+    const double before = from.bin.arriving[cause][k], after = to.bin.arriving[cause][k];
+    const double value = std::abs(cause_at(spectrum, cause, k));
+    if (value == 0) continue;
+    if (!(before > 0)) {
+      bound += value * after;
+      continue;
+    }
+    const double mean = after / before;
+    double farthest = 0;
+    for (std::size_t n = 0; n < from_side->size(); ++n) {
+      const double share = (*from_side)[n][k];
+      if (share > 0) farthest = std::max(farthest, std::abs((*to_side)[n][k] / share - mean));
+    }
+    bound += value * before * farthest;
+  }
+  return bound;
+}
+
+// Homogeneous air takes the stored background along.
+absl::Status take_background_along(const Sp& spectrum, SightLine& from, SightLine& to) {
+  const std::size_t bins = from.bin.width.size();
+  for (SightLine* line : {&from, &to})
+    line->bin.behind = line->band.behind = std::vector(bins, 0.0);
+  for (std::size_t k = 0; k < bins; ++k) {
+    const double before = from.bin.transmittance[k], after = to.bin.transmittance[k];
+    // Stored values have 24 bits: 1e-3 of transmittance leaves four digits of the background.
+    if (before < 1e-3 && after > before)
+      return absl::FailedPreconditionError(fmt::format(
+          "at {:g} um the air lets only {:.1e} of the background through at the stored range: it "
+          "cannot be brought nearer",
+          spectrum.lambda_um(static_cast<int>(k)), before));
+    const double behind =
+        spectrum.background_radiance_w_m2_sr_um(static_cast<int>(k)) - from.bin.path_radiance[k];
+    const double there = before > 0 ? behind * after / before : 0;
+    from.bin.behind[k] = behind;
+    to.bin.behind[k] = there;
+    from.band.behind[k] = behind * from.band.width[k];
+    to.band.behind[k] = there * from.band.width[k];
+  }
+  return absl::OkStatus();
+}
+
+// The part of a numerical error that is bias, and back (docs/methods.md, section 8).
+double bias_of(double error, double stderr_) {
+  return std::sqrt(3 * std::max(0.0, error * error - stderr_ * stderr_));
+}
+double error_of(double stderr_, double bias) {
+  return std::sqrt(stderr_ * stderr_ + bias * bias / 3);
+}
+
+double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
+                            double apparent_w_sr) {
+  double surface_w_sr = 0;
+  const Integrals& at = to.band;
+  for (std::size_t k = 0; k < at.model_error_transmittance.size(); ++k)
+    surface_w_sr +=
+        spectrum.spectral_intensity_w_sr_um(static_cast<int>(k)) * at.model_error_transmittance[k] -
+        row.projected_area_m2 * at.model_error_path_radiance[k];
+  const double arrives =
+      row.intensity_w_sr != 0 ? std::min(1.0, std::abs(apparent_w_sr / row.intensity_w_sr)) : 0;
+  return std::hypot(arrives * row.model_error_w_sr, surface_w_sr);
+}
+
+}  // namespace
+
+absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine from, SightLine to,
+                                   double perspective) {
+  const std::size_t bins = from.bin.width.size();
+  if (spectrum.lambda_um_size() != static_cast<int>(bins))
+    return absl::InternalError(fmt::format("row {}: {} wavelengths are stored, its band has {}",
+                                           row.row, spectrum.lambda_um_size(), bins));
+  if (from.bin.behind.empty())
+    if (absl::Status s = take_background_along(spectrum, from, to); !s.ok()) return s;
+
+  MovedRow out{row, spectrum, 0};
+  double spread = 0;
+  for (std::size_t k = 0; k < bins; ++k) {
+    const int i = static_cast<int>(k);
+    Held held{{spectrum.apparent_spectral_intensity_w_sr_um(i),
+               spectrum.apparent_spectral_intensity_stderr_w_sr_um(i)},
+              {spectrum.contrast_spectral_intensity_w_sr_um(i),
+               spectrum.contrast_spectral_intensity_stderr_w_sr_um(i)},
+              {spectrum.background_radiance_w_m2_sr_um(i),
+               spectrum.background_radiance_stderr_w_m2_sr_um(i)},
+              {row.projected_area_m2, row.projected_area_stderr_m2},
+              {}};
+    for (std::size_t c = 0; c < kCauses; ++c)
+      held.cause_stderr[c] = (spectrum.*kCauseColumns[c].value_stderr)().Get(i);
+    const double of_bin = spread_of(from, to, spectrum, k);
+    spread += of_bin * from.band.width[k];
+    const Moved m =
+        moved(held, seen(from.bin, spectrum, k, k + 1), seen(to.bin, spectrum, k, k + 1), of_bin);
+    const auto f = [](double v) { return static_cast<float>(v); };
+    out.spectrum.set_apparent_spectral_intensity_w_sr_um(i, f(m.apparent.value));
+    out.spectrum.set_apparent_spectral_intensity_stderr_w_sr_um(i, f(m.apparent.stderr_));
+    out.spectrum.set_contrast_spectral_intensity_w_sr_um(i, f(m.contrast.value));
+    out.spectrum.set_contrast_spectral_intensity_stderr_w_sr_um(i, f(m.contrast.stderr_));
+    out.spectrum.set_background_radiance_w_m2_sr_um(i, f(m.background.value));
+    out.spectrum.set_background_radiance_stderr_w_m2_sr_um(i, f(m.background.stderr_));
+    out.spectrum.set_path_transmittance(i, f(to.bin.transmittance[k]));
+    out.spectrum.set_path_radiance_w_m2_sr_um(i, f(to.bin.path_radiance[k]));
+  }
+
+  Held held{{row.apparent_intensity_w_sr, row.apparent_intensity_stderr_w_sr},
+            {row.contrast_intensity_w_sr, row.contrast_intensity_stderr_w_sr},
+            {row.background_radiance_w_m2_sr, row.background_radiance_stderr_w_m2_sr},
+            {row.projected_area_m2, row.projected_area_stderr_m2},
+            {}};
+  for (std::size_t c = 0; c < kCauses; ++c)
+    held.cause_stderr[c] = row.*kCauseColumns[c].in_band_stderr;
+  const Seen before = seen(from.band, spectrum, 0, bins), after = seen(to.band, spectrum, 0, bins);
+  const Moved m = moved(held, before, after, spread);
+
+  S& s = out.signature;
+  const double target_w_sr = std::abs(m.apparent.value - row.projected_area_m2 * after.path);
+  const double behind_w_sr = row.projected_area_m2 * std::abs(after.behind);
+  out.range_bound_w_sr = m.apparent_bound + perspective * target_w_sr;
+  const double contrast_bound = m.contrast_bound + perspective * (target_w_sr + behind_w_sr);
+  // The bias that the row had: as much of it arrives as of the target.
+  const double grown = before.transmittance > 0
+                           ? std::max(after.transmittance / before.transmittance,
+                                      before.target > 0 ? after.target / before.target : 0.0)
+                           : 1.0;
+  const auto error = [&](double old_error, double old_stderr, double new_stderr, double added) {
+    return error_of(new_stderr, grown * bias_of(old_error, old_stderr) + added);
+  };
+  s.numerical_error_w_sr = error_of(row.intensity_stderr_w_sr,
+                                    bias_of(row.numerical_error_w_sr, row.intensity_stderr_w_sr) +
+                                        perspective * std::abs(row.intensity_w_sr));
+  s.apparent_intensity_w_sr = m.apparent.value;
+  s.apparent_intensity_stderr_w_sr = m.apparent.stderr_;
+  s.apparent_numerical_error_w_sr =
+      error(row.apparent_numerical_error_w_sr, row.apparent_intensity_stderr_w_sr,
+            m.apparent.stderr_, out.range_bound_w_sr);
+  s.contrast_intensity_w_sr = m.contrast.value;
+  s.contrast_intensity_stderr_w_sr = m.contrast.stderr_;
+  s.contrast_numerical_error_w_sr =
+      error(row.contrast_numerical_error_w_sr, row.contrast_intensity_stderr_w_sr,
+            m.contrast.stderr_, contrast_bound);
+  s.background_radiance_w_m2_sr = m.background.value;
+  s.background_radiance_stderr_w_m2_sr = m.background.stderr_;
+  s.apparent_model_error_w_sr = apparent_model_error(row, spectrum, to, m.apparent.value);
+  s.path_transmittance = after.transmittance;
+  s.path_radiance_w_m2_sr = after.path;
+  return out;
+}
+
+}  // namespace irsig

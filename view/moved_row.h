@@ -1,0 +1,24 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "schema/result.pb.h"
+#include "schema/store/store.h"
+#include "view/sight_line.h"
+
+namespace irsig {
+
+struct MovedRow {
+  StoredSignature signature;
+  schema::Spectrum spectrum;
+  double range_bound_w_sr;  // part of apparent_numerical_error_w_sr: all that moving added to it
+};
+
+// A stored row as it would be seen from another range: the formula and the errors of
+// range_change.h. perspective: relative bound. from, to: the row's lines of sight at both ranges;
+// without a known background by direction (homogeneous air) the stored background is taken along.
+// FAILED_PRECONDITION: the stored range lets too little of the background through for that.
+[[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
+                                                 const schema::Spectrum& spectrum, SightLine from,
+                                                 SightLine to, double perspective);
+
+}  // namespace irsig

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// Of a target's vertices in the body frame, whose origin is the reference point.
+[[nodiscard]] TargetExtent target_extent(std::span<const Vec<Body>> vertex);
+
+// The largest relative change of what a target subtends when its sensor moves from one range to
+// another on the same line: of a point that lies z towards the sensor, range^2 x solid angle goes
+// as (1 - z / range)^-2, with |z| <= reach.                            [1]
+[[nodiscard]] double perspective_bound(double from_range_m, double to_range_m, double reach_m);
+
+// Rows as they would be seen from another range on the same aspect, without tracing. The source
+// intensity by cause stays; what of each cause arrives, the radiance of the air and the background
+// come from the environment of the stored sweep, evaluated anew at both ranges:
+//
+//   I(R) = s I(R0) + sum over causes c of I_c (a_c(R) - s a_c(R0)) + A (P(R) - s P(R0))
+//
+// with a_c the share of a cause that arrives, P the path's radiance, A the projected area and
+// s = transmittance(R) / transmittance(R0); so a row at its own range stays what it was.
+// Contrast and background alike, with the background along the line of sight in place of P.
+//
+// Standard errors are upper bounds: the causes' errors are taken as fully correlated. To the
+// numerical error are added: the perspective bound; for reflected sky and sea, how far the
+// directions differ in what of them arrives; what the formula without s misses at the stored range,
+// as far as the transmittance changes. Not covered: parts of the target that come into view or go
+// out of it, and lobes narrower than the target is seen from either range.
+//
+// INVALID_ARGUMENT: a range that is not positive, or below 20 target lengths (asked for or stored),
+// a line of sight that the environment does not have (environment.h); FAILED_PRECONDITION: a row
+// that an older irsig or an earlier version of the sweep left, whose air is not known.
+[[nodiscard]] absl::StatusOr<std::vector<QueryRow>> at_range(StoreReader& reader,
+                                                             std::vector<QueryRow> rows,
+                                                             double range_m,
+                                                             const ExtentOf& extent_of);
+
+}  // namespace irsig

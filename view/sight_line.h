@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/environment/environment.h"
+#include "core/spectral/band.h"
+
+namespace irsig {
+
+// What a signature's parts by cause are multiplied by on their way to the sensor, for one line of
+// sight, one condition and one band, on the band's stored wavelengths.
+struct SightLine {
+  // In the order of the stored spectra: emitted, sun, sky, sea and parts reflected.
+  static constexpr std::size_t kCauses = 5;
+  static constexpr std::size_t kSky = 2, kSea = 3;
+  using Values = std::vector<double>;  // [stored wavelength]
+
+  // Integrals over each bin. With the weights of a bin's mean: means; with those of the in-band
+  // integral: what the bin adds to it, so that sums over bins are in-band.
+  struct Integrals {
+    std::array<Values, kCauses> arriving;  // share of each cause's radiance that arrives
+    Values width, transmittance, path_radiance;
+    Values behind;  // radiance from behind the target, as it arrives; empty: not known by direction
+    Values model_error_transmittance, model_error_path_radiance;  // empty: none
+  };
+  Integrals bin, band;
+
+  // Share of the mean radiance of each direction of sky and sea that arrives, [direction][bin];
+  // negative: no radiance comes from there.
+  std::vector<Values> sky, sea;
+  double sky_model_relative = 0, sea_model_relative = 0, sun_model_relative = 0;
+};
+
+// environment: on the nodes of several bands, `offset` the first of this one's. nodes: to which
+// environment.node refers. Reflected sky and sea arrive as the mean over the solid angle of their
+// side does: which directions a target mirrors is no longer known.
+[[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
+                                   const BandGrid& grid, std::size_t offset);
+
+}  // namespace irsig

@@ -1,0 +1,75 @@
+#include "view/signature_quantity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "absl/strings/str_join.h"
+
+namespace irsig {
+namespace {
+
+using S = StoredSignature;
+using Sp = schema::Spectrum;
+
+// In the order of SignatureQuantity.
+constexpr std::array kColumns = std::to_array<QuantityColumns>({
+    {SignatureQuantity::kIntensity, "intensity", "In-band intensity", "W/sr", "intensity_w_sr",
+     "intensity_stderr_w_sr", "numerical_error_w_sr", &S::intensity_w_sr, &S::intensity_stderr_w_sr,
+     &S::numerical_error_w_sr, "Spectral intensity", "W/(sr \u00b5m)",
+     &Sp::spectral_intensity_w_sr_um, &Sp::spectral_intensity_stderr_w_sr_um},
+    {SignatureQuantity::kApparentIntensity, "apparent_intensity", "In-band apparent intensity",
+     "W/sr", "apparent_intensity_w_sr", "apparent_intensity_stderr_w_sr",
+     "apparent_numerical_error_w_sr", &S::apparent_intensity_w_sr,
+     &S::apparent_intensity_stderr_w_sr, &S::apparent_numerical_error_w_sr,
+     "Apparent spectral intensity", "W/(sr \u00b5m)", &Sp::apparent_spectral_intensity_w_sr_um,
+     &Sp::apparent_spectral_intensity_stderr_w_sr_um},
+    {SignatureQuantity::kContrastIntensity, "contrast_intensity", "In-band contrast intensity",
+     "W/sr", "contrast_intensity_w_sr", "contrast_intensity_stderr_w_sr",
+     "contrast_numerical_error_w_sr", &S::contrast_intensity_w_sr,
+     &S::contrast_intensity_stderr_w_sr, &S::contrast_numerical_error_w_sr,
+     "Contrast spectral intensity", "W/(sr \u00b5m)", &Sp::contrast_spectral_intensity_w_sr_um,
+     &Sp::contrast_spectral_intensity_stderr_w_sr_um},
+    {SignatureQuantity::kBackgroundRadiance, "background_radiance", "In-band background radiance",
+     "W/(m\u00b2 sr)", "background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr",
+     "background_radiance_stderr_w_m2_sr", &S::background_radiance_w_m2_sr,
+     &S::background_radiance_stderr_w_m2_sr, &S::background_radiance_stderr_w_m2_sr,
+     "Background spectral radiance", "W/(m\u00b2 sr \u00b5m)", &Sp::background_radiance_w_m2_sr_um,
+     &Sp::background_radiance_stderr_w_m2_sr_um},
+});
+
+}  // namespace
+
+const QuantityColumns& columns_of(SignatureQuantity quantity) {
+  return kColumns[static_cast<std::size_t>(quantity)];
+}
+
+std::vector<std::string> quantity_names() {
+  std::vector<std::string> out;
+  for (const QuantityColumns& c : kColumns) out.emplace_back(c.name);
+  return out;
+}
+
+absl::StatusOr<SignatureQuantity> quantity_named(std::string_view name) {
+  for (const QuantityColumns& c : kColumns)
+    if (name == c.name) return c.quantity;
+  return absl::InvalidArgumentError(fmt::format("no quantity \"{}\": expected one of {}", name,
+                                                absl::StrJoin(quantity_names(), ", ")));
+}
+
+absl::Status check_computed(const std::vector<StoredSignature>& signatures,
+                            SignatureQuantity quantity) {
+  const QuantityColumns& c = columns_of(quantity);
+  const auto missing =
+      std::find_if(signatures.begin(), signatures.end(),
+                   [&](const StoredSignature& s) { return std::isnan(s.*c.value); });
+  if (missing == signatures.end()) return absl::OkStatus();
+  return absl::FailedPreconditionError(fmt::format(
+      "row {} has no {}: an older irsig stored it (run the sweep again into the same database to "
+      "compute it)",
+      missing->row, c.value_name));
+}
+
+}  // namespace irsig
