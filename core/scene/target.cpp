@@ -50,7 +50,8 @@ absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
 
 }  // namespace
 
-absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa) {
+absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa,
+                                   TracerOptions options) {
   auto part_of_group = assign_groups(mesh, parts);
   if (!part_of_group.ok()) return part_of_group.status();
 
@@ -87,7 +88,7 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
     target.part_area_m2[part] += 0.5 * norm;
     target.triangle.insert(target.triangle.end(), corner.begin(), corner.end());
   }
-  auto tracer = Tracer::build(target.vertex, target.triangle, isa);
+  auto tracer = Tracer::build(target.vertex, target.triangle, isa, options);
   if (!tracer.ok()) return tracer.status();
   target.tracer = *std::move(tracer);
   return target;

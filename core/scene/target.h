@@ -45,6 +45,6 @@ struct Target {
 // Errors (INVALID_ARGUMENT) name the part ("part[2].match: ..."): a part that matches no group, a
 // group that no part or more than one part matches.
 [[nodiscard]] absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts,
-                                                 TracerIsa isa);
+                                                 TracerIsa isa, TracerOptions options = {});
 
 }  // namespace irsig

@@ -116,7 +116,7 @@ absl::StatusOr<std::unique_ptr<Simulator>> Simulator::create(const SceneSpec& sp
       simulator->carried_.push_back(*std::move(prepared));
     }
   }
-  auto target = make_target(spec.mesh, spec.part, spec.isa);
+  auto target = make_target(spec.mesh, spec.part, spec.isa, spec.tracer);
   if (!target.ok()) return target.status();
   simulator->target_ = *std::move(target);
   hash.add(simulator->target_.vertex);

@@ -31,6 +31,7 @@ struct SceneSpec {
   // Where the air's spectrum jumps (air_band_edges_um); empty: nowhere.
   std::vector<double> spectral_breaks_um;
   TracerIsa isa = widest_isa();
+  TracerOptions tracer;
 };
 
 // One season at one time.

@@ -41,7 +41,7 @@ void PathTracer::draw_vertex_pairs(Work& work, std::uint32_t order, std::uint32_
     list.seed_y[k] = seed.y;
     list.seed_shuffle[k] = seed.shuffle;
   }
-  draw_pairs_shuffled(list);
+  settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
 }
 
 // From each listed vertex: a shadow ray to each sun and hot light that matters there, and the
@@ -227,11 +227,11 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
   }
   list.size = alive;
   std::copy_n(list.index.begin(), alive, work.child_sample.begin());
-  draw_pairs_shuffled(list);
+  settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
   std::copy_n(list.x.begin(), alive, work.lobe.begin());
   for (std::uint32_t k = 0; k < alive; ++k)
     list_pair(k, batch.state[vertex.path[work.chosen[k]]].replicate, kDirection);
-  draw_pairs_shuffled(list);
+  settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs_shuffled(list);
   turn(list);
   for (std::uint32_t k = 0; k < alive; ++k) {
     const std::uint32_t v = work.chosen[k], i = vertex.path[v];

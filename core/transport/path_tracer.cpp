@@ -216,7 +216,7 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
 // Turns the listed samples into primary rays.
 void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
   SampleList& list = work.list;
-  draw_pairs(list);
+  settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs(list);
   for (std::uint32_t i = 0; i < list.size; ++i) {
     const CoverageMask::Point p = mask.map({list.x[i], list.y[i]});
     work.x_m[i] = p.x_m;

@@ -107,6 +107,8 @@ struct PathSettings {
   // Off: hot parts and the sun's disk are found as they were before lights were weighted against
   // drawn directions (hot parts by chance, the sun by aimed rays only). For comparisons.
   bool hot_lights = true, sun_disk_by_chance = true;
+  // Independent random numbers instead of scrambled Sobol points. For comparisons.
+  bool pseudo_random = false;
 };
 
 // The weights of one replicate: intensity = sum over (f, c) of weight x source radiance of (f, c).
