@@ -17,6 +17,8 @@ void add_model_check(CLI::App& model, int& exit_code);      // irsig model check
 void add_material(CLI::App& app, int& exit_code);
 void add_goniometer(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
+void add_plan(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
 void add_submit(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_cancel(CLI::App& app, int& exit_code);
@@ -24,6 +26,7 @@ void add_digest(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
+void add_accuracy(CLI::App& app, int& exit_code);
 void add_selftest(CLI::App& app, int& exit_code);
 void add_profile(CLI::App& app, int& exit_code);
 

@@ -12,6 +12,7 @@ constexpr const char* kAbout =
     "\n"
     "  irsig run SWEEP --db FILE      compute every season, time, band and viewpoint of a sweep "
     "file\n"
+    "  irsig plan SWEEP               what that will take, for every accuracy\n"
     "  irsig query FILE               the signatures: W/sr with standard error, area, temperature\n"
     "  irsig plot FILE --kind polar --out FILE.svg\n"
     "\n"
@@ -34,6 +35,8 @@ int main(int argc, char** argv) {
     return "irsig: " + std::string(error.what()) + " (--help lists what there is)\n";
   });
   irsig::add_run(app, exit_code);
+  irsig::add_plan(app, exit_code);
+  irsig::add_report(app, exit_code);
   irsig::add_query(app, exit_code);
   irsig::add_plot(app, exit_code);
   irsig::add_profile(app, exit_code);
@@ -46,6 +49,7 @@ int main(int argc, char** argv) {
   irsig::add_submit(app, exit_code);
   irsig::add_status(app, exit_code);
   irsig::add_cancel(app, exit_code);
+  irsig::add_accuracy(app, exit_code);
   irsig::add_selftest(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -1,5 +1,7 @@
 #include "cli/pilot.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -17,15 +19,6 @@ constexpr std::uint64_t kFewSamples = 64;
 // Samples are added until they take this long: below it, a clock tick of the machine would be
 // measured.
 constexpr double kEnough_s = 0.2;
-
-schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep, std::uint64_t samples) {
-  auto* accuracy = sweep.mutable_sweep()->mutable_accuracy();
-  accuracy->clear_relative_error();
-  accuracy->clear_target_paths();
-  accuracy->clear_time_budget_s();
-  accuracy->set_samples_per_replicate(samples);
-  return sweep;
-}
 
 struct Timing {
   double seconds = 0;
@@ -62,6 +55,22 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
 }
 
 }  // namespace
+
+schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep, std::uint64_t samples) {
+  auto* accuracy = sweep.mutable_sweep()->mutable_accuracy();
+  accuracy->clear_relative_error();
+  accuracy->clear_target_paths();
+  accuracy->clear_time_budget_s();
+  accuracy->set_samples_per_replicate(samples);
+  return sweep;
+}
+
+std::uint32_t usable_cores() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof(cores), &cores) != 0) return 1;
+  return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&cores)));
+}
 
 bool has_time_budget(const schema::ResolvedSweep& sweep) {
   return sweep.sweep().accuracy().has_time_budget_s();

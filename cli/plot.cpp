@@ -25,9 +25,10 @@ struct PlotCommand {
     if (!query.ok()) return query.status();
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
-    auto svg = kind == "polar"      ? plot_polar(**reader, *query, elevation_deg)
-               : kind == "spectrum" ? plot_spectrum(**reader, *query)
-                                    : plot_map(**reader, *query);
+    auto svg = kind == "polar"           ? plot_polar(**reader, *query, elevation_deg)
+               : kind == "spectrum"      ? plot_spectrum(**reader, *query)
+               : kind == "transmittance" ? plot_transmittance(**reader, *query)
+                                         : plot_map(**reader, *query);
     if (!svg.ok()) return svg.status();
     return replace_file(out, *svg);
   }
@@ -39,13 +40,13 @@ void add_plot(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "plot",
       "Draw signatures as SVG: polar (in-band values against aspect azimuth), spectrum (of one "
-      "viewpoint) or map (in-band values over all aspects); of the source intensity, or of "
-      "--quantity");
+      "viewpoint) or map (in-band values over all aspects), of the source intensity or of "
+      "--quantity; or transmittance (of the air, from one viewpoint)");
   const auto options = std::make_shared<PlotCommand>(*command);
-  command->add_option("--kind", options->kind, "polar, spectrum or map")
+  command->add_option("--kind", options->kind, "polar, spectrum, map or transmittance")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember({"polar", "spectrum", "map"}));
+      ->check(CLI::IsMember({"polar", "spectrum", "map", "transmittance"}));
   command->add_option("--out", options->out, "SVG file to write, replaced when complete")
       ->required()
       ->type_name("FILE");

@@ -1,4 +1,3 @@
-#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "cli/commands.h"
 #include "cli/load_sweep.h"
 #include "cli/pilot.h"
+#include "cli/prediction.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
@@ -31,15 +31,8 @@ struct RunAsked {
   std::uint32_t workers = 0;
   AccuracyAsked accuracy;
   bool resume = false;
+  bool plan = false;
 };
-
-// Cores that this process may use, which a container or a batch system may have restricted.
-std::uint32_t usable_cores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  if (sched_getaffinity(0, sizeof(cores), &cores) != 0) return 1;
-  return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&cores)));
-}
 
 std::uint64_t settled(const schema::SweepStatus& sweep) {
   return sweep.done() + sweep.quarantined() + sweep.cancelled();
@@ -229,6 +222,13 @@ absl::Status run_sweep(RunAsked asked) {
   if (has_time_budget(loaded->resolved)) {
     if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
   }
+  std::optional<StoredPrediction> prediction;
+  if (asked.plan) {
+    const auto pilot = pilot_sweep(*loaded);
+    if (!pilot.ok()) return pilot.status();
+    prediction = prediction_of(*pilot, loaded->resolved, asked.workers);
+    fmt::print(stderr, "irsig: {}\n", prediction_line(*prediction));
+  }
   if (!farm) {
     auto started = start_farm(asked);
     if (!started.ok()) return started.status();
@@ -246,6 +246,9 @@ absl::Status run_sweep(RunAsked asked) {
   const auto status = watch(*farm, asked, reply->sweep_sha256());
   if (!status.ok()) return status.status();
   if (auto ended = farm->stop(); !ended.ok()) return ended;
+  if (prediction) {
+    if (auto stored = store_in(asked.db_path, *prediction); !stored.ok()) return stored;
+  }
   const absl::Status summarized =
       summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
   if (auto shown = print_profiles(loaded->resolved, asked.db_path); !shown.ok()) return shown;
@@ -272,6 +275,8 @@ void add_run(CLI::App& app, int& exit_code) {
                    "wall time to spend, instead of the sweep file's [accuracy]")
       ->check(CLI::Range(0.1, 1e9))
       ->excludes(error);
+  command->add_flag("--plan", asked->plan,
+                    "predict the time first and store the prediction for `irsig report`");
   command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");
   command->callback([=, &exit_code] { exit_code = report(run_sweep(*asked)); });
   command->footer(

@@ -24,6 +24,10 @@ namespace irsig {
 // curve per season and time, all bands on one axis, each with its 2 sigma band.
 [[nodiscard]] absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query);
 
+// The same of the air's transmittance between target and sensor, which has no sampling error.
+[[nodiscard]] absl::StatusOr<std::string> plot_transmittance(StoreReader& reader,
+                                                             const Query& query);
+
 // In-band values over all aspects: one Lambert azimuthal equal-area map per season and time
 // (columns) and band (rows), seen from above the target, bow up; one colour bar per band.
 // Interpolated between viewpoints, which are dots.

@@ -23,7 +23,13 @@ absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
   if (!got.ok()) return got.status();
   const schema::Spectrum& s = got->spectrum;
   SpectralCurve out{place, {s.lambda_um().begin(), s.lambda_um().end()}, {}, {}};
-  const auto &values = (s.*quantity.spectral_value)(), &stderrs = (s.*quantity.spectral_stderr)();
+  const auto& values = (s.*quantity.spectral_value)();
+  if (quantity.spectral_stderr == nullptr) {  // it has none
+    out.value.assign(values.begin(), values.end());
+    out.error.assign(out.value.size(), 0.0);
+    return out;
+  }
+  const auto& stderrs = (s.*quantity.spectral_stderr)();
   // The interpolation error is known for the source spectrum alone.
   const bool source = quantity.quantity == SignatureQuantity::kIntensity;
   for (int k = 0; k < s.lambda_um_size(); ++k) {
@@ -65,7 +71,7 @@ class Frame {
     svg_.rect(corner, kWidth - kLeft - kRight, height_, "none", {"#333333", 1.2, ""});
     svg_.text({(kLeft + kWidth - kRight) / 2, top_ + height_ + 46}, "Wavelength in \u00b5m",
               {.size = 15, .anchor = Anchor::kMiddle});
-    svg_.text({26, top_ + height_ / 2}, title + " in " + unit,
+    svg_.text({26, top_ + height_ / 2}, unit.empty() ? title : title + " in " + unit,
               {.size = 15, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
@@ -113,9 +119,8 @@ absl::Status one_viewpoint(const std::vector<QueryRow>& rows) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query) {
+absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
+                                 const QuantityColumns& quantity) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   auto rows = run_query(reader, asked);
@@ -126,8 +131,8 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
 
   std::vector<StoredSignature> signatures;
   for (const QueryRow& r : *rows) signatures.push_back(r.signature);
-  const QuantityColumns& quantity = columns_of(query.quantity);
-  if (absl::Status status = check_computed(signatures, query.quantity); !status.ok()) return status;
+  if (absl::Status status = check_computed(signatures, quantity.quantity); !status.ok())
+    return status;
   const CurveNames names(signatures);
   std::vector<SpectralCurve> curves;
   double low_um = signatures.front().lambda_min_um, high_um = signatures.front().lambda_max_um;
@@ -157,9 +162,13 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
   draw_legend(svg, {kWidth / 2, 62}, legend, 5);
   const double margin = 0.03 * (high_um - low_um);
   const Axis x = tight_axis(low_um - margin, high_um + margin, 10);
+  const std::string plain_unit = quantity.spectral_unit;
   const DisplayUnit unit =
-      display_unit(most > least ? std::max(most, -least) : 1, quantity.spectral_unit);
-  const Axis y = round_axis(least, most > least ? most : least + 1, 6, unit.factor);
+      plain_unit.empty() ? DisplayUnit{"", 1}
+                         : display_unit(most > least ? std::max(most, -least) : 1, plain_unit);
+  const Axis y = plain_unit.empty()
+                     ? round_axis(0, 1, 6, 1)
+                     : round_axis(least, most > least ? most : least + 1, 6, unit.factor);
   Frame frame(svg, 62 + 22 * static_cast<double>((names.size() + 4) / 5), x, y);
   std::vector<std::string> drawn;
   for (const auto& s : signatures) {
@@ -171,6 +180,24 @@ absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& quer
   for (const SpectralCurve& c : curves) frame.curve(c);
   frame.box(quantity.spectral_title, unit.name);
   return svg.finish();
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query) {
+  return draw(reader, query, columns_of(query.quantity));
+}
+
+absl::StatusOr<std::string> plot_transmittance(StoreReader& reader, const Query& query) {
+  if (query.interpolate)
+    return absl::InvalidArgumentError("transmittance is not interpolated between viewpoints");
+  // Stored together with the contrast; a pure number between 0 and 1.
+  QuantityColumns quantity = columns_of(SignatureQuantity::kContrastIntensity);
+  quantity.spectral_title = "Transmittance between target and sensor";
+  quantity.spectral_unit = "";
+  quantity.spectral_value = &schema::Spectrum::path_transmittance;
+  quantity.spectral_stderr = nullptr;
+  return draw(reader, query, quantity);
 }
 
 }  // namespace irsig

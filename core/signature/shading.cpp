@@ -21,7 +21,7 @@ namespace {
 #endif
 
 // Sixteen partial sums: their order is fixed, and the compiler can keep them in vectors.
-IRSIG_CLONES double dot(const double* a, const double* b, std::size_t n) {
+IRSIG_CLONES double long_dot(const double* a, const double* b, std::size_t n) {
   constexpr std::size_t kLanes = 16;
   double part[kLanes] = {};
   std::size_t i = 0;
@@ -30,6 +30,14 @@ IRSIG_CLONES double dot(const double* a, const double* b, std::size_t n) {
   for (std::size_t k = 0; i < n; ++i, ++k) part[k] += a[i] * b[i];
   double sum = 0;
   for (const double p : part) sum += p;
+  return sum;
+}
+
+// Most are over the few nodes of a bin, where that would cost more than it saves.
+double dot(const double* a, const double* b, std::size_t n) {
+  if (n >= 32) return long_dot(a, b, n);
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
   return sum;
 }
 
@@ -105,20 +113,20 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   return out;
 }
 
-ConditionShading::ConditionShading(const ConditionSpec& condition, ViewEnvironment environment,
-                                   const SourceClasses& classes, int sun_index,
-                                   const std::vector<double>& node_um)
+ConditionShading::ConditionShading(const ConditionSpec& condition,
+                                   const ViewEnvironment& environment, const SourceClasses& classes,
+                                   int sun_index, const std::vector<double>& node_um)
     : classes_(classes),
       sun_index_(sun_index),
       nodes_(node_um.size()),
       none_(node_um.size(), 0.0),
-      environment_(std::move(environment)) {
+      environment_(&environment) {
   for (const double t : condition.part_temperature_k) {
     std::vector<double>& radiance = part_.emplace_back(nodes_);
     std::vector<double>& seen = part_apparent_.emplace_back(nodes_);
     for (std::size_t i = 0; i < nodes_; ++i) {
       radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], t);
-      seen[i] = radiance[i] * environment_.transmittance[i];
+      seen[i] = radiance[i] * environment_->transmittance[i];
     }
   }
   if (classes_.glint_nodes == 0 || sun_index_ < 0) return;
@@ -128,8 +136,8 @@ ConditionShading::ConditionShading(const ConditionSpec& condition, ViewEnvironme
     for (std::size_t i = 0; i < nodes_; ++i) {
       const double reflectance =
           water_reflectance(sea_water_index(node_um[i]), static_cast<double>(cosine));
-      radiance[i] = reflectance * environment_.sun[i];
-      seen[i] = reflectance * environment_.sun_apparent[i];
+      radiance[i] = reflectance * environment_->sun[i];
+      seen[i] = reflectance * environment_->sun_apparent[i];
     }
   }
 }
@@ -137,10 +145,10 @@ ConditionShading::ConditionShading(const ConditionSpec& condition, ViewEnvironme
 const std::vector<double>& ConditionShading::source(std::uint32_t first, std::uint32_t c) const {
   if (c == classes_.own()) return part_[first];
   if (c < classes_.sky()) return part_[c - classes_.part(0)];
-  if (c < classes_.sun(0)) return environment_.node[c - classes_.sky()];
+  if (c < classes_.sun(0)) return environment_->node[c - classes_.sky()];
   if (c >= classes_.behind(0)) return none_;
   if (c < classes_.glint(0))
-    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_.sun : none_;
+    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_->sun : none_;
   const std::uint32_t j = (c - classes_.glint(0)) / classes_.glint_nodes;
   return static_cast<int>(j) == sun_index_ ? glint_[c - classes_.glint(j)] : none_;
 }
@@ -148,10 +156,10 @@ const std::vector<double>& ConditionShading::source(std::uint32_t first, std::ui
 const std::vector<double>& ConditionShading::apparent(std::uint32_t first, std::uint32_t c) const {
   if (c == classes_.own()) return part_apparent_[first];
   if (c < classes_.sky()) return part_apparent_[c - classes_.part(0)];
-  if (c < classes_.sun(0)) return environment_.node_apparent[c - classes_.sky()];
-  if (c >= classes_.behind(0)) return environment_.behind_apparent[c - classes_.behind(0)];
+  if (c < classes_.sun(0)) return environment_->node_apparent[c - classes_.sky()];
+  if (c >= classes_.behind(0)) return environment_->behind_apparent[c - classes_.behind(0)];
   if (c < classes_.glint(0))
-    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_.sun_apparent : none_;
+    return static_cast<int>(c - classes_.sun(0)) == sun_index_ ? environment_->sun_apparent : none_;
   const std::uint32_t j = (c - classes_.glint(0)) / classes_.glint_nodes;
   return static_cast<int>(j) == sun_index_ ? glint_apparent_[c - classes_.glint(j)] : none_;
 }
@@ -262,7 +270,7 @@ void ConditionShading::evaluate(std::span<const PathWeights> weights,
   const SourceTable band = table(basis, node_offset, grid.band_weight);
   double path = 0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i)
-    path += grid.band_weight[i] * environment_.path_radiance[node_offset + i];
+    path += grid.band_weight[i] * environment_->path_radiance[node_offset + i];
   integrate(band, path, {0, 1, 1, 1 + kCauses, at_contrast, at_contrast + 1});
   for (std::size_t r = 0; r < weights.size(); ++r) {
     values[r][at_area] = weights[r].projected_area_m2;
@@ -286,7 +294,7 @@ void ConditionShading::evaluate(std::span<const PathWeights> weights,
     const std::span<const double> weight(grid.bin_weight.data() + first, count);
     double path_in_bin = 0;
     for (std::size_t i = 0; i < count; ++i)
-      path_in_bin += weight[i] * environment_.path_radiance[node_offset + first + i];
+      path_in_bin += weight[i] * environment_->path_radiance[node_offset + first + i];
     const auto at = [&](std::size_t spectrum) { return at_spectra + spectrum * bins + k; };
     integrate(table(basis, node_offset + first, weight), path_in_bin,
               {at(0), at(1), bins, at(1 + kCauses), at(2 + kCauses), at(3 + kCauses)});
@@ -308,7 +316,7 @@ double ConditionShading::largest_in_band_w_sr(const std::vector<double>& row_on_
 }
 
 double ConditionShading::sun_w_m2(const BandGrid& grid, std::size_t node_offset) const {
-  return sun_index_ >= 0 ? in_band(environment_.sun, grid, node_offset) : 0;
+  return sun_index_ >= 0 ? in_band(environment_->sun, grid, node_offset) : 0;
 }
 
 double ConditionShading::part_w_m2_sr(std::uint32_t part, const BandGrid& grid,
@@ -319,7 +327,7 @@ double ConditionShading::part_w_m2_sr(std::uint32_t part, const BandGrid& grid,
 double ConditionShading::brightest_thermal_w_m2_sr(const BandGrid& grid,
                                                    std::size_t node_offset) const {
   double thermal = 0;
-  for (const auto& node : environment_.node)
+  for (const auto& node : environment_->node)
     thermal = std::max(thermal, in_band(node, grid, node_offset));
   for (const auto& p : part_) thermal = std::max(thermal, in_band(p, grid, node_offset));
   return thermal;

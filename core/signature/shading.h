@@ -41,7 +41,8 @@ struct SourceTable {
 // The sources of one condition on the sweep's nodes, and how they meet the weights of a replicate.
 class ConditionShading {
  public:
-  ConditionShading(const ConditionSpec& condition, ViewEnvironment environment,
+  // environment: outlives this.
+  ConditionShading(const ConditionSpec& condition, const ViewEnvironment& environment,
                    const SourceClasses& classes, int sun_index, const std::vector<double>& node_um);
 
   // Radiance of class c behind first part f at node i; for the sun: irradiance. At the target, and
@@ -86,7 +87,7 @@ class ConditionShading {
   // can have carried at most. [W/(m2 sr)]
   [[nodiscard]] double brightest_w_m2_sr(const BandGrid& grid, std::size_t node_offset) const;
 
-  [[nodiscard]] const ViewEnvironment& environment() const { return environment_; }
+  [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
 
  private:
   [[nodiscard]] std::uint32_t class_of_row(std::uint32_t row) const {
@@ -106,7 +107,7 @@ class ConditionShading {
   std::vector<std::vector<double>> part_, part_apparent_;  // blackbody radiance of each part
   std::vector<double> none_;
   std::vector<std::vector<double>> glint_, glint_apparent_;  // [kGlintCosines]
-  ViewEnvironment environment_;
+  const ViewEnvironment* environment_;
 };
 
 // How many numbers evaluate() gives.

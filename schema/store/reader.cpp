@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "schema/store/cost.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_profiles.h"
 #include "schema/store/find_signatures.h"
@@ -92,6 +93,17 @@ class SqliteReader final : public StoreReader {
   absl::StatusOr<std::vector<SweepProgress>> progress() override {
     return in_one_snapshot([&] { return sweep_progress(database_); });
   }
+
+  absl::StatusOr<std::optional<StoredPrediction>> prediction(
+      const std::string& sweep_sha256) override {
+    return find_prediction(database_, sweep_sha256);
+  }
+
+  absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) override {
+    return find_job_costs(database_, sweep);
+  }
+
+  absl::StatusOr<std::uint64_t> bytes() override { return database_bytes(database_); }
 
   absl::StatusOr<std::string> digest() override {
     return in_one_snapshot([&] { return content_digest(database_); });

@@ -45,6 +45,32 @@ struct SweepProgress {
   std::vector<std::string> failures;
 };
 
+// What a pilot said, before anything was run, that a sweep would take. CPU times are those of the
+// jobs; wall time is that of so many workers, their start included.
+struct StoredPrediction {
+  std::string sweep_sha256;
+  double made_unix_s = 0;
+  std::string determinism_class;  // of the machine that the pilot ran on
+  std::uint64_t workers = 0, pilot_viewpoints = 0;
+  double pilot_cpu_s = 0;
+  std::uint64_t jobs = 0;
+  double cpu_s = 0, wall_s = 0;
+  double job_cpu_quartile1_s = 0, job_cpu_median_s = 0, job_cpu_quartile3_s = 0;
+  std::uint64_t database_bytes = 0;
+};
+
+// What one done job took.
+struct StoredJobCost {
+  std::uint64_t job_index = 0, viewpoint_index = 0;
+  double cpu_s = 0;
+  std::uint64_t samples = 0, replicates = 0, target_paths = 0, rays = 0;
+  std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_path_limit = 0;
+  std::optional<std::uint64_t> guarded_negative;  // nullopt: was not counted
+  std::string worker_name;
+  double leased_unix_s = 0;
+  std::string determinism_class;
+};
+
 // The writing side of a signature database: the coordinator is its only user. Not thread-safe: one
 // thread owns it. Every mutation happens inside begin() ... commit(); commit() returns after the
 // data is on disk (synchronous = FULL), so that many results can share one commit (group commit).
@@ -76,6 +102,9 @@ class StoreWriter {
 
   // The bytes of an asset; under a sweep_sha256: the serialized ResolvedSweep.
   virtual absl::StatusOr<std::string> asset(const std::string& sha256) = 0;
+
+  // Replaces an earlier prediction of the same sweep, which need not have been added yet.
+  virtual absl::Status store_prediction(const StoredPrediction& prediction) = 0;
 
   // Takes the next waiting job (in sweep order; those that failed before come last) and leases it
   // under a new fencing token; nullopt: none is waiting.
@@ -239,6 +268,13 @@ class StoreReader {
   virtual absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) = 0;
   virtual absl::StatusOr<std::vector<StoredPublished>> published(const std::string& sweep) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
+  // nullopt: none was stored.
+  virtual absl::StatusOr<std::optional<StoredPrediction>> prediction(
+      const std::string& sweep_sha256) = 0;
+  // Of the sweep's done jobs, in the order of its jobs.
+  virtual absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) = 0;
+  // Size of the database as one plain file.
+  virtual absl::StatusOr<std::uint64_t> bytes() = 0;
   // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was
   // computed, in key order: schema/README.md.
   virtual absl::StatusOr<std::string> digest() = 0;

@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "schema/store/cost.h"
 #include "schema/store/ingest.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
@@ -49,6 +50,11 @@ class SqliteWriter final : public StoreWriter {
     absl::StatusOr<std::string> bytes = bytes_of(database_, sql::asset_bytes, sha256);
     if (!absl::IsNotFound(bytes.status())) return bytes;
     return bytes_of(database_, sql::resolved_sweep_by_sha256, sha256);
+  }
+
+  absl::Status store_prediction(const StoredPrediction& prediction) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return irsig::store_prediction(database_, prediction);
   }
 
   absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id,

@@ -317,6 +317,11 @@ class OtherRanges(unittest.TestCase):
             out = self.path / f"{kind}.svg"
             irsig("plot", database, "--kind", "spectrum", "--row", 1, "--quantity", kind, "--out", out)
             xml.etree.ElementTree.parse(out)
+        irsig("plot", database, "--kind", "transmittance", "--row", 1, "--out", out)
+        self.assertIn("Transmittance", out.read_text())
+        xml.etree.ElementTree.parse(out)
+        irsig("plot", database, "--kind", "transmittance", "--aspect", "30,10", "--interpolate",
+              "--out", out, expect=2)
 
 
 if __name__ == "__main__":

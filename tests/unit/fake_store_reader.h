@@ -92,6 +92,13 @@ class FakeStoreReader : public StoreReader {
   absl::StatusOr<std::vector<SweepProgress>> progress() override {
     return std::vector<SweepProgress>();
   }
+  absl::StatusOr<std::optional<StoredPrediction>> prediction(const std::string&) override {
+    return std::nullopt;
+  }
+  absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string&) override {
+    return std::vector<StoredJobCost>();
+  }
+  absl::StatusOr<std::uint64_t> bytes() override { return std::uint64_t{0}; }
   absl::StatusOr<std::string> digest() override { return std::string("fake"); }
 };
 

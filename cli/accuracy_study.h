@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "cli/load_sweep.h"
+#include "view/work_precision_plot.h"
+
+namespace irsig {
+
+// Which rows of a sweep an accuracy study looks at.
+struct AccuracyRows {
+  std::optional<std::string> season, time, band;
+  // Azimuth and elevation; none: the middle one of the sweep's viewpoints.
+  std::optional<std::array<double, 2>> aspect_deg;
+  double seconds = 60;  // CPU time for everything, roughly
+};
+
+struct StudiedRow {
+  std::string season, time_utc, band;
+  double aspect_azimuth_deg = 0, aspect_elevation_deg = 0, range_m = 0;
+  std::vector<std::string> paragraph;
+  std::vector<WorkPanel> panel;
+  std::vector<PageTable> table;
+  std::string csv;  // lines without a header: csv_header()
+};
+
+[[nodiscard]] std::string accuracy_csv_header();
+
+// Traces the rows in every way that there is. INVALID_ARGUMENT: no such season, time or band.
+[[nodiscard]] absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded,
+                                                                     const AccuracyRows& rows);
+
+}  // namespace irsig

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cstdio>
+
+#include "cli/commands.h"
+#include "cli/pilot.h"
+#include "cli/prediction.h"
+#include "fmt/format.h"
+
+namespace irsig {
+namespace {
+
+struct PlanAsked {
+  std::string sweep_path, db_path;
+  std::uint32_t workers = 0;
+  AccuracyAsked accuracy;
+};
+
+std::string accuracy_text(const schema::Accuracy& accuracy) {
+  if (accuracy.has_target_paths())
+    return fmt::format("{:g} paths that meet the target", accuracy.target_paths());
+  if (accuracy.has_samples_per_replicate())
+    return fmt::format("{} samples in each of {} replicates", accuracy.samples_per_replicate(),
+                       accuracy.replicates());
+  return fmt::format("{:g} % of every in-band intensity", 100 * accuracy.relative_error());
+}
+
+// Why rows do not reach an error; empty: all do.
+std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples) {
+  std::string text;
+  if (cost.kept_by_bias_share > 0)
+    text += fmt::format("; bias bounds keep {:.3g} % above it", 100 * cost.kept_by_bias_share);
+  if (cost.kept_by_limit_share > 0)
+    text += fmt::format("; max_samples_per_replicate = {} keeps {:.3g} %", max_samples,
+                        100 * cost.kept_by_limit_share);
+  return text;
+}
+
+void print_table(const SweepPilot& pilot, std::uint32_t workers) {
+  if (pilot.rule.relative_error <= 0) {
+    fmt::print("\nFor the table of time against error, ask with --relative-error.\n");
+    return;
+  }
+  fmt::print(
+      "\nrelative error -> median samples a replicate, CPU time, wall time on {} worker{}, "
+      "rows that reach it\n",
+      workers, workers == 1 ? "" : "s");
+  for (const double percent : {10.0, 3.0, 1.0, 0.3, 0.1, 0.03}) {
+    CountRule rule = pilot.rule;
+    rule.relative_error = percent / 100;
+    const SweepCost cost = sweep_cost(view_costs(pilot, rule), pilot.views, pilot.jobs_per_view,
+                                      workers, pilot.start_s);
+    fmt::print("{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
+               seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_share,
+               what_keeps(cost, rule.max_samples_per_replicate));
+  }
+}
+
+absl::Status plan_sweep(PlanAsked asked) {
+  auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
+  if (!loaded.ok()) return loaded.status();
+  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
+  if (asked.workers == 0) asked.workers = usable_cores();
+  if (has_time_budget(loaded->resolved)) {
+    if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
+  }
+  const auto pilot = pilot_sweep(*loaded);
+  if (!pilot.ok()) return pilot.status();
+  const schema::ResolvedSweep& sweep = loaded->resolved;
+  const StoredPrediction p = prediction_of(*pilot, sweep, asked.workers);
+  const SweepCost cost = sweep_cost(view_costs(*pilot, pilot->rule), pilot->views,
+                                    pilot->jobs_per_view, asked.workers, pilot->start_s);
+  const auto rows = pilot->views * static_cast<std::uint64_t>(sweep.condition_size()) *
+                    static_cast<std::uint64_t>(sweep.sweep().band_size());
+  fmt::print("{}: {} viewpoints x {} conditions x {} bands = {} rows, in {} jobs\n",
+             sweep.sweep().name(), pilot->views, sweep.condition_size(), sweep.sweep().band_size(),
+             rows, p.jobs);
+  fmt::print("asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
+  fmt::print(
+      "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",
+      seconds_text(p.job_cpu_median_s), seconds_text(p.job_cpu_quartile1_s),
+      seconds_text(p.job_cpu_quartile3_s), cost.median_samples);
+  fmt::print("CPU time   {}\n", seconds_text(p.cpu_s));
+  fmt::print("wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
+             p.workers == 1 ? "" : "s");
+  fmt::print("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
+  if (pilot->rule.relative_error > 0)
+    fmt::print("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
+               what_keeps(cost, pilot->rule.max_samples_per_replicate));
+  fmt::print("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
+             p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
+  print_table(*pilot, asked.workers);
+  if (asked.db_path.empty()) return absl::OkStatus();
+  return store_in(asked.db_path, p);
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand(
+      "plan", "before a run: jobs, rows, database size, CPU and wall time, and time against error");
+  auto asked = std::make_shared<PlanAsked>();
+  command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
+  command->add_option("--workers", asked->workers, "worker processes (default: one for each core)")
+      ->check(CLI::Range(1, 4096));
+  auto* error =
+      command
+          ->add_option("--relative-error", asked->accuracy.relative_error,
+                       "wanted of every in-band intensity, instead of the sweep file's [accuracy]")
+          ->check(CLI::Range(1e-6, 1.0));
+  command
+      ->add_option("--time-budget-s", asked->accuracy.time_budget_s,
+                   "wall time to spend, instead of the sweep file's [accuracy]")
+      ->check(CLI::Range(0.1, 1e9))
+      ->excludes(error);
+  command->add_option("--db", asked->db_path,
+                      "store the prediction here for `irsig report`; made if it does not exist");
+  command->callback([=, &exit_code] { exit_code = report(plan_sweep(*asked)); });
+  command->footer(
+      "A few viewpoints are computed with few samples by a worker of this machine, and thrown\n"
+      "away. Times are those of this machine; `irsig report` sets them against the run's.");
+}
+
+}  // namespace irsig

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace irsig {
+
+// What a sweep will take, from pilots of a few of its views: arithmetic alone, nothing is traced
+// here.
+//
+// A view's job takes a + b n seconds of CPU time for n samples a replicate. How many it takes for a
+// relative error is decided as the job itself decides it (core/signature/signature.cpp): from its
+// own pilots of kFirstPilotSamples and kSecondPilotSamples, by samples_needed, with a third pilot
+// where much more is asked for.
+
+inline constexpr std::uint64_t kFirstPilotSamples = 128, kSecondPilotSamples = 1024;
+inline constexpr std::uint64_t kFirstProfileSamples = 512, kSecondProfileSamples = 4096;
+
+// One row of a view (a condition and a band).
+struct RowPilot {
+  std::vector<double> stderr_w_sr;  // [stage]
+  // By the largest stage: |intensity|, the sum of the bias bounds but for `unseen`, and that.
+  double value_w_sr = 0, bias_w_sr = 0, unseen_w_sr = 0;
+};
+
+// One point of a profile.
+struct ProfilePointPilot {
+  double stderr_wanted_k = 0;       // > 0, or
+  std::uint64_t fixed_samples = 0;  // of a replicate
+  // Of each row, at kFirstProfileSamples and kSecondProfileSamples; empty if the count is fixed.
+  std::vector<std::array<double, 2>> stderr_k;
+};
+
+struct ViewPilot {
+  // Increasing; the first two are those of the job's own pilots (less: where the sweep allows no
+  // more). [stage]
+  std::vector<std::uint64_t> samples;
+  // Of all the view's jobs, which include the two pilots for a relative error. [stage]
+  std::vector<double> cpu_s;
+  std::vector<RowPilot> row;
+  std::vector<ProfilePointPilot> point;
+  // CPU time of the profiles' points together, over samples a replicate of all of them together.
+  double profile_cpu_s = 0, profile_cpu_s_per_sample = 0;
+};
+
+// Exactly one of the first three is positive.
+struct CountRule {
+  double relative_error = 0, target_paths = 0;
+  std::uint64_t samples_per_replicate = 0;
+  std::uint64_t max_samples_per_replicate = 0;
+};
+
+struct ViewCost {
+  std::uint64_t samples = 0;  // of a replicate, in the stored run
+  double cpu_s = 0;           // of all the view's jobs
+  // Of its rows: how many reach the relative error, and why others do not.
+  std::uint32_t rows = 0, reached = 0, kept_by_bias = 0, kept_by_limit = 0;
+};
+
+// target_paths_per_sample: of a replicate, all replicates together; for a rule of target paths.
+[[nodiscard]] ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule,
+                                 double target_paths_per_sample);
+
+// Samples a replicate that a point's stored run will have.
+[[nodiscard]] std::uint64_t profile_samples(const ProfilePointPilot& point,
+                                            std::uint64_t max_samples_per_replicate);
+
+// Standard error at n samples: a power of n between the stages and beyond them, with an exponent of
+// -0.5 to -0.7 beyond.
+[[nodiscard]] double stderr_at(std::span<const std::uint64_t> samples,
+                               std::span<const double> stderr_w_sr, std::uint64_t n);
+
+// q in [0, 1] of unsorted values, linear between them. Not empty.
+[[nodiscard]] double quantile(std::vector<double> values, double q);
+
+struct SweepCost {
+  double cpu_s = 0, wall_s = 0;
+  double job_cpu_quartile1_s = 0, job_cpu_median_s = 0, job_cpu_quartile3_s = 0;
+  double median_samples = 0;
+  double reached_share = 0, kept_by_bias_share = 0, kept_by_limit_share = 0;  // of the rows
+};
+
+// A sweep of `views` views of which some were piloted, each made of jobs_per_view jobs; workers
+// take the jobs in turn, after start_s each. The views stand for equal numbers of views.
+[[nodiscard]] SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
+                                   std::uint64_t jobs_per_view, std::uint64_t workers,
+                                   double start_s);
+
+// Standard error of the mean CPU time, relative to it: how much the piloted views scatter. 0 if all
+// of the sweep's views were piloted.
+[[nodiscard]] double relative_scatter(std::span<const ViewCost> piloted, std::uint64_t views);
+
+// Indices of `count` of `views` views, spread evenly: those for a smaller count are among those for
+// a larger one, in the same order. All if count >= views.
+[[nodiscard]] std::vector<std::uint64_t> spread_views(std::uint64_t views, std::uint64_t count);
+
+}  // namespace irsig

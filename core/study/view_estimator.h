@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/pass.h"
+#include "core/signature/signature.h"
+
+namespace irsig {
+
+// How an estimate is made. The defaults are what a sweep with a relative error gets.
+struct EstimatorKnobs {
+  std::uint32_t max_reflections = 16;
+  std::uint32_t replicates = 32;
+  bool pseudo_random = false;  // independent random numbers instead of scrambled Sobol points
+  // Each stored wavelength (all nodes of its bin) is traced by itself, with numbers of its own.
+  bool each_wavelength = false;
+  bool coverage_mask = true;  // off: rays are aimed at the bounding rectangle of the target
+  bool hot_parts = true;      // off: no strata of hot parts, and they are found by chance
+  bool wide_roulette = true;  // off: survival with probability throughput x DHR, and no splitting
+};
+
+// Reverse Monte Carlo as the ship paper does it, as far as it is told: every wavelength by itself,
+// pseudo-random numbers, one path for each ray, absorbed or reflected by chance. Two things are
+// kept that the paper does not have, both to its advantage: directions are drawn from the lobe with
+// the right density, and the sun's disk is aimed at (a random direction meets it 2e-5 times).
+[[nodiscard]] EstimatorKnobs plain_monte_carlo(std::uint32_t max_reflections);
+
+struct ViewRow {
+  std::uint32_t condition, band;  // of the request
+};
+
+// One row's result. spectral_w_sr_um: on the stored wavelengths.
+struct RowValue {
+  double intensity_w_sr = 0, emitted_w_sr = 0, projected_area_m2 = 0;
+  std::vector<double> spectral_w_sr_um;
+};
+struct ViewValue {
+  std::vector<RowValue> row;
+  std::vector<Estimate> intensity_w_sr, emitted_w_sr, projected_area_m2;  // [row]
+  std::vector<Estimate> apparent_intensity_w_sr;  // [row]; not where each wavelength is traced
+  std::vector<std::vector<double>> spectral_stderr_w_sr_um;  // [row]
+  std::uint64_t samples = 0, rays = 0;  // primary rays, all replicates; all rays
+};
+
+// One view of a scene, to be estimated in different ways. What does not depend on the way (sky and
+// air as this view sees them) is made once. The simulator and the request must outlive it. Any
+// number of threads may estimate.
+class ViewEstimator {
+ public:
+  // conditions: those that rows will name. INVALID_ARGUMENT as Environment::view() has it.
+  static absl::StatusOr<std::unique_ptr<ViewEstimator>> create(
+      const Simulator& simulator, const ViewRequest& request,
+      std::vector<std::uint32_t> conditions);
+
+  // All rows from the same paths, traced once. stderr: of the replicates' spread (0 where each
+  // wavelength is traced by itself, which has one replicate only).
+  [[nodiscard]] ViewValue estimate(const EstimatorKnobs& knobs, std::span<const ViewRow> rows,
+                                   std::uint64_t samples_per_replicate, std::uint64_t seed) const;
+
+ private:
+  ViewEstimator(const Simulator& simulator, const ViewRequest& request);
+  struct Suns {
+    std::vector<SunDirection> sun;
+    std::vector<int> of_row;
+  };
+  [[nodiscard]] Suns suns_of(std::span<const ViewRow> rows) const;
+  [[nodiscard]] PathSettings settings(const EstimatorKnobs& knobs) const;
+  void trace_together(std::span<const ViewRow> rows, const PathSettings& settings,
+                      const Target& target, const AimedView& view, ViewValue& out) const;
+  void trace_each_wavelength(const ViewRow& row, PathSettings settings, const Target& target,
+                             const AimedView& view, ViewValue& out) const;
+
+  const Simulator& simulator_;
+  const ViewRequest& request_;
+  Target unmarked_;  // without hot parts
+  ViewEnvironments environments_;
+  std::vector<double> node_um_;
+  std::vector<std::size_t> band_offset_;
+};
+
+}  // namespace irsig

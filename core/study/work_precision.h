@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/study/view_estimator.h"
+
+namespace irsig {
+
+// The error of one row as a function of the time spent on it, for several ways of estimating it.
+
+// What the relative error is taken of. Of the spectrum: root mean square over the stored
+// wavelengths, each relative to its own value.
+enum class Measured { kIntensity, kSpectrum, kEmitted, kArea };
+inline constexpr std::size_t kMeasured = 4;
+
+// What errors are taken against, with its own relative standard error.
+struct ReferenceValue {
+  RowValue value;
+  double apparent_intensity_w_sr = 0;
+  double relative_stderr[kMeasured]{};
+};
+
+struct WorkPoint {
+  std::uint64_t samples_per_replicate = 0;
+  double samples = 0;  // primary rays, all replicates; mean over the seeds
+  double cpu_s = 0;    // mean over the seeds
+  std::uint32_t seeds = 0;
+  double relative_error[kMeasured]{};  // root mean square over the seeds
+};
+
+// A way of estimating one row: value, primary rays and CPU time at a number of samples and a seed.
+struct EstimateRun {
+  RowValue value;
+  double samples = 0;
+};
+struct WorkMethod {
+  std::string name;
+  std::function<EstimateRun(std::uint64_t samples_per_replicate, std::uint64_t seed)> estimate;
+  std::uint64_t first_samples = 8;  // grows by factors of 4
+};
+
+// CPU time of the process [s].
+using CpuClock = std::function<double()>;
+
+struct WorkBudget {
+  double cpu_s = 5;
+  std::uint32_t least_seeds = 6, most_seeds = 24;
+  std::uint64_t most_samples_per_replicate = 1u << 18;
+};
+
+// Runs a method at 4 times as many samples again and again, at each with several seeds, until the
+// next step would not fit into the budget. At least two steps.
+[[nodiscard]] std::vector<WorkPoint> work_curve(const WorkMethod& method,
+                                                const ReferenceValue& reference,
+                                                const WorkBudget& budget, const CpuClock& cpu_s);
+
+// Mean over runs of `estimator` with seeds that no work_curve uses, of `samples_per_replicate`
+// each, until the budget is spent (at least two runs).
+[[nodiscard]] ReferenceValue reference_value(const ViewEstimator& estimator,
+                                             const EstimatorKnobs& knobs, ViewRow row,
+                                             std::uint64_t samples_per_replicate, double budget_s,
+                                             const CpuClock& cpu_s);
+
+// ---- arithmetic on curves of (work, error): the same for time and for samples
+
+struct WorkError {
+  double work, error;  // both > 0
+};
+// Of the measured quantity against CPU time, or against primary rays.
+[[nodiscard]] std::vector<WorkError> against_time(const std::vector<WorkPoint>& points,
+                                                  Measured what);
+[[nodiscard]] std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points,
+                                                     Measured what);
+
+// Exponent of error ~ work^slope: least squares of the logarithms over the points whose error is at
+// least `floor` (what the reference's own error leaves; 0: all). None for fewer than 3 points.
+[[nodiscard]] std::optional<double> error_slope(const std::vector<WorkError>& curve, double floor);
+
+// The work at which the error comes down to `target` and stays below it, linear in the logarithms
+// between points. Beyond the last point: the curve's slope if it is below -0.25, and then
+// `extrapolated`. None where a curve levels off above the target.
+struct WorkToTarget {
+  double work = 0;
+  bool extrapolated = false;
+};
+[[nodiscard]] std::optional<WorkToTarget> work_to_target(const std::vector<WorkError>& curve,
+                                                         double target, double floor);
+
+// The error at a given work, likewise; none outside the curve.
+[[nodiscard]] std::optional<double> error_at_work(const std::vector<WorkError>& curve, double work);
+
+}  // namespace irsig

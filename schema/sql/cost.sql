@@ -1,0 +1,28 @@
+-- What computing cost, and what was predicted (schema/store/cost.cpp).
+
+-- name: store_prediction
+INSERT OR REPLACE INTO prediction (
+  sweep_sha256, made_unix_s, determinism_class, workers, pilot_viewpoints, pilot_cpu_s, jobs, cpu_s, wall_s,
+  job_cpu_quartile1_s, job_cpu_median_s, job_cpu_quartile3_s, database_bytes)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13);
+
+-- name: prediction_of_sweep
+SELECT sweep_sha256, made_unix_s, determinism_class, workers, pilot_viewpoints, pilot_cpu_s, jobs, cpu_s, wall_s,
+       job_cpu_quartile1_s, job_cpu_median_s, job_cpu_quartile3_s, database_bytes
+FROM prediction WHERE sweep_sha256 = ?1;
+
+-- The done jobs of a sweep, with the lease under which each was done.
+-- name: done_jobs
+SELECT j.job_index, v.viewpoint_index, p.seconds, p.samples, p.replicates, p.target_paths, p.rays,
+       p.guarded_backface_hits, p.guarded_nonfinite, p.guarded_path_limit, p.guarded_negative, p.worker_name,
+       coalesce((SELECT max(a.leased_unix_s) FROM attempt a WHERE a.job_id = j.job_id AND a.outcome = 1), 0.0),
+       p.determinism_class
+FROM job j
+JOIN sweep w USING (sweep_id)
+JOIN viewpoint v USING (viewpoint_id)
+JOIN provenance p USING (job_id)
+WHERE w.name = ?1 AND j.superseded = 0 AND j.state = 2
+ORDER BY j.job_index;
+
+-- name: database_bytes
+SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size();

@@ -1,0 +1,68 @@
+#include "schema/store/cost.h"
+
+#include "schema/store/statements.h"
+
+namespace irsig {
+
+absl::Status store_prediction(Database& database, const StoredPrediction& p) {
+  return database.run(sql::store_prediction, p.sweep_sha256, p.made_unix_s, p.determinism_class,
+                      p.workers, p.pilot_viewpoints, p.pilot_cpu_s, p.jobs, p.cpu_s, p.wall_s,
+                      p.job_cpu_quartile1_s, p.job_cpu_median_s, p.job_cpu_quartile3_s,
+                      p.database_bytes);
+}
+
+absl::StatusOr<std::optional<StoredPrediction>> find_prediction(Database& database,
+                                                                const std::string& sweep_sha256) {
+  absl::StatusOr<Rows> row = database.query(sql::prediction_of_sweep, sweep_sha256);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::nullopt;
+  StoredPrediction p;
+  p.sweep_sha256 = row->text();
+  p.made_unix_s = row->real();
+  p.determinism_class = row->text();
+  p.workers = row->count();
+  p.pilot_viewpoints = row->count();
+  p.pilot_cpu_s = row->real();
+  p.jobs = row->count();
+  for (double* number :
+       {&p.cpu_s, &p.wall_s, &p.job_cpu_quartile1_s, &p.job_cpu_median_s, &p.job_cpu_quartile3_s})
+    *number = row->real();
+  p.database_bytes = row->count();
+  return p;
+}
+
+absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
+                                                          const std::string& sweep) {
+  std::vector<StoredJobCost> out;
+  absl::StatusOr<Rows> row = database.query(sql::done_jobs, sweep);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return out;
+    StoredJobCost& job = out.emplace_back();
+    job.job_index = row->count();
+    job.viewpoint_index = row->count();
+    job.cpu_s = row->real();
+    for (std::uint64_t* number :
+         {&job.samples, &job.replicates, &job.target_paths, &job.rays, &job.guarded_backface_hits,
+          &job.guarded_nonfinite, &job.guarded_path_limit})
+      *number = row->count();
+    const bool counted = !row->is_null();
+    const std::uint64_t negative = row->count();
+    if (counted) job.guarded_negative = negative;
+    job.worker_name = row->text();
+    job.leased_unix_s = row->real();
+    job.determinism_class = row->text();
+  }
+}
+
+absl::StatusOr<std::uint64_t> database_bytes(Database& database) {
+  const absl::StatusOr<std::int64_t> bytes = database.integer(sql::database_bytes);
+  if (!bytes.ok()) return bytes.status();
+  return static_cast<std::uint64_t>(*bytes);
+}
+
+}  // namespace irsig

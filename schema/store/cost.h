@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+[[nodiscard]] absl::Status store_prediction(Database& database, const StoredPrediction& prediction);
+[[nodiscard]] absl::StatusOr<std::optional<StoredPrediction>> find_prediction(
+    Database& database, const std::string& sweep_sha256);
+[[nodiscard]] absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
+                                                                        const std::string& sweep);
+[[nodiscard]] absl::StatusOr<std::uint64_t> database_bytes(Database& database);
+
+}  // namespace irsig

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace irsig {
+
+// Errors against work, both logarithmic.
+struct WorkSeries {
+  std::string name;          // in the legend
+  std::vector<double> x, y;  // as long as each other; what is not positive or finite is left out
+  bool joined = true;        // by a line
+};
+
+struct WorkPanel {
+  std::string title, x_label, y_label;
+  std::vector<WorkSeries> series;
+  double reference_error = 0;  // > 0: a grey band up to there, what the reference leaves open
+  std::vector<double> target;  // dashed lines across
+};
+
+// Panels side by side, `columns` in a row, each with its legend, as a complete SVG document.
+[[nodiscard]] std::string plot_work_precision(std::string_view title, std::string_view subtitle,
+                                              const std::vector<WorkPanel>& panels,
+                                              std::size_t columns);
+
+struct PageTable {
+  std::string caption;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> row;
+};
+
+struct PageSection {
+  std::string heading;
+  std::vector<std::string> paragraph;
+  std::string svg;  // of plot_work_precision; empty: none
+  std::vector<PageTable> table;
+};
+
+// One HTML document without anything from outside: pictures inline, no scripts.
+[[nodiscard]] std::string html_page(std::string_view title,
+                                    const std::vector<PageSection>& sections);
+
+// The same tables as Markdown.
+[[nodiscard]] std::string markdown_tables(const std::vector<PageTable>& tables);
+
+}  // namespace irsig
