@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "cli/accuracy_tables.h"
 #include "cli/load_sweep.h"
-#include "view/work_precision_plot.h"
 
 namespace irsig {
 
@@ -18,17 +18,6 @@ struct AccuracyRows {
   std::optional<std::array<double, 2>> aspect_deg;
   double seconds = 60;  // CPU time for everything, roughly
 };
-
-struct StudiedRow {
-  std::string season, time_utc, band;
-  double aspect_azimuth_deg = 0, aspect_elevation_deg = 0, range_m = 0;
-  std::vector<std::string> paragraph;
-  std::vector<WorkPanel> panel;
-  std::vector<PageTable> table;
-  std::string csv;  // lines without a header: csv_header()
-};
-
-[[nodiscard]] std::string accuracy_csv_header();
 
 // Traces the rows in every way that there is. INVALID_ARGUMENT: no such season, time or band.
 [[nodiscard]] absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded,

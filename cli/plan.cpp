@@ -32,6 +32,10 @@ std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples) {
   if (cost.kept_by_limit_share > 0)
     text += fmt::format("; max_samples_per_replicate = {} keeps {:.3g} %", max_samples,
                         100 * cost.kept_by_limit_share);
+  const double otherwise =
+      1 - cost.reached_share - cost.kept_by_bias_share - cost.kept_by_limit_share;
+  if (otherwise > 1e-9)
+    text += fmt::format("; {:.3g} % miss it: the pilots ask for too few samples", 100 * otherwise);
   return text;
 }
 

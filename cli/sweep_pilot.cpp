@@ -276,16 +276,23 @@ class Planner {
   absl::Status run_stages(const std::vector<std::uint64_t>& views,
                           const std::vector<std::uint64_t>& counts, std::size_t first,
                           bool warm_up) {
-    std::vector<schema::ResolvedSweep> sweeps;
-    for (const std::uint64_t n : counts) sweeps.push_back(with_count(views, n));
-    const double cpu_before = farm_.cpu_s();
-    const auto stages = farm_.run(std::move(sweeps));
-    if (!stages.ok()) return stages.status();
-    if (pilot_.start_s == 0)
-      pilot_.start_s = std::max(0.0, farm_.wall_s() - (farm_.cpu_s() - cpu_before)) /
-                       static_cast<double>(counts.size());
+    // Without a view to warm up with, each stage has a worker of its own: all are equally cold, as
+    // the run's own first job is.
+    std::vector<std::vector<schema::ResolvedSweep>> runs(warm_up ? 1 : counts.size());
+    for (std::size_t s = 0; s < counts.size(); ++s)
+      runs[warm_up ? 0 : s].push_back(with_count(views, counts[s]));
+    std::vector<Stage> stages;
+    for (auto& sweeps : runs) {
+      const double cpu_before = farm_.cpu_s();
+      const auto count = static_cast<double>(sweeps.size());
+      auto done = farm_.run(std::move(sweeps));
+      if (!done.ok()) return done.status();
+      if (pilot_.start_s == 0)
+        pilot_.start_s = std::max(0.0, farm_.wall_s() - (farm_.cpu_s() - cpu_before)) / count;
+      for (Stage& stage : *done) stages.push_back(std::move(stage));
+    }
     for (std::size_t s = 0; s < counts.size(); ++s) {
-      const Stage& stage = (*stages)[s];
+      const Stage& stage = stages[s];
       for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at) {
         ViewPilot& view = pilot_.view[first + at - (warm_up ? 1 : 0)];
         view.samples.push_back(counts[s]);
@@ -308,6 +315,8 @@ class Planner {
       }
       pilot_.target_paths_per_sample = paths / jobs / static_cast<double>(counts[s]);
     }
+    const double exponent = time_exponent(pilot_.view);
+    for (ViewPilot& view : pilot_.view) view.time_exponent = exponent;
     return absl::OkStatus();
   }
 

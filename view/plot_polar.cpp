@@ -271,16 +271,15 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     panel.radial_labels(panels[i].curve);
   }
   std::string caption =
-      interpolated
-          ? fmt::format(
-                "Aspect azimuth clockwise from the bow. Curves: interpolated between "
-                "viewpoints, band \u00b12\u03c3. Circles: viewpoints within {:g}\u00b0 "
-                "of the elevation, \u00b12\u03c3.",
-                kNearRingDeg)
-          : "Aspect azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.";
+      interpolated ? fmt::format(
+                         "Azimuth clockwise from the bow. Curves: interpolated between "
+                         "viewpoints, band \u00b12\u03c3. Circles: viewpoints within {:g}\u00b0 "
+                         "of the elevation, \u00b12\u03c3.",
+                         kNearRingDeg)
+                   : "Azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.";
   if (both_sides_of_0) caption += " Dashed: 0.";
   svg.text({450, svg.height_px() - 16}, caption,
-           {.size = 12, .anchor = Anchor::kMiddle, .color = "#555555"});
+           {.size = both_sides_of_0 ? 11.0 : 12.0, .anchor = Anchor::kMiddle, .color = "#555555"});
   return svg.finish();
 }
 

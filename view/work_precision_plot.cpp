@@ -161,12 +161,12 @@ class LogPanel {
   Decades x_, y_;
 };
 
-std::string escaped(std::string_view text) {
+std::string escaped(const std::string& text) {
   return absl::StrReplaceAll(text,
                              {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
 }
 
-void append_cells(const std::vector<std::string>& cells, std::string_view tag, std::string& out) {
+void append_cells(const std::vector<std::string>& cells, const char* tag, std::string& out) {
   absl::StrAppend(&out, "<tr>");
   for (const std::string& cell : cells)
     absl::StrAppend(&out, "<", tag, ">", escaped(cell), "</", tag, ">");
@@ -174,9 +174,9 @@ void append_cells(const std::vector<std::string>& cells, std::string_view tag, s
 }
 
 // The picture without what only a file of its own has in front.
-std::string_view inline_svg(std::string_view svg) {
+std::string inline_svg(const std::string& svg) {
   const std::size_t start = svg.find("<svg");
-  return start == std::string_view::npos ? svg : svg.substr(start);
+  return start == std::string::npos ? svg : svg.substr(start);
 }
 
 }  // namespace
@@ -197,7 +197,7 @@ std::string plot_work_precision(std::string_view title, std::string_view subtitl
   return svg.finish();
 }
 
-std::string html_page(std::string_view title, const std::vector<PageSection>& sections) {
+std::string html_page(const std::string& title, const std::vector<PageSection>& sections) {
   std::string out = absl::StrCat(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>",
       escaped(title),

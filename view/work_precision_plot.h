@@ -39,7 +39,7 @@ struct PageSection {
 };
 
 // One HTML document without anything from outside: pictures inline, no scripts.
-[[nodiscard]] std::string html_page(std::string_view title,
+[[nodiscard]] std::string html_page(const std::string& title,
                                     const std::vector<PageSection>& sections);
 
 // The same tables as Markdown.

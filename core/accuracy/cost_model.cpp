@@ -55,6 +55,31 @@ Count count_for(const ViewPilot& pilot, const CountRule& rule, double target_pat
   return {std::min(n, most), third};
 }
 
+double work(const ViewPilot& pilot, std::uint64_t samples) {
+  return std::pow(static_cast<double>(samples), pilot.time_exponent);
+}
+
+// b of a + b n^p through the smallest and the largest stage.
+double slope_of(const ViewPilot& pilot) {
+  if (pilot.samples.back() <= pilot.samples.front()) return 0;
+  return std::max(0.0, pilot.cpu_s.back() - pilot.cpu_s.front()) /
+         (work(pilot, pilot.samples.back()) - work(pilot, pilot.samples.front()));
+}
+
+// As measured at the stages, linear between them; beyond them by the power law.
+double cpu_s_at(const ViewPilot& pilot, std::uint64_t n) {
+  const std::vector<std::uint64_t>& samples = pilot.samples;
+  if (n >= samples.back())
+    return pilot.cpu_s.back() + slope_of(pilot) * (work(pilot, n) - work(pilot, samples.back()));
+  std::size_t right = 1;
+  while (right < samples.size() && samples[right] < n) ++right;
+  if (right == samples.size()) return pilot.cpu_s.front();
+  const double along = (static_cast<double>(n) - static_cast<double>(samples[right - 1])) /
+                       static_cast<double>(samples[right] - samples[right - 1]);
+  return pilot.cpu_s[right - 1] +
+         std::max(along, 0.0) * (pilot.cpu_s[right] - pilot.cpu_s[right - 1]);
+}
+
 }  // namespace
 
 double stderr_at(std::span<const std::uint64_t> samples, std::span<const double> stderr_w_sr,
@@ -86,17 +111,38 @@ std::uint64_t profile_samples(const ProfilePointPilot& point,
   return std::min(needed, max_samples_per_replicate);
 }
 
+double time_exponent(std::span<const ViewPilot> views) {
+  if (views.empty() || views.front().samples.size() < 3) return 1;
+  const std::vector<std::uint64_t>& n = views.front().samples;
+  double few = 0, more = 0, most = 0;
+  for (const ViewPilot& view : views) {
+    few += view.cpu_s[0];
+    more += view.cpu_s[1];
+    most += view.cpu_s.back();
+  }
+  if (!(more > few && n[1] > n[0] && n.back() > n[1])) return 1;
+  const double measured = (most - more) / (more - few);
+  const auto of = [&](double p) {
+    const double n1 = std::pow(static_cast<double>(n[0]), p),
+                 n2 = std::pow(static_cast<double>(n[1]), p),
+                 n3 = std::pow(static_cast<double>(n.back()), p);
+    return (n3 - n2) / (n2 - n1);
+  };
+  double low = 0.5, high = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (low + high);
+    (of(middle) < measured ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_paths_per_sample) {
   const Count count = count_for(pilot, rule, target_paths_per_sample);
   ViewCost cost;
   cost.samples = count.stored;
-  // a + b n through the smallest and the largest stage.
-  const auto first = static_cast<double>(pilot.samples.front()),
-             last = static_cast<double>(pilot.samples.back());
-  const double per_sample =
-      last > first ? std::max(0.0, (pilot.cpu_s.back() - pilot.cpu_s.front()) / (last - first)) : 0;
-  const double fixed = std::max(0.0, pilot.cpu_s.front() - per_sample * first);
-  cost.cpu_s = fixed + per_sample * static_cast<double>(count.stored + count.further_pilots);
+  const auto last = static_cast<double>(pilot.samples.back());
+  cost.cpu_s = cpu_s_at(pilot, count.stored) +
+               (count.further_pilots > 0 ? slope_of(pilot) * work(pilot, count.further_pilots) : 0);
   if (!pilot.point.empty()) {
     double samples = 0;
     for (const ProfilePointPilot& point : pilot.point) {

@@ -10,10 +10,11 @@ namespace irsig {
 // What a sweep will take, from pilots of a few of its views: arithmetic alone, nothing is traced
 // here.
 //
-// A view's job takes a + b n seconds of CPU time for n samples a replicate. How many it takes for a
-// relative error is decided as the job itself decides it (core/signature/signature.cpp): from its
-// own pilots of kFirstPilotSamples and kSecondPilotSamples, by samples_needed, with a third pilot
-// where much more is asked for.
+// A view's job takes a + b n^p seconds of CPU time for n samples a replicate (p < 1: the more rays,
+// the nearer neighbours they are, and the faster each is traced); between counts that were tried it
+// is as measured. How many samples it takes for a relative error is decided as the job itself
+// decides it (core/signature/signature.cpp): from its own pilots of kFirstPilotSamples and
+// kSecondPilotSamples, by samples_needed, with a third pilot where much more is asked for.
 
 inline constexpr std::uint64_t kFirstPilotSamples = 128, kSecondPilotSamples = 1024;
 inline constexpr std::uint64_t kFirstProfileSamples = 512, kSecondProfileSamples = 4096;
@@ -39,11 +40,16 @@ struct ViewPilot {
   std::vector<std::uint64_t> samples;
   // Of all the view's jobs, which include the two pilots for a relative error. [stage]
   std::vector<double> cpu_s;
+  double time_exponent = 1;  // p
   std::vector<RowPilot> row;
   std::vector<ProfilePointPilot> point;
   // CPU time of the profiles' points together, over samples a replicate of all of them together.
   double profile_cpu_s = 0, profile_cpu_s_per_sample = 0;
 };
+
+// p of the views together, in [0.5, 1]: from the first, second and last stage, if there are three.
+// 1 otherwise.
+[[nodiscard]] double time_exponent(std::span<const ViewPilot> views);
 
 // Exactly one of the first three is positive.
 struct CountRule {

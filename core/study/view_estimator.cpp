@@ -23,14 +23,6 @@ double own_w_sr(const RowWeights& weights, const SourceTable& table, std::uint32
   return sum;
 }
 
-// A bounding rectangle takes the place of the masks, and there is one stratum.
-AimedView view_of(const Target& target, const Viewpoint& viewpoint, bool coverage_mask) {
-  AimedView view = make_aimed_view(target, viewpoint);
-  if (!coverage_mask)
-    for (CoverageMask& mask : view.stratum) mask = CoverageMask::whole(view.frame);
-  return view;
-}
-
 }  // namespace
 
 EstimatorKnobs plain_monte_carlo(std::uint32_t max_reflections) {
@@ -38,14 +30,16 @@ EstimatorKnobs plain_monte_carlo(std::uint32_t max_reflections) {
           .replicates = 1,
           .pseudo_random = true,
           .each_wavelength = true,
-          .coverage_mask = false,
           .hot_parts = false,
+          .coverage_mask = false,
           .wide_roulette = false};
 }
 
 ViewEstimator::ViewEstimator(const Simulator& simulator, const ViewRequest& request)
     : simulator_(simulator), request_(request), unmarked_(simulator.target()) {
   for (PartSpec& part : unmarked_.part) part.hot = false;
+  whole_ = make_aimed_view(unmarked_, request.viewpoint);
+  whole_.stratum = {CoverageMask::whole(whole_.frame)};
   for (const BandGrid& grid : simulator.band_grids()) {
     band_offset_.push_back(node_um_.size());
     node_um_.insert(node_um_.end(), grid.node_um.begin(), grid.node_um.end());
@@ -99,7 +93,9 @@ PathSettings ViewEstimator::settings(const EstimatorKnobs& knobs) const {
 ViewValue ViewEstimator::estimate(const EstimatorKnobs& knobs, std::span<const ViewRow> rows,
                                   std::uint64_t samples_per_replicate, std::uint64_t seed) const {
   const Target& target = knobs.hot_parts ? simulator_.target() : unmarked_;
-  const AimedView view = view_of(target, request_.viewpoint, knobs.coverage_mask);
+  std::optional<AimedView> masked;
+  if (knobs.coverage_mask) masked = make_aimed_view(target, request_.viewpoint);
+  const AimedView& view = masked ? *masked : whole_;
   PathSettings settings = this->settings(knobs);
   settings.samples = samples_per_replicate;
   settings.seed = mix64(simulator_.scene_hash() ^ mix64(seed));

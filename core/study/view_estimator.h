@@ -18,8 +18,9 @@ struct EstimatorKnobs {
   bool pseudo_random = false;  // independent random numbers instead of scrambled Sobol points
   // Each stored wavelength (all nodes of its bin) is traced by itself, with numbers of its own.
   bool each_wavelength = false;
-  bool coverage_mask = true;  // off: rays are aimed at the bounding rectangle of the target
-  bool hot_parts = true;      // off: no strata of hot parts, and they are found by chance
+  bool hot_parts = true;  // off: no strata of hot parts, and they are found by chance
+  // Off (with hot_parts off too): rays are aimed at the bounding rectangle of the target.
+  bool coverage_mask = true;
   bool wide_roulette = true;  // off: survival with probability throughput x DHR, and no splitting
 };
 
@@ -77,6 +78,7 @@ class ViewEstimator {
   const Simulator& simulator_;
   const ViewRequest& request_;
   Target unmarked_;  // without hot parts
+  AimedView whole_;  // of the latter: one stratum, the bounding rectangle
   ViewEnvironments environments_;
   std::vector<double> node_um_;
   std::vector<std::size_t> band_offset_;

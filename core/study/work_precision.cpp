@@ -71,6 +71,26 @@ std::vector<WorkError> against(const std::vector<WorkPoint>& points, Measured wh
 
 }  // namespace
 
+EstimateRun run_of(const ViewValue& view, std::size_t row) {
+  EstimateRun out{view.row[row], static_cast<double>(view.samples), {}};
+  const auto relative = [](double stderr_, double value) {
+    return value != 0 ? std::abs(stderr_ / value) : 0;
+  };
+  const auto set = [&](Measured what, const Estimate& e) {
+    out.relative_stderr[static_cast<std::size_t>(what)] = relative(e.stderr_, e.value);
+  };
+  set(Measured::kIntensity, view.intensity_w_sr[row]);
+  set(Measured::kEmitted, view.emitted_w_sr[row]);
+  set(Measured::kArea, view.projected_area_m2[row]);
+  const std::vector<double>& spectrum = out.value.spectral_w_sr_um;
+  double square = 0;
+  for (std::size_t k = 0; k < spectrum.size(); ++k)
+    square += std::pow(relative(view.spectral_stderr_w_sr_um[row][k], spectrum[k]), 2);
+  out.relative_stderr[static_cast<std::size_t>(Measured::kSpectrum)] =
+      std::sqrt(square / static_cast<double>(std::max<std::size_t>(spectrum.size(), 1)));
+  return out;
+}
+
 std::vector<WorkPoint> work_curve(const WorkMethod& method, const ReferenceValue& reference,
                                   const WorkBudget& budget, const CpuClock& cpu_s) {
   std::vector<WorkPoint> out;
@@ -83,22 +103,27 @@ std::vector<WorkPoint> work_curve(const WorkMethod& method, const ReferenceValue
     if (out.size() >= 2 && 3 * out.back().cpu_s * budget.least_seeds > left_s) break;
     WorkPoint point;
     point.samples_per_replicate = n;
-    double sum[kMeasured]{};
+    double sum[kMeasured]{}, random[kMeasured]{};
     const double begin_s = cpu_s();
     double spent_s = 0;
-    // A third of what is left, so that two more steps have a chance.
+    // Many seeds while they are cheap; most of the budget is for the last steps.
     while (point.seeds < budget.least_seeds ||
-           (point.seeds < budget.most_seeds && spent_s < left_s / 8)) {
+           (point.seeds < budget.most_seeds && spent_s < left_s / 16)) {
       const EstimateRun run = method.estimate(n, seed++);
       ++point.seeds;
       point.samples += run.samples;
       spent_s = cpu_s() - begin_s;
       add_squares(run.value, reference.value, sum);
+      for (std::size_t q = 0; q < kMeasured; ++q)
+        random[q] += run.relative_stderr[q] * run.relative_stderr[q];
     }
     const double seeds = point.seeds;
     point.cpu_s = spent_s / seeds;
     point.samples /= seeds;
-    for (std::size_t q = 0; q < kMeasured; ++q) point.relative_error[q] = std::sqrt(sum[q] / seeds);
+    for (std::size_t q = 0; q < kMeasured; ++q) {
+      point.relative_error[q] = std::sqrt(sum[q] / seeds);
+      point.relative_stderr[q] = std::sqrt(random[q] / seeds);
+    }
     out.push_back(point);
   }
   return out;
@@ -114,7 +139,8 @@ ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKn
   for (; n < 2 || cpu_s() - start_s < budget_s; ++n) {
     const ViewValue v = estimator.estimate(knobs, {&row, 1}, samples_per_replicate,
                                            kReferenceSeeds + static_cast<std::uint64_t>(n));
-    const RowValue& r = v.row.front();
+    const EstimateRun run = run_of(v, 0);
+    const RowValue& r = run.value;
     out.value.intensity_w_sr += r.intensity_w_sr;
     out.value.emitted_w_sr += r.emitted_w_sr;
     out.apparent_intensity_w_sr += v.apparent_intensity_w_sr.front().value;
@@ -122,19 +148,8 @@ ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKn
     out.value.spectral_w_sr_um.resize(r.spectral_w_sr_um.size());
     for (std::size_t k = 0; k < r.spectral_w_sr_um.size(); ++k)
       out.value.spectral_w_sr_um[k] += r.spectral_w_sr_um[k];
-    const auto relative2 = [](double stderr_, double value) {
-      return value != 0 ? stderr_ * stderr_ / (value * value) : 0;
-    };
-    const auto add = [&](Measured what, const Estimate& e) {
-      square[static_cast<int>(what)] += relative2(e.stderr_, e.value);
-    };
-    add(Measured::kIntensity, v.intensity_w_sr.front());
-    add(Measured::kEmitted, v.emitted_w_sr.front());
-    add(Measured::kArea, v.projected_area_m2.front());
-    for (std::size_t k = 0; k < r.spectral_w_sr_um.size(); ++k)
-      square[static_cast<int>(Measured::kSpectrum)] +=
-          relative2(v.spectral_stderr_w_sr_um.front()[k], r.spectral_w_sr_um[k]) /
-          static_cast<double>(r.spectral_w_sr_um.size());
+    for (std::size_t q = 0; q < kMeasured; ++q)
+      square[q] += run.relative_stderr[q] * run.relative_stderr[q];
   }
   out.value.intensity_w_sr /= n;
   out.value.emitted_w_sr /= n;
@@ -151,6 +166,16 @@ std::vector<WorkError> against_time(const std::vector<WorkPoint>& points, Measur
 
 std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points, Measured what) {
   return against(points, what, &WorkPoint::samples);
+}
+
+std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points, Measured what) {
+  std::vector<WorkError> out;
+  for (const WorkPoint& p : points) {
+    const auto q = static_cast<std::size_t>(what);
+    out.push_back({static_cast<double>(p.samples_per_replicate),
+                   p.relative_stderr[q] > 0 ? p.relative_stderr[q] : p.relative_error[q]});
+  }
+  return out;
 }
 
 std::optional<double> error_slope(const std::vector<WorkError>& curve, double floor) {

@@ -30,17 +30,21 @@ struct WorkPoint {
   double cpu_s = 0;    // mean over the seeds
   std::uint32_t seeds = 0;
   double relative_error[kMeasured]{};  // root mean square over the seeds
+  // Likewise of the standard errors that the runs' own replicates give: the random part of the
+  // error, known much better than from a few seeds. 0: the method has no replicates.
+  double relative_stderr[kMeasured]{};
 };
 
 // A way of estimating one row: value, primary rays and CPU time at a number of samples and a seed.
 struct EstimateRun {
   RowValue value;
   double samples = 0;
+  double relative_stderr[kMeasured]{};  // 0: no replicates
 };
 struct WorkMethod {
   std::string name;
   std::function<EstimateRun(std::uint64_t samples_per_replicate, std::uint64_t seed)> estimate;
-  std::uint64_t first_samples = 8;  // grows by factors of 4
+  std::uint64_t first_samples = 64;  // grows by factors of 4
 };
 
 // CPU time of the process [s].
@@ -48,7 +52,7 @@ using CpuClock = std::function<double()>;
 
 struct WorkBudget {
   double cpu_s = 5;
-  std::uint32_t least_seeds = 6, most_seeds = 24;
+  std::uint32_t least_seeds = 8, most_seeds = 16;
   std::uint64_t most_samples_per_replicate = 1u << 18;
 };
 
@@ -57,6 +61,9 @@ struct WorkBudget {
 [[nodiscard]] std::vector<WorkPoint> work_curve(const WorkMethod& method,
                                                 const ReferenceValue& reference,
                                                 const WorkBudget& budget, const CpuClock& cpu_s);
+
+// The i-th row of a view as a run.
+[[nodiscard]] EstimateRun run_of(const ViewValue& view, std::size_t row);
 
 // Mean over runs of `estimator` with seeds that no work_curve uses, of `samples_per_replicate`
 // each, until the budget is spent (at least two runs).
@@ -75,6 +82,11 @@ struct WorkError {
                                                   Measured what);
 [[nodiscard]] std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points,
                                                      Measured what);
+// The random part of the error (relative_stderr; where there is none, relative_error) against the
+// samples of the main stratum in each replicate, which alone set the rate of convergence: strata of
+// hot parts have a least number of samples.
+[[nodiscard]] std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points,
+                                                          Measured what);
 
 // Exponent of error ~ work^slope: least squares of the logarithms over the points whose error is at
 // least `floor` (what the reference's own error leaves; 0: all). None for fewer than 3 points.

@@ -259,8 +259,7 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
 
 // Takes from a database what version 3 of the format added; a row keeps what version 2 stored.
 inline std::string back_to_version_2(const std::string& path) {
-  std::string script =
-      "DROP TABLE prediction; DROP VIEW profile_view; DROP VIEW signature_view;";
+  std::string script = "DROP TABLE prediction; DROP VIEW profile_view; DROP VIEW signature_view;";
   const std::pair<const char*, std::vector<const char*>> added[] = {
       {"condition",
        {"sea_model", "ground_temperature_k", "ground_emissivity", "weather", "warning"}},

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geo/viewpoint.h"
+#include "core/study/work_precision.h"
+#include "view/work_precision_plot.h"
+
+namespace irsig {
+
+// Names of the ways that tables compare with each other.
+inline constexpr const char* kPlain = "plain Monte Carlo, each wavelength";
+inline constexpr const char* kPseudo = "ours, pseudo-random";
+inline constexpr const char* kUnmasked = "ours, quasi, no masks or strata";
+inline constexpr const char* kQuasi = "ours, quasi-Monte Carlo";
+
+struct WorkMeasurement {
+  std::string group, name;
+  std::vector<WorkPoint> point;
+};
+
+// Relative errors of in-band integrals at one spectral step, on the same paths.
+struct StepMeasurement {
+  double step_um, cpu_s, ours, trapezoid, rectangles;
+};
+
+// All that was measured of one row of a sweep.
+struct RowMeasurements {
+  std::string season, time_utc, band;
+  Viewpoint viewpoint{};
+  std::uint32_t max_reflections = 0;
+  double scene_cpu_s = 0, view_cpu_s = 0;  // set-up
+  ReferenceValue reference;
+  std::vector<WorkMeasurement> work;
+  std::vector<StepMeasurement> step;
+  std::string too_wide_steps;  // steps that could not be studied, in words
+};
+
+struct StudiedRow {
+  std::string season, time_utc, band;
+  double aspect_azimuth_deg = 0, aspect_elevation_deg = 0, range_m = 0;
+  std::vector<std::string> paragraph;
+  std::vector<WorkPanel> panel;
+  std::vector<PageTable> table;
+  std::string csv;  // lines without a header: csv_header()
+};
+
+[[nodiscard]] StudiedRow present(const RowMeasurements& measured);
+[[nodiscard]] std::string accuracy_csv_header();
+
+}  // namespace irsig

@@ -1,0 +1,127 @@
+"""irsig plan -> run -> report on small sweeps. No time is compared: only counts, sizes and what is said.
+
+usage: plan_test.py <irsig executable> <source folder>
+"""
+import pathlib
+import re
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import unittest
+
+IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+
+SWEEP = (SOURCE / "jobs/examples/quickstart.toml").read_text().replace("count = 24", "count = 7").replace(
+    "triangles = 20000", "triangles = 2000")
+CAVITY = (SOURCE / "jobs/examples/cavity.toml").read_text().replace(
+    "../models/boxes.obj", str(SOURCE / "jobs/models/boxes.obj")).replace(
+    "apparent_temperature_stderr_k = 0.002", "apparent_temperature_stderr_k = 0.02")
+
+
+def irsig(*arguments, code=0):
+    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == code, f"{arguments}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+    return done.stdout if code == 0 else done.stderr
+
+
+class Plan(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = pathlib.Path(self.folder.name)
+        self.sweep = self.path / "small.toml"
+        self.sweep.write_text(SWEEP)
+        self.db = self.path / "small.sigdb"
+
+    def line(self, text, what):
+        """The three numbers' texts of one line of the comparison."""
+        found = re.search(rf"^ *{re.escape(what)} +(\S.*)$", text, re.M)
+        self.assertTrue(found, f"no {what!r} in\n{text}")
+        return re.split(r"\s{2,}", found[1].strip())
+
+    def prediction(self):
+        with sqlite3.connect(f"file:{self.db}?mode=ro", uri=True) as connection:
+            connection.row_factory = sqlite3.Row
+            return [dict(row) for row in connection.execute("SELECT * FROM prediction")]
+
+    def test_plan_run_report(self):
+        plan = irsig("plan", self.sweep, "--workers", 2, "--db", self.db)
+        self.assertIn("7 viewpoints x 3 conditions x 2 bands = 42 rows, in 7 jobs", plan)
+        table = re.findall(r"^ +([\d.]+) % +(\d+) +.+ ([\d.]+) %", plan, re.M)
+        self.assertEqual([float(error) for error, *_ in table], [10, 3, 1, 0.3, 0.1, 0.03], plan)
+        samples = [int(count) for _, count, _ in table]
+        self.assertEqual(samples, sorted(samples), plan)
+        self.assertGreater(samples[-1], 4 * samples[0], plan)
+        (stored,) = self.prediction()
+        self.assertEqual((stored["jobs"], stored["workers"]), (7, 2))
+        self.assertIn(stored["pilot_viewpoints"], (5, 7))  # all, if the first five scatter
+        self.assertGreater(stored["cpu_s"], 0)
+        self.assertIn("holds no sweep", irsig("report", self.db))
+
+        irsig("run", self.sweep, "--db", self.db, "--workers", 2)
+        report = irsig("report", self.db)
+        self.assertIn("quickstart: 7 of 7 jobs done, 42 rows, ", report)
+        self.assertEqual(self.line(report, "jobs"), ["7", "7", "1.00"])
+        # Sizes do not depend on the machine's load.
+        self.assertAlmostEqual(stored["database_bytes"] / self.db.stat().st_size, 1, delta=0.15)
+        self.assertIn("relative error asked: 1 %", report)
+        self.assertRegex(report, r"stopped by:.* target_reached \d+")
+        shares = [float(share) for share in re.findall(r"(?:statistical|truncation|quadrature|unseen|basis|sky) (\S+) %",
+                                                       report)]
+        self.assertEqual(len(shares), 6)
+        self.assertAlmostEqual(sum(shares), 100, delta=1)
+        self.assertIn("guarded events: back faces ", report)
+        self.assertIn("warnings: none", report)
+
+    def test_a_pilot_leaves_nothing_behind_and_changes_no_result(self):
+        irsig("run", self.sweep, "--db", self.db, "--plan")
+        self.assertEqual(len(self.prediction()), 1)
+        other = self.path / "other.sigdb"
+        irsig("run", self.sweep, "--db", other)
+        self.assertEqual(irsig("digest", other), irsig("digest", self.db))
+        self.assertIn("no prediction", irsig("report", other))
+        self.assertNotIn("no prediction", irsig("report", self.db))
+        self.assertEqual(sorted(p.name for p in self.path.iterdir()), ["other.sigdb", "small.sigdb", "small.toml"])
+
+    def test_a_prediction_is_for_the_accuracy_that_it_was_made_for(self):
+        irsig("plan", self.sweep, "--relative-error", 0.05, "--db", self.db)
+        irsig("run", self.sweep, "--db", self.db)
+        self.assertIn("no prediction", irsig("report", self.db))
+
+    def test_says_what_keeps_a_target_out_of_reach(self):
+        self.sweep.write_text(SWEEP.replace("relative_error = 0.01", "relative_error = 0.01\nmax_samples_per_replicate = 2048"))
+        plan = irsig("plan", self.sweep)
+        self.assertRegex(plan, r"(?m)^ +0.03 % .*max_samples_per_replicate = 2048 keeps ")
+        self.assertNotRegex(plan, r"(?m)^ +10 % .*keeps ")
+
+    def test_profiles_are_predicted(self):
+        self.sweep.write_text(CAVITY)
+        plan = irsig("plan", self.sweep, "--db", self.db)
+        self.assertIn("1 viewpoints x 1 conditions x 1 bands = 1 rows, in 1 jobs", plan)
+        with_profiles = self.prediction()[0]
+        bare = CAVITY[:CAVITY.index("# One point at mid width")]
+        self.sweep.write_text(bare)
+        irsig("plan", self.sweep, "--db", self.db)
+        without = [p for p in self.prediction() if p["sweep_sha256"] != with_profiles["sweep_sha256"]][0]
+        # 12 points of at least 8704 samples against one view of 2176: not a matter of the clock's noise.
+        self.assertGreater(with_profiles["cpu_s"], 3 * without["cpu_s"])
+
+    def test_given_counts(self):
+        self.sweep.write_text(SWEEP.replace("relative_error = 0.01", "samples_per_replicate = 512"))
+        plan = irsig("plan", self.sweep, "--db", self.db)
+        self.assertIn("512 samples in each of 32 replicates", plan)
+        self.assertIn("ask with --relative-error", plan)
+        irsig("run", self.sweep, "--db", self.db)
+        report = irsig("report", self.db)
+        self.assertIn("no relative error was asked for", report)
+        self.assertRegex(report, r"stopped by: fixed_samples 42")
+
+    def test_wrong_input(self):
+        self.assertIn("small.toml", irsig("plan", self.path / "no" / "small.toml", code=2))
+        self.assertIn("nothing.sigdb", irsig("report", self.path / "nothing.sigdb", code=2))
+        irsig("plan", self.sweep, "--workers", 0, code=2)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
