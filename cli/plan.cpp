@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/pilot.h"
 #include "cli/prediction.h"
@@ -104,18 +105,7 @@ void add_plan(CLI::App& app, int& exit_code) {
       "plan", "before a run: jobs, rows, database size, CPU and wall time, and time against error");
   auto asked = std::make_shared<PlanAsked>();
   command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
-  command->add_option("--workers", asked->workers, "worker processes (default: one for each core)")
-      ->check(CLI::Range(1, 4096));
-  auto* error =
-      command
-          ->add_option("--relative-error", asked->accuracy.relative_error,
-                       "wanted of every in-band intensity, instead of the sweep file's [accuracy]")
-          ->check(CLI::Range(1e-6, 1.0));
-  command
-      ->add_option("--time-budget-s", asked->accuracy.time_budget_s,
-                   "wall time to spend, instead of the sweep file's [accuracy]")
-      ->check(CLI::Range(0.1, 1e9))
-      ->excludes(error);
+  add_accuracy_options(*command, asked->accuracy, asked->workers);
   command->add_option("--db", asked->db_path,
                       "store the prediction here for `irsig report`; made if it does not exist");
   command->callback([=, &exit_code] { exit_code = report(plan_sweep(*asked)); });

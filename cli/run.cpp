@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/load_sweep.h"
 #include "cli/pilot.h"
@@ -263,18 +264,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
   command->add_option("--db", asked->db_path, "the database; made if it does not exist")
       ->required();
-  command->add_option("--workers", asked->workers, "worker processes (default: one for each core)")
-      ->check(CLI::Range(1, 4096));
-  auto* error =
-      command
-          ->add_option("--relative-error", asked->accuracy.relative_error,
-                       "wanted of every in-band intensity, instead of the sweep file's [accuracy]")
-          ->check(CLI::Range(1e-6, 1.0));
-  command
-      ->add_option("--time-budget-s", asked->accuracy.time_budget_s,
-                   "wall time to spend, instead of the sweep file's [accuracy]")
-      ->check(CLI::Range(0.1, 1e9))
-      ->excludes(error);
+  add_accuracy_options(*command, asked->accuracy, asked->workers);
   command->add_flag("--plan", asked->plan,
                     "predict the time first and store the prediction for `irsig report`");
   command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");

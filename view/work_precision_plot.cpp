@@ -12,7 +12,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kPlotWidth = 430, kPlotHeight = 300, kLegendWidth = 230, kLeft = 84, kAbove = 44,
+constexpr double kPlotWidth = 430, kPlotHeight = 300, kLegendWidth = 290, kLeft = 84, kAbove = 44,
                  kBelow = 58, kTop = 70;
 constexpr double kPanelWidth = kLeft + kPlotWidth + kLegendWidth,
                  kPanelHeight = kAbove + kPlotHeight + kBelow;

@@ -13,17 +13,11 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/clones.h"
 #include "core/scene/facet_pairs.h"
 #include "core/scene/reference_tracer.h"
 #include "core/scene/same_corners.h"
 #include "core/scene/vertex_fans.h"
-
-// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define IRSIG_CLONES
-#else
-#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
 
 namespace irsig {
 namespace {

@@ -4,6 +4,7 @@
 #include <array>
 #include <numbers>
 
+#include "core/base/clones.h"
 #include "core/environment/sea_glint.h"
 #include "core/environment/sea_surface.h"
 #include "core/spectral/planck.h"
@@ -12,13 +13,6 @@
 namespace irsig {
 
 namespace {
-
-// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define IRSIG_CLONES
-#else
-#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
 
 // Sixteen partial sums: their order is fixed, and the compiler can keep them in vectors.
 IRSIG_CLONES double long_dot(const double* a, const double* b, std::size_t n) {

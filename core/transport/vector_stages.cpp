@@ -4,14 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "core/base/clones.h"
 #include "core/base/sobol.h"
-
-// A sanitizer's start-up code runs after the resolvers of cloned functions, which then crash.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define IRSIG_CLONES
-#else
-#define IRSIG_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
 
 namespace irsig {
 

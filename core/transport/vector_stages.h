@@ -28,7 +28,8 @@ struct SampleList {
 };
 void draw_pairs(SampleList& list);           // as sobol_pair
 void draw_pairs_shuffled(SampleList& list);  // as sobol_pair_shuffled
-// Instead of either: independent numbers, hashed from the index and the seeds x and y. [wellons2018]
+// Instead of either: independent numbers, hashed from the index and the seeds x and y.
+// [wellons2018]
 void draw_pairs_random(SampleList& list);
 // Fills cos_y and sin_y; |error| < 3e-7 (tests/physics/sampling_test.cpp).
 void turn(SampleList& list);
