@@ -99,7 +99,7 @@ Material::Sampled draw(const Material& m, float cos_o, std::uint64_t seed, std::
   const double phi = 2 * std::numbers::pi * uniform(seed, 3 * i + 2);
   // Uniform numbers as the sampler makes them: 23 bits, never 0 or 1.
   const auto bits = [&](std::uint64_t k) {
-    return (std::floor(static_cast<float>(0x1p23 * uniform(seed, k))) + 0.5f) * 0x1p-23f;
+    return (static_cast<float>(std::floor(0x1p23 * uniform(seed, k))) + 0.5f) * 0x1p-23f;
   };
   return m.sample(cos_o, bits(3 * i), bits(3 * i + 1), static_cast<float>(std::cos(phi)),
                   static_cast<float>(std::sin(phi)));
