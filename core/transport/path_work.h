@@ -118,8 +118,8 @@ struct PathTracer::Work {
   RayBatch glint_shadow;                 // from the sea to suns that it mirrors
   std::vector<std::uint32_t> glint_sun;
   std::vector<GlintShare> glint_at;
-  std::vector<float> row;                // a spectrum being made
-  SampleList list;                       // random numbers being drawn
+  std::vector<float> row;  // a spectrum being made
+  SampleList list;         // random numbers being drawn
   std::vector<std::uint32_t> replicate_of_list;
   std::vector<float> x_m, y_m, ray_weight, inverse_length;
   VertexList vertex;
