@@ -9,6 +9,8 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "cli/accuracy_check.h"
+#include "cli/accuracy_source.h"
 #include "cli/accuracy_study.h"
 #include "cli/commands.h"
 #include "fmt/format.h"
@@ -18,8 +20,10 @@ namespace irsig {
 namespace {
 
 struct AccuracyOptions {
-  std::string sweep, out, aspect;
+  std::string source, sweep, out, aspect;
   AccuracyRows rows;
+  bool check_errors = false;
+  ErrorCheckAsked check;
 };
 
 std::string title(const std::string& sweep, const StudiedRow& r) {
@@ -49,6 +53,8 @@ const std::vector<std::string>& legend() {
       "Ours: one set of paths for all wavelengths, 32 replicates; rays aimed at the cells that the "
       "target "
       "covers, strata for hot parts, which are aimed at too; the first reflection splits in two.",
+      "Whole runs: what a sweep of this row alone would do for an asked relative error, with the "
+      "effects that the error calls for or with all; in the others every effect is on.",
       "Precomputation model: two flat areas behind homogeneous air, against our apparent "
       "intensity. It has no "
       "aspect, sky, sea or sun: its distance is a bias, not an error that time would mend."};
@@ -56,8 +62,9 @@ const std::vector<std::string>& legend() {
 }
 
 absl::Status write_study(const AccuracyOptions& given) {
-  const auto loaded = load_sweep(given.sweep, {});
-  if (!loaded.ok()) return loaded.status();
+  const auto source = load_accuracy_source(given.source, given.sweep);
+  if (!source.ok()) return source.status();
+  const LoadedSweep* loaded = &source->loaded;
   const auto studied = study_accuracy(*loaded, given.rows);
   if (!studied.ok()) return studied.status();
   std::error_code error;
@@ -89,7 +96,18 @@ absl::Status write_study(const AccuracyOptions& given) {
   return absl::OkStatus();
 }
 
-absl::Status run(AccuracyOptions given) {
+absl::Status check_errors(const AccuracyOptions& given, bool& within) {
+  auto source = load_accuracy_source(given.source, given.sweep);
+  if (!source.ok()) return source.status();
+  if (source->database == nullptr)
+    return absl::InvalidArgumentError(absl::StrCat("--check-errors: ", given.source,
+                                                   " is no database, expected the rows of one"));
+  return check_database_errors(*source, given.check, within);
+}
+
+absl::Status write_page(AccuracyOptions given) {
+  if (given.out.empty())
+    return absl::InvalidArgumentError("accuracy: expected --out DIR, or --check-errors");
   if (!given.aspect.empty()) {
     const std::vector<std::string> numbers = absl::StrSplit(given.aspect, ',');
     std::array<double, 2> aspect{};
@@ -104,16 +122,26 @@ absl::Status run(AccuracyOptions given) {
   return write_study(given);
 }
 
+int run(const AccuracyOptions& given) {
+  if (!given.check_errors) return report(write_page(given));
+  bool within = false;
+  const absl::Status status = check_errors(given, within);
+  return status.ok() ? (within ? 0 : 1) : report(status);
+}
+
 }  // namespace
 
 void add_accuracy(CLI::App& app, int& exit_code) {
   const auto given = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
       "accuracy", "What accuracy costs in time: errors of all methods against CPU time");
-  command->add_option("SWEEP", given->sweep, "Sweep file")->required();
-  command->add_option("--out", given->out, "Folder for the page, pictures and numbers")
-      ->required()
-      ->type_name("DIR");
+  command->add_option("SWEEP|DB", given->source, "Sweep file, or a database with its sweep")
+      ->required();
+  command->add_option("--sweep", given->sweep, "The sweep's name, where a database holds several")
+      ->type_name("NAME");
+  CLI::Option* out =
+      command->add_option("--out", given->out, "Folder for the page, pictures and numbers")
+          ->type_name("DIR");
   command->add_option("--season", given->rows.season, "Season (default: the first)")
       ->type_name("NAME");
   command->add_option("--time", given->rows.time, "Time, RFC 3339 (default: the first)")
@@ -126,7 +154,29 @@ void add_accuracy(CLI::App& app, int& exit_code) {
   command->add_option("--seconds", given->rows.seconds, "CPU time to spend on tracing")
       ->check(CLI::Range(1.0, 36000.0))
       ->capture_default_str();
-  command->callback([given, &exit_code] { exit_code = report(run(*given)); });
+  CLI::Option* check =
+      command
+          ->add_flag(
+              "--check-errors", given->check_errors,
+              "Instead of the page: are the errors that a database states true? Its values "
+              "against a longer run. Exit code 1: one is off by more than 5 numerical errors")
+          ->excludes(out);
+  command->add_option("--views", given->check.views, "With it: viewpoints, spread (default: all)")
+      ->check(CLI::Range(1, 1000000))
+      ->needs(check);
+  command
+      ->add_option("--times", given->check.times,
+                   "With it: samples of the longer run, over those "
+                   "of the rows' own")
+      ->check(CLI::Range(4.0, 10000.0))
+      ->capture_default_str()
+      ->needs(check);
+  command
+      ->add_option("--workers", given->check.workers,
+                   "With it: threads (default: one for each core)")
+      ->check(CLI::Range(1, 4096))
+      ->needs(check);
+  command->callback([given, &exit_code] { exit_code = run(*given); });
 }
 
 }  // namespace irsig

@@ -15,6 +15,15 @@ void add_accuracy_options(CLI::App& command, AccuracyAsked& accuracy, std::uint3
                   "wall time to spend, instead of the sweep file's [accuracy]")
       ->check(CLI::Range(0.1, 1e9))
       ->excludes(error);
+  add_effects_option(command, accuracy);
+}
+
+void add_effects_option(CLI::App& command, AccuracyAsked& accuracy) {
+  command
+      .add_option("--effects", accuracy.effects,
+                  "auto, all, or only=NAME,NAME (`irsig show effects` lists them), instead of the "
+                  "sweep file's [effects]")
+      ->type_name("WHICH");
 }
 
 }  // namespace irsig

@@ -7,8 +7,11 @@
 
 namespace irsig {
 
-// --workers, --relative-error and --time-budget-s: what commands that run a sweep, or plan one, are
-// told besides the sweep file. All three must outlive the command.
+// --workers, --relative-error, --time-budget-s and --effects: what commands that run a sweep, or
+// plan one, are told besides the sweep file. Both must outlive the command.
 void add_accuracy_options(CLI::App& command, AccuracyAsked& accuracy, std::uint32_t& workers);
+
+// --effects alone.
+void add_effects_option(CLI::App& command, AccuracyAsked& accuracy);
 
 }  // namespace irsig

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "cli/accuracy_effects.h"
 #include "core/geo/sun.h"
 #include "core/study/precompute.h"
 #include "core/study/work_precision.h"
@@ -129,6 +130,7 @@ class RowStudy {
           0.03);
     }
     trace_once();
+    if (auto status = effects(); !status.ok()) return status;
     if (auto status = tracers(); !status.ok()) return status;
     if (auto status = steps(); !status.ok()) return status;
     if (auto status = precompute(); !status.ok()) return status;
@@ -177,6 +179,16 @@ class RowStudy {
            return out;
          }},
         0.06);
+  }
+
+  absl::Status effects() {
+    auto curves =
+        effects_curves(loaded_.resolved, loaded_.model_bytes, place_.viewpoint, row_.condition,
+                       row_.band, out_.reference, 0.12 * budget_s_, process_cpu_s);
+    if (!curves.ok()) return curves.status();
+    for (WorkMeasurement& m : curves->work) out_.work.push_back(std::move(m));
+    out_.left_out = std::move(curves->left_out);
+    return absl::OkStatus();
   }
 
   absl::Status tracers() {

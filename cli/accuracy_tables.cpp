@@ -21,10 +21,11 @@ std::string time_cell(const std::optional<WorkToTarget>& work) {
   return (work->extrapolated ? "~" : "") + seconds(work->work);
 }
 std::string ratio_cell(const std::optional<WorkToTarget>& plain,
-                       const std::optional<WorkToTarget>& ours, double setup_s) {
+                       const std::optional<WorkToTarget>& ours, double plain_setup_s,
+                       double our_setup_s) {
   if (!plain || !ours) return "-";
   return fmt::format("{}{:.3g}", plain->extrapolated || ours->extrapolated ? "~" : "",
-                     (plain->work + setup_s) / (ours->work + setup_s));
+                     (plain->work + plain_setup_s) / (ours->work + our_setup_s));
 }
 
 constexpr double kOnePercent = 0.01, kOnePerMille = 0.001;
@@ -57,18 +58,21 @@ class Presentation {
         convergence(),
         panel("Number of reflections (in-band)", {"reflections"}, Measured::kIntensity),
         panel("Sharing paths; ray tracing (in-band)", {"sharing", "tracing"}, Measured::kIntensity),
+        effects_panel(),
+        asked_panel(),
         step_panel()};
-    out.table = {targets(), equal_times(), slopes(), others(), step_table()};
+    out.table = {targets(), equal_times(), effects_table(), slopes(), others(), step_table()};
     for (const WorkMeasurement& m : m_.work)
       for (const WorkPoint& p : m.point)
         absl::StrAppend(
             &out.csv,
             fmt::format("{},{},{},{:.10g},{:.10g},{:.10g},{},\"{}\",{},{:.10g},{:.6g},{},{:.6g},"
-                        "{:.6g},{:.6g},{:.6g}\n",
+                        "{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
                         out.season, out.time_utc, out.band, out.aspect_azimuth_deg,
                         out.aspect_elevation_deg, out.range_m, m.group, m.name,
                         p.samples_per_replicate, p.samples, p.cpu_s, p.seeds, p.relative_error[0],
-                        p.relative_error[1], p.relative_error[2], p.relative_error[3]));
+                        p.relative_error[1], p.relative_error[2], p.relative_error[3],
+                        p.asked_relative_error, p.relative_numerical_error));
     return out;
   }
 
@@ -104,6 +108,50 @@ class Presentation {
         }
         out.series.push_back(std::move(s));
       }
+    return out;
+  }
+
+  [[nodiscard]] WorkPanel effects_panel() const {
+    WorkPanel out =
+        panel("Whole runs: pilots, air, sky and sea included", {"effects"}, Measured::kIntensity);
+    WorkPanel traced = panel("", {"methods"}, Measured::kIntensity);
+    for (WorkSeries& s : traced.series)
+      if (s.name == kQuasi) {
+        s.name = "tracing and shading alone";
+        out.series.push_back(std::move(s));
+      }
+    return out;
+  }
+
+  // What was asked for, what the rows state and what is true.
+  [[nodiscard]] WorkPanel asked_panel() const {
+    WorkPanel out{"Asked, stated and true errors (in-band)",
+                  "relative error asked",
+                  "relative error (rms over seeds)",
+                  {},
+                  0,
+                  {kOnePercent, kOnePerMille}};
+    out.reference_error =
+        m_.reference.relative_stderr[static_cast<std::size_t>(Measured::kIntensity)];
+    WorkSeries asked{"asked", {}, {}, true};
+    for (const WorkMeasurement& m : m_.work) {
+      if (m.group != "effects") continue;
+      const std::string which = m.name == kAutomatic ? "automatic" : "all effects";
+      WorkSeries stated{which + ": stated", {}, {}, true}, found{which + ": true", {}, {}, true};
+      for (const WorkPoint& p : m.point) {
+        if (m.name == kAutomatic) {
+          asked.x.push_back(p.asked_relative_error);
+          asked.y.push_back(p.asked_relative_error);
+        }
+        stated.x.push_back(p.asked_relative_error);
+        stated.y.push_back(p.relative_numerical_error);
+        found.x.push_back(p.asked_relative_error);
+        found.y.push_back(p.relative_error[static_cast<std::size_t>(Measured::kIntensity)]);
+      }
+      out.series.push_back(std::move(found));
+      out.series.push_back(std::move(stated));
+    }
+    out.series.push_back(std::move(asked));
     return out;
   }
 
@@ -161,20 +209,24 @@ class Presentation {
         "with set-up: " +
             seconds(m_.scene_cpu_s) + " once a sweep (scene, materials, air) and " +
             seconds(m_.view_cpu_s) +
-            " for each view (its air, sky and sea, all conditions), added to both.",
+            " for each view (its air, sky and sea, all conditions), added to both; whole runs "
+            "have the "
+            "latter in them, and pilots.",
         {"method", "in-band 1 %", "ratio", "with set-up", "in-band 0.1 %", "ratio", "with set-up",
          "spectrum 1 %", "ratio", "spectrum 0.1 %", "ratio"},
         {}};
     const double setup_s = m_.scene_cpu_s + m_.view_cpu_s;
     for (const WorkMeasurement& m : m_.work) {
-      if (m.group != "methods") continue;
+      const bool whole = m.group == "effects";
+      if (m.group != "methods" && !whole) continue;
       std::vector<std::string> cells{m.name};
       for (const Measured what : {Measured::kIntensity, Measured::kSpectrum})
         for (const double target : {kOnePercent, kOnePerMille}) {
           const auto plain = time_to(of(kPlain), what, target), here = time_to(m, what, target);
           cells.push_back(time_cell(here));
-          cells.push_back(ratio_cell(plain, here, 0));
-          if (what == Measured::kIntensity) cells.push_back(ratio_cell(plain, here, setup_s));
+          cells.push_back(whole ? "-" : ratio_cell(plain, here, 0, 0));
+          if (what == Measured::kIntensity)
+            cells.push_back(ratio_cell(plain, here, setup_s, whole ? m_.scene_cpu_s : setup_s));
         }
       t.row.push_back(std::move(cells));
     }
@@ -196,6 +248,40 @@ class Presentation {
         cells.push_back((in_band ? percent(*in_band) : "-") + " / " +
                         (spectrum ? percent(*spectrum) : "-"));
       }
+      t.row.push_back(std::move(cells));
+    }
+    return t;
+  }
+
+  // The points of both curves have the same asked errors as far as both go.
+  [[nodiscard]] PageTable effects_table() const {
+    PageTable t{
+        "Effects chosen by the program and all effects: this row by itself from its request to its "
+        "stored errors, CPU time of pilots, air, sky and sea included (in-band; stated: numerical "
+        "error)",
+        {"asked", "automatic: true error", "stated", "time", "all effects: true error", "stated",
+         "time", "time, automatic / all", "left out"},
+        {}};
+    const std::vector<WorkPoint>&automatic = of(kAutomatic).point, &all = of(kAllEffects).point;
+    for (std::size_t i = 0; i < automatic.size(); ++i) {
+      const WorkPoint& a = automatic[i];
+      const auto error = [](const WorkPoint& p) {
+        return percent(p.relative_error[static_cast<std::size_t>(Measured::kIntensity)]);
+      };
+      std::vector<std::string> cells{percent(a.asked_relative_error), error(a),
+                                     percent(a.relative_numerical_error), seconds(a.cpu_s)};
+      if (i < all.size()) {
+        const WorkPoint& b = all[i];
+        cells.insert(cells.end(), {error(b), percent(b.relative_numerical_error), seconds(b.cpu_s),
+                                   fmt::format("{:.2f}", a.cpu_s / b.cpu_s)});
+      } else {
+        cells.insert(cells.end(), 4, "-");
+      }
+      const auto left_out = std::find_if(
+          m_.left_out.begin(), m_.left_out.end(),
+          [&](const LeftOut& l) { return l.asked_relative_error == a.asked_relative_error; });
+      const bool nothing = left_out == m_.left_out.end() || left_out->effects.empty();
+      cells.push_back(nothing ? "nothing" : left_out->effects);
       t.row.push_back(std::move(cells));
     }
     return t;
@@ -231,7 +317,7 @@ class Presentation {
                 {"method", "least error reached", "after", "time to 1 %", "time to 0.1 %"},
                 {}};
     for (const WorkMeasurement& m : m_.work) {
-      if (m.group == "methods") continue;
+      if (m.group == "methods" || m.group == "effects") continue;
       const WorkPoint& end = m.point.back();
       t.row.push_back({m.name,
                        percent(end.relative_error[static_cast<std::size_t>(Measured::kIntensity)]),
@@ -264,7 +350,8 @@ std::string accuracy_csv_header() {
   return "season,time_utc,band,aspect_azimuth_deg,aspect_elevation_deg,range_m,group,method,"
          "samples_per_replicate,samples,cpu_s,seeds,relative_error_intensity,relative_error_"
          "spectrum,"
-         "relative_error_emitted,relative_error_projected_area\n";
+         "relative_error_emitted,relative_error_projected_area,relative_error_asked,"
+         "relative_numerical_error\n";
 }
 
 }  // namespace irsig

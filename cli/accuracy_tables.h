@@ -15,6 +15,8 @@ inline constexpr const char* kPlain = "plain Monte Carlo, each wavelength";
 inline constexpr const char* kPseudo = "ours, pseudo-random";
 inline constexpr const char* kUnmasked = "ours, quasi, no masks or strata";
 inline constexpr const char* kQuasi = "ours, quasi-Monte Carlo";
+inline constexpr const char* kAutomatic = "whole run, automatic effects";
+inline constexpr const char* kAllEffects = "whole run, all effects";
 
 struct WorkMeasurement {
   std::string group, name;
@@ -26,6 +28,12 @@ struct StepMeasurement {
   double step_um, cpu_s, ours, trapezoid, rectangles;
 };
 
+// Effects that the program left out of the row at one asked error: names, separated by commas.
+struct LeftOut {
+  double asked_relative_error;
+  std::string effects;
+};
+
 // All that was measured of one row of a sweep.
 struct RowMeasurements {
   std::string season, time_utc, band;
@@ -35,6 +43,7 @@ struct RowMeasurements {
   ReferenceValue reference;
   std::vector<WorkMeasurement> work;
   std::vector<StepMeasurement> step;
+  std::vector<LeftOut> left_out;
   std::string too_wide_steps;  // steps that could not be studied, in words
 };
 

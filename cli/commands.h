@@ -11,6 +11,7 @@ namespace irsig {
 // failed.
 void add_show(CLI::App& app, int& exit_code);
 void add_show_atmosphere(CLI::App& show, int& exit_code);  // irsig show atmosphere, sky, sun
+void add_show_effects(CLI::App& show, int& exit_code);     // irsig show effects
 void add_model(CLI::App& app, int& exit_code);
 void add_model_particles(CLI::App& model, int& exit_code);  // irsig model particles
 void add_model_check(CLI::App& model, int& exit_code);      // irsig model check
@@ -24,10 +25,12 @@ void add_status(CLI::App& app, int& exit_code);
 void add_cancel(CLI::App& app, int& exit_code);
 void add_digest(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
+void add_explain(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_plot(CLI::App& app, int& exit_code);
 void add_accuracy(CLI::App& app, int& exit_code);
 void add_selftest(CLI::App& app, int& exit_code);
+void add_verify_effects(CLI::App& app, int& exit_code);
 void add_profile(CLI::App& app, int& exit_code);
 
 // Prints "irsig: <message>" to standard error and returns the exit code that the status stands for:

@@ -43,6 +43,27 @@ std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
   return lines;
 }
 
+// Errors about what the command line said name its option as their place.
+absl::Status replace_effects(const std::string& asked, SweepFile& file) {
+  constexpr const char* kOption = "--effects";
+  std::erase_if(file.where, [](const auto& entry) { return entry.first.rfind("effects", 0) == 0; });
+  schema::Effects& effects = *file.sweep.mutable_effects();
+  effects.Clear();
+  file.where["effects"] = file.where["effects.mode"] = kOption;
+  const std::size_t equals = asked.find('=');
+  effects.set_mode(asked.substr(0, equals));
+  if (equals == std::string::npos) return absl::OkStatus();
+  if (effects.mode() != "only")
+    return absl::InvalidArgumentError(
+        absl::StrCat(kOption, " ", asked, ": expected auto, all or only=NAME,NAME"));
+  file.where["effects.only"] = kOption;
+  for (const auto name : absl::StrSplit(asked.substr(equals + 1), ',', absl::SkipEmpty())) {
+    file.where[absl::StrCat("effects.only[", effects.only_size(), "]")] = kOption;
+    effects.add_only(std::string(name));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> read_file(const std::string& path) {
@@ -85,8 +106,13 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     accuracy->clear_target_paths();
     accuracy->clear_samples_per_replicate();
     accuracy->clear_time_budget_s();
+    if (asked.time_budget_s) accuracy->clear_absolute_error_k();
     if (asked.relative_error) accuracy->set_relative_error(*asked.relative_error);
     if (asked.time_budget_s) accuracy->set_time_budget_s(*asked.time_budget_s);
+  }
+  if (asked.effects) {
+    if (absl::Status status = replace_effects(*asked.effects, loaded.file); !status.ok())
+      return status;
   }
   if (loaded.file.sweep.model().has_file()) {
     const std::filesystem::path model = loaded.file.sweep.model().file();

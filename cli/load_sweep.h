@@ -11,9 +11,11 @@
 
 namespace irsig {
 
-// What the command line says instead of the sweep file's [accuracy]; at most one.
+// What the command line says instead of the sweep file's [accuracy], at most one; and instead of
+// its [effects]: "auto", "all" or "only=direct_sun,path_sun".
 struct AccuracyAsked {
   std::optional<double> relative_error, time_budget_s;
+  std::optional<std::string> effects = std::nullopt;
 };
 
 // A sweep that can be computed: its file is right, and its scene could be built.

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   irsig::add_plan(app, exit_code);
   irsig::add_report(app, exit_code);
   irsig::add_query(app, exit_code);
+  irsig::add_explain(app, exit_code);
   irsig::add_plot(app, exit_code);
   irsig::add_profile(app, exit_code);
   irsig::add_export(app, exit_code);
@@ -50,6 +51,7 @@ int main(int argc, char** argv) {
   irsig::add_status(app, exit_code);
   irsig::add_cancel(app, exit_code);
   irsig::add_accuracy(app, exit_code);
+  irsig::add_verify_effects(app, exit_code);
   irsig::add_selftest(app, exit_code);
   try {
     app.parse(argc, argv);

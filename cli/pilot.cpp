@@ -61,6 +61,7 @@ schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep, std::uint64_t sa
   accuracy->clear_relative_error();
   accuracy->clear_target_paths();
   accuracy->clear_time_budget_s();
+  accuracy->clear_absolute_error_k();
   accuracy->set_samples_per_replicate(samples);
   return sweep;
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "cli/accuracy_options.h"
@@ -60,6 +61,25 @@ void print_table(const SweepPilot& pilot, std::uint32_t workers) {
   }
 }
 
+// The pilot's rows have the effects that the asked accuracy calls for.
+void print_effects(const SweepPilot& pilot) {
+  const auto summary = summarize_effects(pilot.ledger);
+  fmt::print(
+      "\neffects in the pilot's {} rows, for the accuracy asked; bounds relative to the intensity; "
+      "times of its\n{} view{}, estimated\n{}",
+      pilot.ledger.size(), pilot.view.size(), pilot.view.size() == 1 ? "" : "s",
+      summary_table(summary));
+  double saved_s = 0;
+  for (const EffectSummary& effect : summary)
+    if (!std::isnan(effect.saved_s)) saved_s += effect.saved_s;
+  const double views = static_cast<double>(pilot.views) / static_cast<double>(pilot.view.size());
+  if (saved_s > 0)
+    fmt::print(
+        "what is off saves an estimated {} of CPU time or more in all {} views, at the "
+        "pilot's samples\n",
+        seconds_text(views * saved_s), pilot.views);
+}
+
 absl::Status plan_sweep(PlanAsked asked) {
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
@@ -94,6 +114,7 @@ absl::Status plan_sweep(PlanAsked asked) {
   fmt::print("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
              p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
   print_table(*pilot, asked.workers);
+  print_effects(*pilot);
   if (asked.db_path.empty()) return absl::OkStatus();
   return store_in(asked.db_path, p);
 }

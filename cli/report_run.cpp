@@ -95,7 +95,8 @@ void print_shares(const std::vector<StoredSignature>& rows) {
     double sum, largest;
   };
   Share shares[] = {{"statistical", 0, 0}, {"truncation", 0, 0}, {"quadrature", 0, 0},
-                    {"unseen", 0, 0},      {"basis", 0, 0},      {"sky", 0, 0}};
+                    {"unseen", 0, 0},      {"basis", 0, 0},      {"sky", 0, 0},
+                    {"omitted", 0, 0}};
   double counted = 0;
   bool all_known = true;
   for (const StoredSignature& row : rows) {
@@ -108,8 +109,10 @@ void print_shares(const std::vector<StoredSignature>& rows) {
     };
     const double basis = known(row.basis_bound_w_sr), unseen = known(row.unseen_bound_w_sr),
                  sky = known(row.sky_bound_w_sr);
-    const double bounds[] = {row.truncation_bound_w_sr, row.quadrature_bound_w_sr - basis, unseen,
-                             basis, sky};
+    // A row without the column is older than leaving anything out.
+    const double omitted = std::isnan(row.omitted_bound_w_sr) ? 0 : row.omitted_bound_w_sr;
+    const double bounds[] = {
+        row.truncation_bound_w_sr, row.quadrature_bound_w_sr - basis, unseen, basis, sky, omitted};
     double sum = 0;
     for (const double bound : bounds) sum += bound;
     ++counted;

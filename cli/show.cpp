@@ -259,7 +259,7 @@ int finish(const absl::StatusOr<Columns>& columns) {
 
 void add_show(CLI::App& app, int& exit_code) {
   CLI::App* show = app.add_subcommand(
-      "show", "Blackbody radiation, the air, the sky, the sun, the precomputation model");
+      "show", "Blackbody radiation, the air, the sky, the sun, effects, the precomputation model");
   show->require_subcommand(1);
 
   const auto planck_given = std::make_shared<PlanckOptions>();
@@ -281,6 +281,7 @@ void add_show(CLI::App& app, int& exit_code) {
       [planck_given, &exit_code] { exit_code = finish(planck(*planck_given)); });
 
   add_show_atmosphere(*show, exit_code);
+  add_show_effects(*show, exit_code);
 
   const auto sweep_file = std::make_shared<std::string>();
   CLI::App* precompute_command = show->add_subcommand(

@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/load_sweep.h"
 #include "cli/pilot.h"
@@ -9,12 +10,13 @@
 namespace irsig {
 namespace {
 
-absl::Status submit_sweep(const std::string& sweep_path, const std::string& coordinator) {
+absl::Status submit_sweep(const std::string& sweep_path, const std::string& coordinator,
+                          const AccuracyAsked& asked) {
   const auto address = parse_address(coordinator);
   if (!address.ok()) return address.status();
   // Nobody there is said before minutes are spent on a large model.
   if (const auto there = farm_status(*address); !there.ok()) return there.status();
-  auto loaded = load_sweep(sweep_path, {});
+  auto loaded = load_sweep(sweep_path, asked);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
   if (has_time_budget(loaded->resolved)) {
@@ -40,7 +42,10 @@ void add_submit(CLI::App& app, int& exit_code) {
   auto coordinator = std::make_shared<std::string>();
   command->add_option("SWEEP", *sweep, "the sweep file")->required();
   command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
-  command->callback([=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator)); });
+  auto asked = std::make_shared<AccuracyAsked>();
+  add_effects_option(*command, *asked);
+  command->callback(
+      [=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator, *asked)); });
 }
 
 }  // namespace irsig

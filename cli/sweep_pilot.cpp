@@ -29,9 +29,6 @@ std::atomic<bool> interrupted = false;
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-// Less than any sweep may ask for: the job's own pilots then end at max_samples_per_replicate,
-// which is the count that we want to try.
-constexpr double kUnreachable = 1e-7;
 
 // A folder of our own that goes with this object.
 class ScratchFolder {
@@ -59,6 +56,7 @@ class ScratchFolder {
 // What one sweep of the pilot left in the database.
 struct Stage {
   std::vector<StoredSignature> rows;
+  std::vector<StoredLedger> ledgers;  // [row]
   std::vector<StoredJobCost> jobs;
   std::vector<StoredProfileRow> profile;
 
@@ -112,6 +110,11 @@ class PilotFarm {
       auto rows = (*reader)->find(filter);
       if (!rows.ok()) return rows.status();
       stage.rows = *std::move(rows);
+      for (const StoredSignature& row : stage.rows) {
+        auto ledger = (*reader)->ledger(row.signature_id);
+        if (!ledger.ok()) return ledger.status();
+        stage.ledgers.push_back(*std::move(ledger));
+      }
       auto jobs = (*reader)->job_costs(filter.sweep);
       if (!jobs.ok()) return jobs.status();
       stage.jobs = *std::move(jobs);
@@ -234,8 +237,9 @@ class Planner {
     sweep.mutable_sweep()->clear_profile();
     sweep.mutable_sweep()->clear_published();
     if (pilot_.rule.relative_error > 0) {
+      // With the effects that the error calls for, and so many samples.
       auto* accuracy = sweep.mutable_sweep()->mutable_accuracy();
-      accuracy->set_relative_error(kUnreachable);
+      accuracy->set_samples_per_replicate(samples);
       accuracy->set_max_samples_per_replicate(samples);
     } else {
       sweep = with_samples(std::move(sweep), samples);
@@ -305,9 +309,12 @@ class Planner {
         RowPilot& out = pilot_.view[first + at - (warm_up ? 1 : 0)].row[(row.row - 1) % rows_];
         out.stderr_w_sr.push_back(row.intensity_stderr_w_sr);
         out.value_w_sr = std::abs(row.intensity_w_sr);
-        out.bias_w_sr = row.truncation_bound_w_sr + row.quadrature_bound_w_sr + row.sky_bound_w_sr;
+        out.bias_w_sr = row.truncation_bound_w_sr + row.quadrature_bound_w_sr + row.sky_bound_w_sr +
+                        row.omitted_bound_w_sr;
+        out.floor_w_sr = row.absolute_floor_w_sr;
         out.unseen_w_sr = row.unseen_bound_w_sr;
       }
+      if (s + 1 == counts.size()) keep_ledgers(stage, warm_up);
       double paths = 0, jobs = 0;
       for (const StoredJobCost& job : stage.jobs) {
         paths += static_cast<double>(job.target_paths);
@@ -318,6 +325,27 @@ class Planner {
     const double exponent = time_exponent(pilot_.view);
     for (ViewPilot& view : pilot_.view) view.time_exponent = exponent;
     return absl::OkStatus();
+  }
+
+  void keep_ledgers(const Stage& stage, bool warm_up) {
+    for (std::size_t i = 0; i < stage.rows.size(); ++i) {
+      const StoredSignature& row = stage.rows[i];
+      if (warm_up && (row.row - 1) / rows_ == 0) continue;
+      // A later stage of the same views takes their place.
+      const auto same =
+          std::find_if(pilot_.ledger.begin(), pilot_.ledger.end(), [&](const LedgerRow& known) {
+            const StoredSignature& s = known.signature;
+            return s.season == row.season && s.time_utc == row.time_utc && s.band == row.band &&
+                   s.aspect_azimuth_deg == row.aspect_azimuth_deg &&
+                   s.aspect_elevation_deg == row.aspect_elevation_deg && s.range_m == row.range_m;
+          });
+      LedgerRow kept{row, stage.ledgers[i]};
+      kept.signature.sweep = loaded_.resolved.sweep().name();
+      if (same == pilot_.ledger.end())
+        pilot_.ledger.push_back(std::move(kept));
+      else
+        *same = std::move(kept);
+    }
   }
 
   // Profiles of the same views at two sample counts, and at an eighth of what these say.

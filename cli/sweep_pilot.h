@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "cli/load_sweep.h"
 #include "core/accuracy/cost_model.h"
+#include "view/effect_ledger.h"
 
 namespace irsig {
 
@@ -20,6 +21,7 @@ struct SweepPilot {
   double cpu_s = 0;                 // of the whole pilot
   double start_s = 0;               // wall time of a worker until its first job: program and scene
   double database_fixed_bytes = 0, database_bytes_per_view = 0;
+  std::vector<LedgerRow> ledger;  // of the piloted views' rows, by the largest count of samples
 };
 
 // Runs a few viewpoints of the sweep with few samples on a farm of one worker, into a database that

@@ -53,6 +53,10 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 // [[band]] [transport] [accuracy] [output] [precompute]
 void check_run(const schema::Sweep& sweep, Findings& findings);
 
+// [effects], and its defaults.
+void check_effects(const SweepFile& file, Findings& findings);
+void write_effect_defaults(schema::Sweep& sweep);
+
 // [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_profile_defaults(schema::Sweep& sweep);

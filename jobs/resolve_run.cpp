@@ -113,6 +113,13 @@ void check_accuracy(const schema::Sweep& sweep, Findings& findings) {
   check.within("target_paths", 1, 1e15);
   check.within("samples_per_replicate", 1, 8388608);
   check.above("time_budget_s", 0);
+  check.within("absolute_error_k", 0, 1000);
+  for (const char* other : {"target_paths", "samples_per_replicate", "time_budget_s"}) {
+    if (!check.has("absolute_error_k") || accuracy.has_relative_error() || !check.has(other))
+      continue;
+    check.error("absolute_error_k",
+                absl::StrCat("does not apply with ", other, ": it is a floor for relative_error"));
+  }
   check.within("replicates", 32, 4096);
   check.within("max_samples_per_replicate", 1, 8388608);
   if (accuracy.has_samples_per_replicate() && accuracy.has_max_samples_per_replicate() &&

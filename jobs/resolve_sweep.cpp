@@ -9,8 +9,9 @@ namespace irsig {
 namespace {
 
 // Every default of the sweep file stands here and in docs/sweep-file.md, except the names and hot
-// parts below and those of profiles (resolve_profiles.cpp). None of them decides what is there to
-// be seen: temperatures, materials, surroundings, air and sun have no default.
+// parts below and those of profiles and effects (resolve_profiles.cpp, resolve_effects.cpp). None
+// of them decides what is there to be seen: temperatures, materials, surroundings, air and sun have
+// no default.
 void write_defaults(schema::Sweep& sweep) {
   if (!sweep.has_description()) sweep.set_description("");
   if (!sweep.has_seed()) sweep.set_seed(1);
@@ -71,6 +72,9 @@ void write_defaults(schema::Sweep& sweep) {
       !accuracy.has_samples_per_replicate() && !accuracy.has_time_budget_s()) {
     accuracy.set_relative_error(0.01);
   }
+  // About what cooled cameras resolve.
+  if (accuracy.has_relative_error() && !accuracy.has_absolute_error_k())
+    accuracy.set_absolute_error_k(0.05);
   if (!accuracy.has_replicates()) accuracy.set_replicates(32);
   if (!accuracy.has_max_samples_per_replicate()) {
     accuracy.set_max_samples_per_replicate(
@@ -130,11 +134,13 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
   check_name(file, *resolved.mutable_sweep(), findings);
   resolve_target(model_bytes, resolved, findings);
   check_run(resolved.sweep(), findings);
+  check_effects(file, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);
   if (!findings.empty()) return findings.status();
   write_defaults(*resolved.mutable_sweep());
+  write_effect_defaults(*resolved.mutable_sweep());
   write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
   check_weather(resolved, findings);

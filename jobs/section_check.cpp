@@ -70,8 +70,10 @@ std::string SectionCheck::path(const std::string& name) const {
   return path_.empty() ? name : absl::StrCat(path_, ".", name);
 }
 
-void SectionCheck::error(const char* name, const std::string& what) const {
-  findings_.add(path(name), absl::StrCat(path(name), " ", what));
+void SectionCheck::error(const char* name, const std::string& what) const { error_at(name, what); }
+
+void SectionCheck::error_at(const std::string& key, const std::string& what) const {
+  findings_.add(path(key), absl::StrCat(path(key), " ", what));
 }
 
 bool SectionCheck::has(const char* name) const {

@@ -42,6 +42,7 @@ class SectionCheck {
   [[nodiscard]] bool has(const char* name) const;
   [[nodiscard]] std::string path(const std::string& name) const;
   void error(const char* name, const std::string& what) const;  // "<path> <what>" at the key
+  void error_at(const std::string& key, const std::string& what) const;  // the same: "only[1]"
 
   // Missing keys are errors; `why` ends the sentence: "place.latitude_deg is missing, <why>".
   void require(const Names& names, const std::string& why) const;

@@ -84,6 +84,47 @@ void see_aperture(const std::string& row, const SignatureResult& r, Reasons& rea
                   false);
 }
 
+// What was left out. In a ledger NaN stands for "not known".
+void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reasons) {
+  struct Omitted {
+    const char* name;
+    double bound_w_sr, stderr_w_sr, numerical_error_w_sr;
+  };
+  for (const Omitted& o :
+       {Omitted{"omitted_bound_w_sr", r.omitted_bound_w_sr, r.intensity_w_sr.stderr_,
+                r.numerical_error_w_sr},
+        Omitted{"apparent_omitted_bound_w_sr", r.apparent_omitted_bound_w_sr,
+                r.apparent_intensity_w_sr.stderr_, r.apparent_numerical_error_w_sr},
+        Omitted{"contrast_omitted_bound_w_sr", r.contrast_omitted_bound_w_sr,
+                r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
+    reasons.see(row + o.name, o.bound_w_sr, 0);
+    if (numerical_error(o.stderr_w_sr, o.bound_w_sr) > (1 + 1e-9) * o.numerical_error_w_sr)
+      reasons.add(absl::StrCat(row, o.name, " is no part of the numerical error: ", o.bound_w_sr,
+                               " in ", o.numerical_error_w_sr));
+  }
+  reasons.see(row + "absolute_floor_w_sr", r.absolute_floor_w_sr, 0);
+  constexpr double kAnySign = std::numeric_limits<double>::infinity();
+  for (const LedgerEntry& e : r.effect) {
+    const auto known = [&](const char* name, double value, double least) {
+      if (!std::isnan(value))
+        reasons.see(absl::StrCat(row, std::string(info_of(e.effect).name), "'s ", name), value,
+                    least);
+    };
+    known("bound_w_sr", e.bound_w_sr, 0);
+    known("apparent_bound_w_sr", e.apparent_bound_w_sr, 0);
+    known("contrast_bound_w_sr", e.contrast_bound_w_sr, 0);
+    known("share_w_sr", e.share_w_sr, -kAnySign);
+    known("time_s", e.time_s, 0);
+  }
+  // A material that creates energy absorbs less than nothing.
+  if (std::isnan(r.energy.balance.value)) return;
+  reasons.see(row + "energy.absorbed", r.energy.absorbed, kAnySign);
+  reasons.see(row + "energy.escaped_to_sky", r.energy.escaped_to_sky, 0);
+  reasons.see(row + "energy.escaped_to_lower", r.energy.escaped_to_lower, 0);
+  reasons.see(row + "energy.cut_off", r.energy.cut_off, 0);
+  reasons.see(row + "energy.balance", r.energy.balance, kAnySign);
+}
+
 void check_row(const SignatureResult& r, Reasons& reasons) {
   const std::string row = absl::StrCat("condition ", r.condition, ", band ", r.band, ": ");
   const double error = r.numerical_error_w_sr;
@@ -93,6 +134,7 @@ void check_row(const SignatureResult& r, Reasons& reasons) {
               r.apparent_numerical_error_w_sr);
   reasons.see(row + "projected_area_m2", r.projected_area_m2, 0);
   see_aperture(row, r, reasons);
+  see_omitted(row, r, reasons);
   reasons.see_temperature(row + "apparent_temperature_k", r.apparent_temperature_k,
                           r.intensity_w_sr.value / r.projected_area_m2.value);
   for (std::size_t c = 0; c < kCauses; ++c) {

@@ -38,7 +38,12 @@ class CoreJobRunner final : public JobRunner {
     if (request->thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
-    const auto view = simulator_->simulate(*request);
+    auto plan = simulator_->plan(*request);
+    if (!plan.ok()) return plan.status();
+    const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
+    if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
+      plan->samples_per_replicate = accuracy.samples_per_replicate();
+    const auto view = simulator_->measure(*request, *plan);
     if (!view.ok()) return view.status();
     if (auto status = check_numbers(*view); !status.ok()) return status;
     auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);

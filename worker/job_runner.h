@@ -26,6 +26,8 @@ class JobRunner {
       std::optional<ThumbnailEncoder> encoder = {});
   virtual ~JobRunner() = default;
 
+  // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
+  // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
 };
 

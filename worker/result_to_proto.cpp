@@ -1,5 +1,8 @@
 #include "worker/result_to_proto.h"
 
+#include <cmath>
+#include <string>
+
 #include "absl/strings/str_format.h"
 #include "worker/spec_to_request.h"
 
@@ -28,6 +31,44 @@ schema::StopReason reason(StopReason r) {
       return schema::STOP_REASON_FIXED_SAMPLES;
   }
   return schema::STOP_REASON_UNSPECIFIED;
+}
+
+schema::EffectState state(EffectState s) {
+  switch (s) {
+    case EffectState::kOn:
+      return schema::EFFECT_STATE_ON;
+    case EffectState::kOff:
+      return schema::EFFECT_STATE_OFF;
+    case EffectState::kAbsent:
+      return schema::EFFECT_STATE_ABSENT;
+  }
+  return schema::EFFECT_STATE_UNSPECIFIED;
+}
+
+// NaN stands for "not known": the field stays absent.
+void set_ledger(schema::SignatureRow* row, const SignatureResult& r) {
+  const auto known = [](double value, auto set) {
+    if (!std::isnan(value)) set(value);
+  };
+  for (const LedgerEntry& e : r.effect) {
+    schema::EffectEntry* out = row->add_effect();
+    out->set_effect(std::string(info_of(e.effect).name));
+    out->set_state(state(e.state));
+    out->set_reason(std::string(name_of(e.reason)));
+    known(e.bound_w_sr, [&](double v) { out->set_bound_w_sr(v); });
+    known(e.apparent_bound_w_sr, [&](double v) { out->set_apparent_bound_w_sr(v); });
+    known(e.contrast_bound_w_sr, [&](double v) { out->set_contrast_bound_w_sr(v); });
+    known(e.share_w_sr, [&](double v) { out->set_share_w_sr(v); });
+    known(e.time_s, [&](double v) { out->set_time_s(v); });
+  }
+  // Of nothing that could be seen there is no ledger of light.
+  if (std::isnan(r.energy.balance.value)) return;
+  schema::EnergyLedger* energy = row->mutable_energy();
+  set(energy->mutable_absorbed(), r.energy.absorbed);
+  set(energy->mutable_escaped_to_sky(), r.energy.escaped_to_sky);
+  set(energy->mutable_escaped_to_lower(), r.energy.escaped_to_lower);
+  set(energy->mutable_cut_off(), r.energy.cut_off);
+  set(energy->mutable_balance(), r.energy.balance);
 }
 
 void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGrid& grid) {
@@ -94,6 +135,12 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     row->set_unseen_bound_w_sr(r.unseen_bound_w_sr);
     row->set_basis_bound_w_sr(r.basis_bound_w_sr);
     row->set_sky_bound_w_sr(r.sky_bound_w_sr);
+    row->set_omitted_bound_w_sr(r.omitted_bound_w_sr);
+    row->set_apparent_omitted_bound_w_sr(r.apparent_omitted_bound_w_sr);
+    row->set_contrast_omitted_bound_w_sr(r.contrast_omitted_bound_w_sr);
+    row->set_absolute_floor_w_sr(r.absolute_floor_w_sr);
+    row->set_reflections(r.reflections);
+    set_ledger(row, r);
     set(row->mutable_contrast_intensity_w_sr(), r.contrast_intensity_w_sr);
     row->set_contrast_numerical_error_w_sr(r.contrast_numerical_error_w_sr);
     set(row->mutable_background_radiance_w_m2_sr(), r.background_radiance_w_m2_sr);

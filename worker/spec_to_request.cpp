@@ -63,6 +63,28 @@ Surroundings surroundings_of(const schema::Surroundings& s) {
   return out;
 }
 
+absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
+  EffectChoice choice;
+  if (effects.mode() == "auto") {
+    choice.mode = EffectChoice::Mode::kAuto;
+  } else if (effects.mode() == "all") {
+    choice.mode = EffectChoice::Mode::kAll;
+  } else if (effects.mode() == "only") {
+    choice.mode = EffectChoice::Mode::kOnly;
+  } else {
+    return absl::InvalidArgumentError(
+        absl::StrCat("effects.mode: \"", effects.mode(), "\", expected auto, all or only"));
+  }
+  for (const std::string& name : effects.only()) {
+    const auto effect = effect_named(name);
+    if (!effect || !info_of(*effect).switchable)
+      return absl::InvalidArgumentError(
+          absl::StrCat("effects.only: \"", name, "\" is no effect that can be left out"));
+    choice.only.push_back(*effect);
+  }
+  return choice;
+}
+
 }  // namespace
 
 absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved,
@@ -174,9 +196,12 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   request.selected_condition.assign(job.condition_index().begin(), job.condition_index().end());
   request.selected_band.assign(job.band_index().begin(), job.band_index().end());
   const schema::Accuracy& accuracy = sweep.accuracy();
-  if (accuracy.has_relative_error()) request.accuracy.relative_error = accuracy.relative_error();
+  if (accuracy.has_relative_error()) {
+    request.accuracy.relative_error = accuracy.relative_error();
+    request.accuracy.absolute_error_k = accuracy.absolute_error_k();
+  }
   if (accuracy.has_target_paths()) request.accuracy.target_paths = accuracy.target_paths();
-  if (accuracy.has_samples_per_replicate())
+  if (accuracy.has_samples_per_replicate() && !accuracy.has_relative_error())
     request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
   if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 &&
       request.accuracy.samples_per_replicate == 0)
@@ -184,6 +209,9 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
         "accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
   request.accuracy.replicates = accuracy.replicates();
   request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
+  auto effects = effects_of(sweep.effects());
+  if (!effects.ok()) return effects.status();
+  request.effects = *std::move(effects);
   request.max_reflections = sweep.transport().max_reflections();
   request.seed = sweep.seed();
   request.thumbnail_px = sweep.output().thumbnail_px();

@@ -11,18 +11,22 @@
 namespace irsig {
 namespace {
 
+double goal_w_sr(const RowPilot& row, double relative_error) {
+  return std::max(relative_error * row.value_w_sr, row.floor_w_sr);
+}
+
 // As core/signature/pass.cpp shares an error between bias and sampling.
 double stderr_wanted(const RowPilot& row, double relative_error) {
-  const double bias = row.bias_w_sr / std::sqrt(3.0), goal = relative_error * row.value_w_sr;
+  const double bias = row.bias_w_sr / std::sqrt(3.0), goal = goal_w_sr(row, relative_error);
   return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
 }
 
-// Over all rows, from pilots of n1 and n2 samples.
+// Over all rows, from pilots of n1 and n2 samples, or of n2 alone (n1 = 0).
 std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std::uint64_t n1,
                              std::uint64_t n2) {
   std::uint64_t needed = 16;
   for (const RowPilot& row : pilot.row) {
-    const double e1 = stderr_at(pilot.samples, row.stderr_w_sr, n1);
+    const double e1 = n1 > 0 ? stderr_at(pilot.samples, row.stderr_w_sr, n1) : 0;
     const double e2 = stderr_at(pilot.samples, row.stderr_w_sr, n2);
     if (e2 > 0)
       needed = std::max(needed, samples_needed(n1, e1, n2, e2, stderr_wanted(row, relative_error),
@@ -44,8 +48,9 @@ Count count_for(const ViewPilot& pilot, const CountRule& rule, double target_pat
     return {static_cast<std::uint64_t>(std::min(wanted, static_cast<double>(most))),
             kSecondPilotSamples};
   }
-  std::uint64_t n =
-      std::min(needed_by_rows(pilot, rule.relative_error, kFirstPilotSamples, kSecondPilotSamples),
+  std::uint64_t n = needed_by_rows(pilot, rule.relative_error, 0, kFirstPilotSamples);
+  if (n <= kSecondPilotSamples) return {std::min(n, most), 0};
+  n = std::min(needed_by_rows(pilot, rule.relative_error, kFirstPilotSamples, kSecondPilotSamples),
                most + 1);
   std::uint64_t third = 0;
   if (n >= 32 * kSecondPilotSamples) {
@@ -160,7 +165,7 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
     // What was not seen falls as 1 / n until it is seen.
     const double unseen =
         row.unseen_w_sr * last / std::max(last, static_cast<double>(cost.samples));
-    const double goal = rule.relative_error * row.value_w_sr;
+    const double goal = goal_w_sr(row, rule.relative_error);
     if (numerical_error(error, row.bias_w_sr + unseen) <= goal)
       ++cost.reached;
     else if (numerical_error(0, row.bias_w_sr) > 0.8 * goal)

@@ -13,8 +13,9 @@ namespace irsig {
 // A view's job takes a + b n^p seconds of CPU time for n samples a replicate (p < 1: the more rays,
 // the nearer neighbours they are, and the faster each is traced); between counts that were tried it
 // is as measured. How many samples it takes for a relative error is decided as the job itself
-// decides it (core/signature/signature.cpp): from its own pilots of kFirstPilotSamples and
-// kSecondPilotSamples, by samples_needed, with a third pilot where much more is asked for.
+// decides it (core/signature/view_plan.cpp): by samples_needed from its own pilots of
+// kFirstPilotSamples and, where that one asks for more than kSecondPilotSamples, of so many, with a
+// third pilot where much more is asked for.
 
 inline constexpr std::uint64_t kFirstPilotSamples = 128, kSecondPilotSamples = 1024;
 inline constexpr std::uint64_t kFirstProfileSamples = 512, kSecondProfileSamples = 4096;
@@ -24,6 +25,7 @@ struct RowPilot {
   std::vector<double> stderr_w_sr;  // [stage]
   // By the largest stage: |intensity|, the sum of the bias bounds but for `unseen`, and that.
   double value_w_sr = 0, bias_w_sr = 0, unseen_w_sr = 0;
+  double floor_w_sr = 0;  // an error that is small enough whatever the value; 0: none
 };
 
 // One point of a profile.

@@ -1,39 +1,46 @@
 #include "core/atmosphere/absorber_amounts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/gas_table.h"
-#include "core/atmosphere/vector_exp.h"
 #include "core/base/check.h"
 
 namespace irsig {
 namespace {
 
-double sum_of_exponentials(const GasTable& table, const GasTable::Entry& entry, double scaled,
-                           double plain) {
-  const double* k = &table.k_scaled_m2_kg[2 * entry.first_pair];
-  const double* l = &table.k_plain_m2_kg[2 * entry.first_pair];
-  const double* w = &table.weight[2 * entry.first_pair];
-  Pair sum = {0, 0};
-  for (std::uint32_t i = 0; i < entry.pairs; ++i) {
-    const Pair depth = Pair{k[2 * i], k[2 * i + 1]} * scaled + Pair{l[2 * i], l[2 * i + 1]} * plain;
-    sum += Pair{w[2 * i], w[2 * i + 1]} * exp_pair(-depth);
+LineTerms lines_of(std::size_t gas) {
+  constexpr std::size_t kLanes = GasTable::kLanes;
+  const GasTable& table = gas_table();
+  std::vector<std::uint32_t> entries;
+  for (std::size_t e = kLanes * table.gas_begin[gas]; e < kLanes * table.gas_begin[gas + 1]; ++e) {
+    if (table.entry[e].band < kAirBandCount) entries.push_back(static_cast<std::uint32_t>(e));
   }
-  return std::min(1.0, sum[0] + sum[1]);
+  return line_terms(std::move(entries));
 }
 
-void multiply_gas(AirSpectrum& t, const AbsorberAmounts& amounts, std::size_t gas,
-                  const BandChoice& bands = {}) {
-  const GasTable& table = gas_table();
-  for (std::size_t i = table.gas_begin[gas]; i < table.gas_begin[gas + 1]; ++i) {
-    if (amounts.gas_plain_kg_m2[i] > 0 && chosen(bands, table.entry[i].band)) {
-      t[table.entry[i].band] *= sum_of_exponentials(
-          table, table.entry[i], amounts.gas_scaled_kg_m2[i], amounts.gas_plain_kg_m2[i]);
+// Calls each(part, first, last): part(amounts) is an array of them of which the bands need
+// [first, last).
+template <typename Each>
+void for_parts(const BandChoice& bands, const Each& each) {
+  for (const std::uint16_t g : bands.line_groups()) {
+    const std::size_t first = GasTable::kLanes * g, last = first + GasTable::kLanes;
+    each([](auto& amounts) { return amounts.gas_scaled_kg_m2.data(); }, first, last);
+    each([](auto& amounts) { return amounts.gas_plain_kg_m2.data(); }, first, last);
+  }
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t g = 0; g < kGreyAbsorberCount; ++g) {
+      each([g](auto& amounts) { return amounts.optical_depth[g].data(); }, r.first, r.last);
     }
   }
 }
+
+// With room for the table's entries of no band.
+using Transmittances = std::array<double, kAirBandCount + 1>;
 
 }  // namespace
 
@@ -73,34 +80,81 @@ AbsorberAmounts& AbsorberAmounts::operator+=(const AbsorberAmounts& other) {
 
 AbsorberAmounts operator+(AbsorberAmounts a, const AbsorberAmounts& b) { return a += b; }
 
+void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmounts& b,
+             const BandChoice& bands) {
+  for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
+    double* out = part(sum);
+    const double *x = part(a), *y = part(b);
+    for (std::size_t i = first; i < last; ++i) out[i] = x[i] + y[i];
+  });
+}
+
+void add_between(AbsorberAmounts& sum, const AbsorberAmounts& low, const AbsorberAmounts& high,
+                 double fraction, const BandChoice& bands) {
+  for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
+    double* out = part(sum);
+    const double *x = part(low), *y = part(high);
+    for (std::size_t i = first; i < last; ++i) {
+      out[i] += std::max(0.0, x[i] + fraction * (y[i] - x[i]));
+    }
+  });
+}
+
+BandChoice::Sets BandChoice::sets_of(std::vector<unsigned char> wanted) {
+  IRSIG_CHECK(wanted.size() == kAirBandCount);
+  Sets out;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (wanted[b] == 0) continue;
+    if (out.ranges.empty() || out.ranges.back().last != b) out.ranges.push_back({b, b});
+    ++out.ranges.back().last;
+  }
+  const GasTable& table = gas_table();
+  std::vector<std::uint32_t> entries;
+  for (std::size_t e = 0; e < table.entry.size(); ++e) {
+    if (table.entry[e].band >= kAirBandCount || wanted[table.entry[e].band] == 0) continue;
+    entries.push_back(static_cast<std::uint32_t>(e));
+    const auto group = static_cast<std::uint16_t>(e / GasTable::kLanes);
+    if (out.line_groups.empty() || out.line_groups.back() != group) {
+      out.line_groups.push_back(group);
+    }
+  }
+  out.line_terms = std::make_shared<const LineTerms>(irsig::line_terms(std::move(entries)));
+  out.wanted = std::move(wanted);
+  return out;
+}
+
+BandChoice::BandChoice() {
+  static const auto all =
+      std::make_shared<const Sets>(sets_of(std::vector<unsigned char>(kAirBandCount, 1)));
+  sets_ = all;
+}
+
+BandChoice::BandChoice(const std::vector<unsigned char>& wanted)
+    : sets_(std::make_shared<const Sets>(sets_of(wanted))) {}
+
 AirSpectrum transmittance(const AbsorberAmounts& amounts) {
   return transmittance(amounts, BandChoice());
 }
 
 AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands) {
   IRSIG_CHECK(amounts.gas_plain_kg_m2.size() == gas_table().entry.size());
-  if (!bands.empty()) IRSIG_CHECK(bands.size() == kAirBandCount);
-  AirSpectrum t(kAirBandCount);
-  for (std::size_t b = 0; b < kAirBandCount; b += 2) {
-    double sum[2] = {0, 0};
-    for (std::size_t j = 0; j < 2 && b + j < kAirBandCount; ++j) {
-      for (const AirSpectrum& depth : amounts.optical_depth) sum[j] += depth[b + j];
-    }
-    const Pair grey = exp_pair(Pair{-sum[0], -sum[1]});
-    t[b] = grey[0];
-    if (b + 1 < kAirBandCount) t[b + 1] = grey[1];
+  Transmittances t{};
+  for (const BandChoice::Range& r : bands.ranges()) {
+    std::array<const double*, kGreyAbsorberCount> depth{};
+    for (std::size_t g = 0; g < depth.size(); ++g) depth[g] = &amounts.optical_depth[g][r.first];
+    grey_transmittance(r.size(), depth, &t[r.first]);
   }
-  for (std::size_t gas = 0; gas < kGasCount; ++gas) multiply_gas(t, amounts, gas, bands);
-  for (std::size_t b = 0; b < bands.size(); ++b) {
-    if (bands[b] == 0) t[b] = 0;
-  }
-  return t;
+  multiply_lines(bands.line_terms(), amounts.gas_scaled_kg_m2.data(),
+                 amounts.gas_plain_kg_m2.data(), t.data());
+  return AirSpectrum(t.begin(), t.end() - 1);
 }
 
 AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas) {
-  AirSpectrum t(kAirBandCount, 1.0);
-  multiply_gas(t, amounts, static_cast<std::size_t>(gas));
-  return t;
+  Transmittances t;
+  t.fill(1.0);
+  multiply_lines(lines_of(static_cast<std::size_t>(gas)), amounts.gas_scaled_kg_m2.data(),
+                 amounts.gas_plain_kg_m2.data(), t.data());
+  return AirSpectrum(t.begin(), t.end() - 1);
 }
 
 AirSpectrum scattering_optical_depth(const AbsorberAmounts& amounts) {

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -56,7 +58,7 @@ inline constexpr std::size_t kGreyAbsorberCount = 7;
 struct AbsorberAmounts {
   AbsorberAmounts();  // nothing: transmittance 1
 
-  // Per gas and band that has lines, in the table's order.
+  // Per gas and band that has lines, in the table's order and with its gaps.
   std::vector<double> gas_scaled_kg_m2, gas_plain_kg_m2;
   std::array<AirSpectrum, kGreyAbsorberCount> optical_depth;
 
@@ -73,13 +75,50 @@ struct AbsorberAmounts {
 // of exponentials for optical depths up to 700, 0 beyond.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts);
 
-// Bands that are wanted (1) and not (0): to leave some out saves their time. Empty: all.
-using BandChoice = std::vector<unsigned char>;
-[[nodiscard]] inline bool chosen(const BandChoice& bands, std::size_t band) {
-  return bands.empty() || bands[band] != 0;
-}
+struct LineTerms;
+
+// Bands that are wanted: to leave some out saves their time. Cheap to copy.
+class BandChoice {
+ public:
+  BandChoice();  // all
+  //   wanted  [band]: not 0
+  explicit BandChoice(const std::vector<unsigned char>& wanted);
+
+  [[nodiscard]] bool operator[](std::size_t band) const { return sets_->wanted[band] != 0; }
+
+  // Of neighbours, in order.
+  struct Range {
+    std::size_t first, last;  // one beyond
+    [[nodiscard]] std::size_t size() const { return last - first; }
+  };
+  [[nodiscard]] const std::vector<Range>& ranges() const { return sets_->ranges; }
+  // Of the gas table, for core/atmosphere alone: the groups that have such a band, the lines in
+  // them.
+  [[nodiscard]] const std::vector<std::uint16_t>& line_groups() const { return sets_->line_groups; }
+  [[nodiscard]] const LineTerms& line_terms() const { return *sets_->line_terms; }
+
+ private:
+  struct Sets {
+    std::vector<unsigned char> wanted;
+    std::vector<Range> ranges;
+    std::vector<std::uint16_t> line_groups;
+    std::shared_ptr<const LineTerms> line_terms;
+  };
+  static Sets sets_of(std::vector<unsigned char> wanted);
+  std::shared_ptr<const Sets> sets_;
+};
+[[nodiscard]] inline bool chosen(const BandChoice& bands, std::size_t band) { return bands[band]; }
+
 // The same, but 0 in bands that are not wanted.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands);
+
+// sum = a + b (which may be the sum itself), in those bands; others are left.
+void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmounts& b,
+             const BandChoice& bands);
+
+// sum += what lies a fraction of the way from low to high, at least 0; in those bands.
+void add_between(AbsorberAmounts& sum, const AbsorberAmounts& low, const AbsorberAmounts& high,
+                 double fraction, const BandChoice& bands);
 
 // One factor of it alone.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, Gas gas);

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <utility>
 
 #include "absl/strings/str_format.h"
+#include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/embedded.h"
 #include "core/base/check.h"
 #include "core/base/table.h"
@@ -104,9 +106,21 @@ TablePosition humidity_position(const std::vector<double>& tabulated_percent, do
   return locate(x, std::clamp(-std::log(std::max(100 - percent, 0.01)), x.front(), x.back()));
 }
 
-double blend(const std::vector<AirSpectrum>& curves, TablePosition at, std::size_t band) {
-  const double low = curves[at.index][band];
-  return at.fraction == 0 ? low : low + at.fraction * (curves[at.index + 1][band] - low);
+// The curves on either side; at the last, that one twice.
+struct Neighbours {
+  const AirSpectrum &from, &to;
+};
+Neighbours at_position(const std::vector<AirSpectrum>& curves, TablePosition at) {
+  return {curves[at.index], curves[at.fraction == 0 ? at.index : at.index + 1]};
+}
+
+// exp of what lies between them.
+void exp_of_curves(const std::vector<AirSpectrum>& curves, TablePosition at,
+                   const BandChoice& bands, AirSpectrum& out) {
+  const auto [from, to] = at_position(curves, at);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    blended_exp(r.size(), &from[r.first], &to[r.first], at.fraction, &out[r.first]);
+  }
 }
 
 // Columns of aerosol_heights.csv.
@@ -274,7 +288,8 @@ absl::Status check_aerosol(const AerosolSpec& spec) {
 }
 
 AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
-                             double relative_humidity_percent, double surface_humidity_percent) {
+                             double relative_humidity_percent, double surface_humidity_percent,
+                             const BandChoice& bands) {
   AerosolOptics out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0),
                     AirSpectrum(kAirBandCount, 0.0)};
   if (spec.kind == AerosolKind::kNone) return out;
@@ -292,28 +307,36 @@ AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
 
   const ModelOptics& model = model_of(spec.kind, height_km);
   const TablePosition at = humidity_position(model.humidity_percent, relative_humidity_percent);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) out.asymmetry[b] = blend(model.asymmetry, at, b);
+  const auto [from, to] = at_position(model.asymmetry, at);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t b = r.first; b < r.last; ++b) {
+      out.asymmetry[b] = from[b] + at.fraction * (to[b] - from[b]);
+    }
+  }
+  // Extinction first, then what of it is scattered.
+  AirSpectrum &absorption = out.absorption_per_m, &extinction = out.scattering_per_m;
+  double per_m = 1e-3 * navy_scale;
   if (navy && height_km <= kBoundaryLayerKm) {
     const NavyMix mix = navy_mix(spec, relative_humidity_percent);
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      double extinction = 0, absorption = 0;
-      for (std::size_t m = 0; m < 3; ++m) {
-        const NavyMode& mode = navy_modes()[m];
-        extinction += mix.per_km[m] * std::exp(blend(mode.ln_extinction, mix.at[m], b));
-        absorption += mix.per_km[m] * std::exp(blend(mode.ln_absorption, mix.at[m], b));
+    AirSpectrum of_mode(kAirBandCount, 0.0);
+    for (std::size_t m = 0; m < 3; ++m) {
+      for (const auto& [curves, sum] : {std::pair{&navy_modes()[m].ln_extinction, &extinction},
+                                        std::pair{&navy_modes()[m].ln_absorption, &absorption}}) {
+        exp_of_curves(*curves, mix.at[m], bands, of_mode);
+        for (std::size_t b = 0; b < kAirBandCount; ++b) (*sum)[b] += mix.per_km[m] * of_mode[b];
       }
-      absorption = std::min(absorption, extinction);
-      out.absorption_per_m[b] = 1e-3 * navy_scale * absorption;
-      out.scattering_per_m[b] = 1e-3 * navy_scale * (extinction - absorption);
     }
-    return out;
+  } else {
+    per_m = 1e-3 * extinction_per_km(spec, height_km, visibility_km);
+    exp_of_curves(model.ln_extinction, at, bands, extinction);
+    exp_of_curves(model.ln_absorption, at, bands, absorption);
   }
-  const double visible_per_m = 1e-3 * extinction_per_km(spec, height_km, visibility_km);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    const double extinction = std::exp(blend(model.ln_extinction, at, b));
-    const double absorption = std::min(extinction, std::exp(blend(model.ln_absorption, at, b)));
-    out.absorption_per_m[b] = visible_per_m * absorption;
-    out.scattering_per_m[b] = visible_per_m * (extinction - absorption);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t b = r.first; b < r.last; ++b) {
+      const double absorbed = std::min(extinction[b], absorption[b]);
+      absorption[b] = per_m * absorbed;
+      extinction[b] = per_m * (extinction[b] - absorbed);
+    }
   }
   return out;
 }

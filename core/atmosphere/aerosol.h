@@ -51,9 +51,11 @@ struct AerosolOptics {
 // that.
 //   relative_humidity_percent  of the air at that height
 //   surface_humidity_percent   at the surface: the Navy model's visibility refers to it
+//   bands                      0 in others
 // Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.
 [[nodiscard]] AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
                                            double relative_humidity_percent,
-                                           double surface_humidity_percent);
+                                           double surface_humidity_percent,
+                                           const BandChoice& bands = BandChoice());
 
 }  // namespace irsig

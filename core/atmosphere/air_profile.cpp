@@ -6,6 +6,7 @@
 #include <string>
 
 #include "absl/strings/str_format.h"
+#include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/embedded.h"
 #include "core/base/check.h"
 
@@ -31,11 +32,9 @@ std::array<AirProfile, 6> read_afgl_profiles() {
   return profiles;
 }
 
-// Linear in the logarithm, unless one of the two is 0.
-double between(double a, double b, double fraction) {
-  if (a == b) return a;
-  if (a <= 0 || b <= 0) return a + (b - a) * fraction;
-  return a * std::pow(b / a, fraction);
+LevelQuantities quantities(const AirLevel& l) {
+  return {l.pressure_pa,  l.gas.h2o_ppmv, l.gas.co2_ppmv, l.gas.o3_ppmv,
+          l.gas.n2o_ppmv, l.gas.co_ppmv,  l.gas.ch4_ppmv, 1};
 }
 
 double humidity_to_ppmv(double percent, double temperature_k, double pressure_pa) {
@@ -85,12 +84,10 @@ AirLevel air_at(const AirProfile& profile, double height_m) {
   const auto above = std::ranges::upper_bound(level, height_m, std::less<>{}, &AirLevel::height_m);
   const AirLevel &b = *above, &a = *(above - 1);
   const double f = (height_m - a.height_m) / (b.height_m - a.height_m);
-  return {
-      height_m, between(a.pressure_pa, b.pressure_pa, f),
-      a.temperature_k + (b.temperature_k - a.temperature_k) * f,
-      GasMix{between(a.gas.h2o_ppmv, b.gas.h2o_ppmv, f), between(a.gas.co2_ppmv, b.gas.co2_ppmv, f),
-             between(a.gas.o3_ppmv, b.gas.o3_ppmv, f), between(a.gas.n2o_ppmv, b.gas.n2o_ppmv, f),
-             between(a.gas.co_ppmv, b.gas.co_ppmv, f), between(a.gas.ch4_ppmv, b.gas.ch4_ppmv, f)}};
+  // Logarithms are linear, unless one of the two is 0.
+  const LevelQuantities q = between_levels(quantities(a), quantities(b), f);
+  return {height_m, q[0], a.temperature_k + (b.temperature_k - a.temperature_k) * f,
+          GasMix{q[1], q[2], q[3], q[4], q[5], q[6]}};
 }
 
 double saturation_pressure_pa(double temperature_k) {

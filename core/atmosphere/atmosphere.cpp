@@ -35,16 +35,15 @@ absl::StatusOr<Atmosphere> Atmosphere::make(AtmosphereSpec spec) {
 
 namespace {
 
-AirSpectrum grey_depth(const AbsorberAmounts& amounts) {
-  AirSpectrum sum(kAirBandCount, 0.0);
-  for (const AirSpectrum& depth : amounts.optical_depth) {
-    for (std::size_t band = 0; band < kAirBandCount; ++band) sum[band] += depth[band];
-  }
+double grey_depth(const AbsorberAmounts& amounts, std::size_t band) {
+  double sum = 0;
+  for (const AirSpectrum& depth : amounts.optical_depth) sum += depth[band];
   return sum;
 }
 
 void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-                 double surface_humidity_percent, const LightPath& path, std::size_t step) {
+                 double surface_humidity_percent, const LightPath& path, std::size_t step,
+                 const BandChoice& bands) {
   const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
   const double length_m = path.step_m[step];
   const AirProfile& profile = spec.profile;
@@ -62,16 +61,18 @@ void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const Atmosph
     const double height_m = a.height_m + (0.5 + (2 * i - 1) * offset) * rise_m;
     const AerosolOptics optics =
         aerosol_optics(spec.aerosol, height_m, relative_humidity_percent(air_at(profile, height_m)),
-                       surface_humidity_percent);
+                       surface_humidity_percent, bands);
     const double share_m = level ? length_m : 0.5 * length_m;
-    for (std::size_t band = 0; band < kAirBandCount; ++band) {
-      absorption[band] += share_m * optics.absorption_per_m[band];
-      const double depth = share_m * optics.scattering_per_m[band];
-      scatter[band] += depth;
-      if (scattering && depth > 0) {
-        const double sum = scattering->aerosol_depth[band] += depth;
-        scattering->asymmetry[band] +=
-            (optics.asymmetry[band] - scattering->asymmetry[band]) * depth / sum;
+    for (const BandChoice::Range& r : bands.ranges()) {
+      for (std::size_t band = r.first; band < r.last; ++band) {
+        absorption[band] += share_m * optics.absorption_per_m[band];
+        const double depth = share_m * optics.scattering_per_m[band];
+        scatter[band] += depth;
+        if (scattering && depth > 0) {
+          const double sum = scattering->aerosol_depth[band] += depth;
+          scattering->asymmetry[band] +=
+              (optics.asymmetry[band] - scattering->asymmetry[band]) * depth / sum;
+        }
       }
     }
   }
@@ -80,43 +81,45 @@ void add_aerosol(AbsorberAmounts& out, StepScattering* scattering, const Atmosph
 }  // namespace
 
 void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-              double surface_humidity_percent, const LightPath& path, std::size_t step) {
+              double surface_humidity_percent, const LightPath& path, std::size_t step,
+              const BandChoice& bands) {
   const LightPath::Node &a = path.node[step], &b = path.node[step + 1];
   const double length_m = path.step_m[step];
   const AirProfile& profile = spec.profile;
-  const AirSpectrum molecular_before =
-      scattering ? out.grey(GreyAbsorber::kMolecularScattering) : AirSpectrum();
-  const AirSpectrum grey_before = scattering ? grey_depth(out) : AirSpectrum();
-  add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
-            spec.cfc11_ppmv, spec.cfc12_ppmv);
-  if (scattering) {
-    for (std::size_t band = 0; band < kAirBandCount; ++band) {
-      scattering->molecular_depth[band] =
-          out.grey(GreyAbsorber::kMolecularScattering)[band] - molecular_before[band];
+  const AirSpectrum& molecular = out.grey(GreyAbsorber::kMolecularScattering);
+  // What there was before is taken from what there is afterwards.
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t band = r.first; scattering && band < r.last; ++band) {
+      scattering->molecular_depth[band] = molecular[band];
+      scattering->grey_depth[band] = grey_depth(out, band);
       scattering->aerosol_depth[band] = scattering->asymmetry[band] = 0;
     }
   }
-  add_aerosol(out, scattering, spec, surface_humidity_percent, path, step);
-  if (!scattering) return;
-  scattering->grey_depth = grey_depth(out);
-  for (std::size_t band = 0; band < kAirBandCount; ++band) {
-    scattering->grey_depth[band] -= grey_before[band];
+  add_gases(out, air_at(profile, a.height_m), air_at(profile, b.height_m), length_m,
+            spec.cfc11_ppmv, spec.cfc12_ppmv, bands);
+  add_aerosol(out, scattering, spec, surface_humidity_percent, path, step, bands);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t band = r.first; scattering && band < r.last; ++band) {
+      scattering->molecular_depth[band] = molecular[band] - scattering->molecular_depth[band];
+      scattering->grey_depth[band] = grey_depth(out, band) - scattering->grey_depth[band];
+    }
   }
 }
 
-AbsorberAmounts Atmosphere::amounts(const LightPath& path) const {
+AbsorberAmounts Atmosphere::amounts(const LightPath& path, const BandChoice& bands) const {
   AbsorberAmounts sum;
   for (std::size_t i = 0; i < path.step_m.size(); ++i) {
-    add_step(sum, nullptr, spec_, surface_humidity_percent_, path, i);
+    add_step(sum, nullptr, spec_, surface_humidity_percent_, path, i, bands);
   }
   return sum;
 }
 
-std::optional<AbsorberAmounts> Atmosphere::sun_amounts(double height_m, double zenith_deg) const {
+std::optional<AbsorberAmounts> Atmosphere::sun_amounts(double height_m, double zenith_deg,
+                                                       const BandChoice& bands) const {
   const LightPath path =
       look(spec_.profile, height_m, zenith_deg, std::numeric_limits<double>::infinity());
   if (path.end == PathEnd::kSurface) return std::nullopt;
-  return amounts(path);
+  return amounts(path, bands);
 }
 
 AirSpectrum Atmosphere::sun_irradiance_w_m2_um(double height_m, const SunPlace& sun,

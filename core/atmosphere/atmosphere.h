@@ -58,13 +58,15 @@ class Atmosphere {
   [[nodiscard]] const AtmosphereSpec& spec() const { return spec_; }
   [[nodiscard]] const AirProfile& profile() const { return spec_.profile; }
 
-  // What the path holds. Those of pieces add up to those of the whole, to 2e-4 of transmittance.
-  [[nodiscard]] AbsorberAmounts amounts(const LightPath& path) const;
+  // What the path holds, 0 in bands that are not wanted. Those of pieces add up to those of the
+  // whole, to 2e-4 of transmittance.
+  [[nodiscard]] AbsorberAmounts amounts(const LightPath& path,
+                                        const BandChoice& bands = BandChoice()) const;
 
   // Amounts of the sun's path to a height, from `sun`'s zenith angle there; nullopt if the Earth is
   // in the way.
-  [[nodiscard]] std::optional<AbsorberAmounts> sun_amounts(double height_m,
-                                                           double zenith_deg) const;
+  [[nodiscard]] std::optional<AbsorberAmounts> sun_amounts(
+      double height_m, double zenith_deg, const BandChoice& bands = BandChoice()) const;
 
   // Radiance and transmittance at the observer.
   //   L = sum over steps of (T_(l+1) - T_l) B(T_air), B linear in optical depth inside a step, by

@@ -50,14 +50,19 @@ Slope slope_at(const AirProfile& air, const Ray& ray, bool refraction) {
   return {std::cos(ray.zenith), -s * (1 / r + gradient), s / r};
 }
 
-Ray advance(const AirProfile& air, const Ray& ray, double step_m, bool refraction) {
-  const Slope a = slope_at(air, ray, refraction);
+// Half a step with the slope `a` at the ray, then all of it with the slope there.
+Ray advance(const AirProfile& air, const Ray& ray, const Slope& a, double step_m, bool refraction) {
   const double h = 0.5 * step_m;
   const Ray middle = {ray.height_m + h * a.height, ray.zenith + h * a.zenith,
                       ray.angle + h * a.angle};
   const Slope b = slope_at(air, middle, refraction);
   return {ray.height_m + step_m * b.height, ray.zenith + step_m * b.zenith,
           ray.angle + step_m * b.angle};
+}
+
+// Its height alone asks for no air but that at the ray.
+double height_after(const Ray& ray, const Slope& a, double step_m) {
+  return ray.height_m + step_m * std::cos(ray.zenith + 0.5 * step_m * a.zenith);
 }
 
 struct Trace {
@@ -96,16 +101,18 @@ class Tracer {
     add_node(out.path, ray);
     while (left_m > 0) {
       double step_m = std::min({step_for(ray), kLongestStepM, left_m});
-      Ray next = advance(air_, ray, step_m, refraction_);
+      const Slope slope = slope_at(air_, ray, refraction_);
+      Ray next = advance(air_, ray, slope, step_m, refraction_);
       if (ray.zenith > kHorizontal + 1e-9 && next.zenith < kHorizontal) {
         // No step goes down and up again: it could dip below the surface unseen.
         double low = 0, high = step_m;
         for (int i = 0; i < 60 && high - low > 1e-7 * step_m; ++i) {
           const double middle = 0.5 * (low + high);
-          (advance(air_, ray, middle, refraction_).zenith < kHorizontal ? high : low) = middle;
+          (advance(air_, ray, slope, middle, refraction_).zenith < kHorizontal ? high : low) =
+              middle;
         }
         step_m = high;
-        next = advance(air_, ray, step_m, refraction_);
+        next = advance(air_, ray, slope, step_m, refraction_);
       }
       const double level_m = first_level_between(ray.height_m, next.height_m);
       bool sinks = false, leaves = false;
@@ -115,11 +122,10 @@ class Tracer {
         double low = 0, high = step_m;
         for (int i = 0; i < 60 && high - low > 1e-7 * step_m; ++i) {
           const double middle = 0.5 * (low + high);
-          const double h = advance(air_, ray, middle, refraction_).height_m;
-          (rising == (h > level_m) ? high : low) = middle;
+          (rising == (height_after(ray, slope, middle) > level_m) ? high : low) = middle;
         }
         step_m = 0.5 * (low + high);
-        next = advance(air_, ray, step_m, refraction_);
+        next = advance(air_, ray, slope, step_m, refraction_);
         next.height_m = level_m;
         sinks = level_m == bottom_m_ && !rising;
         leaves = level_m == top_m_;

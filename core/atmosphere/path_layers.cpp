@@ -9,7 +9,6 @@
 #include "core/atmosphere/path_sums.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
-#include "core/spectral/planck.h"
 
 namespace irsig {
 namespace {
@@ -21,14 +20,6 @@ constexpr std::array kSunHeightsM = {0.0, 400.0, 1000.0, 2000.0, 3500.0, 6000.0,
 // the air closes, far ones in the windows.
 constexpr std::array kLayerEnds = {2e-4, 1e-3, 4e-3, 0.015, 0.05, 0.12,
                                    0.25, 0.42, 0.62, 0.82,  0.95};
-
-AirSpectrum planck_spectrum(double temperature_k, const BandChoice& bands) {
-  AirSpectrum b(kAirBandCount, 0.0);
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    if (chosen(bands, i)) b[i] = planck_radiance_w_m2_sr_um(air_band_lambda_um(i), temperature_k);
-  }
-  return b;
-}
 
 // The nodes of a path at which its layers end.
 std::vector<std::size_t> layer_ends(const AirProfile& profile, const LightPath& path) {
@@ -56,12 +47,14 @@ double ratio_of(double whole, double near, double none) {
 
 }  // namespace
 
-SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg) {
+SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
+                       const BandChoice& bands)
+    : bands_(bands) {
   const double top_m = atmosphere.profile().level.back().height_m;
   for (const double above_m : kSunHeightsM) {
     const double at_m = height_m + above_m;
     if (at_m >= top_m && above_m > 0) break;
-    std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg);
+    std::optional<AbsorberAmounts> amounts = atmosphere.sun_amounts(at_m, zenith_deg, bands_);
     const bool lit = amounts.has_value();
     point_.push_back({at_m, lit, lit ? *std::move(amounts) : AbsorberAmounts()});
   }
@@ -74,7 +67,7 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
   const Point& b = point_[std::min(above, point_.size() - 1)];
   if (!a.lit && !b.lit) return false;
   if (!a.lit || !b.lit || b.height_m <= a.height_m) {
-    sum += a.lit ? a.amounts : b.amounts;
+    set_sum(sum, sum, a.lit ? a.amounts : b.amounts, bands_);
     return true;
   }
   // As if all thinned out over 3 km: water does over 2, dry air over 8, and over the short way
@@ -83,17 +76,7 @@ bool SunAmounts::add_to(AbsorberAmounts& sum, double height_m) const {
   const double f = std::clamp(std::expm1((a.height_m - height_m) / kScaleM) /
                                   std::expm1((a.height_m - b.height_m) / kScaleM),
                               0.0, 1.05);
-  const auto add = [f](std::vector<double>& out, const std::vector<double>& low,
-                       const std::vector<double>& high) {
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      out[i] += std::max(0.0, low[i] + f * (high[i] - low[i]));
-    }
-  };
-  add(sum.gas_scaled_kg_m2, a.amounts.gas_scaled_kg_m2, b.amounts.gas_scaled_kg_m2);
-  add(sum.gas_plain_kg_m2, a.amounts.gas_plain_kg_m2, b.amounts.gas_plain_kg_m2);
-  for (std::size_t g = 0; g < kGreyAbsorberCount; ++g) {
-    add(sum.optical_depth[g], a.amounts.optical_depth[g], b.amounts.optical_depth[g]);
-  }
+  add_between(sum, a.amounts, b.amounts, f, bands_);
   return true;
 }
 
@@ -118,20 +101,21 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     node_.push_back({path.node[i].height_m, sum, transmittance});
   };
   const std::vector<std::size_t> ends = layer_ends(profile, path);
-  AirSpectrum planck_near = planck_spectrum(temperature_at(0), bands_);
+  AirSpectrum planck_near = dark, planck_far = dark;
+  planck_spectrum(planck_near, temperature_at(0), bands_);
   add_node(0);
-  StepScattering merged;
+  StepScattering step, merged;
   Emission emission{dark, dark};
   for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
-    StepScattering step;
-    add_step(sum, &step, atmosphere.spec(), humidity_percent, path, i);
-    const AirSpectrum t_far = irsig::transmittance(sum, bands_);
-    const AirSpectrum planck_far = planck_spectrum(temperature_at(i + 1), bands_);
-    add_emission(emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far);
-    add_surroundings(emission.surroundings_share, step, transmittance, t_far);
-    merge(merged, step);
-    transmittance = t_far;
-    planck_near = planck_far;
+    add_step(sum, &step, atmosphere.spec(), humidity_percent, path, i, bands_);
+    AirSpectrum t_far = irsig::transmittance(sum, bands_);
+    planck_spectrum(planck_far, temperature_at(i + 1), bands_);
+    add_emission(emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far,
+                 bands_);
+    add_surroundings(emission.surroundings_share, step, transmittance, t_far, bands_);
+    merge(merged, step, bands_);
+    transmittance = std::move(t_far);
+    std::swap(planck_near, planck_far);
     if (i + 1 != ends[next]) continue;
     ++next;
     add_node(i + 1);
@@ -144,24 +128,29 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   }
 }
 
-PathLayers::Emission PathLayers::behind(const AbsorberAmounts& near) const {
-  Emission out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
-  AirSpectrum seen_near = irsig::transmittance(near, bands_);
+PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
+                                      const AirSpectrum& through_near) const {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Behind out{{dark, dark}, through_near};
+  AirSpectrum &seen_near = out.transmittance, mean = dark, seen = dark;
+  AbsorberAmounts sum;
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     const AirSpectrum &t_near = node_[l].transmittance, &t_far = node_[l + 1].transmittance;
-    AirSpectrum seen_far = irsig::transmittance(node_[l + 1].amounts + near, bands_);
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      const double grey = layer_[l].grey_depth[b];
-      const double mean = mean_of_decay(t_near[b], t_far[b], grey);
-      const double seen = mean_of_decay(seen_near[b], seen_far[b], grey);
-      // What the layer absorbs, and with it emits: where near air has taken the lines out, most of
-      // what is left is scattered.
-      const double scattering = layer_[l].aerosol_depth[b] + layer_[l].molecular_depth[b];
-      const double absorbed = t_near[b] - t_far[b] - scattering * mean;
-      const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen;
-      out.thermal_w_m2_sr_um[b] +=
-          ratio_of(emission_[l].thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
-      out.surroundings_share[b] += ratio_of(emission_[l].surroundings_share[b], seen, mean);
+    set_sum(sum, node_[l + 1].amounts, near, bands_);
+    AirSpectrum seen_far = irsig::transmittance(sum, bands_);
+    mean_of_decay(mean, t_near, t_far, layer_[l].grey_depth, bands_);
+    mean_of_decay(seen, seen_near, seen_far, layer_[l].grey_depth, bands_);
+    for (const BandChoice::Range& r : bands_.ranges()) {
+      for (std::size_t b = r.first; b < r.last; ++b) {
+        // What the layer absorbs, and with it emits: where near air has taken the lines out, most
+        // of what is left is scattered.
+        const double scattering = layer_[l].aerosol_depth[b] + layer_[l].molecular_depth[b];
+        const double absorbed = t_near[b] - t_far[b] - scattering * mean[b];
+        const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen[b];
+        out.thermal_w_m2_sr_um[b] +=
+            ratio_of(emission_[l].thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
+        out.surroundings_share[b] += ratio_of(emission_[l].surroundings_share[b], seen[b], mean[b]);
+      }
     }
     seen_near = std::move(seen_far);
   }
@@ -169,23 +158,27 @@ PathLayers::Emission PathLayers::behind(const AbsorberAmounts& near) const {
 }
 
 ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts* near) const {
+  const AbsorberAmounts none;
+  AbsorberAmounts amounts;
   const auto at_node = [&](const Node& node) {
-    AbsorberAmounts sum = near ? node.amounts + *near : node.amounts;
-    return sun.add_to(sum, node.height_m) ? irsig::transmittance(sum, bands_)
-                                          : AirSpectrum(kAirBandCount, 0.0);
+    set_sum(amounts, node.amounts, near ? *near : none, bands_);
+    return sun.add_to(amounts, node.height_m) ? irsig::transmittance(amounts, bands_)
+                                              : AirSpectrum(kAirBandCount, 0.0);
   };
   ScatteredSun out;
-  AirSpectrum t_near = at_node(node_.front());
+  AirSpectrum t_near = at_node(node_.front()), light(kAirBandCount);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     AirSpectrum t_far = at_node(node_[l + 1]);
     const StepScattering& step = layer_[l];
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      const double light = mean_of_sunlight(t_near[b], t_far[b], step.grey_depth[b]);
-      out.molecular[b] += light * step.molecular_depth[b];
-      const double aerosol = light * step.aerosol_depth[b];
-      if (aerosol <= 0) continue;
-      out.aerosol[b] += aerosol;
-      out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
+    mean_of_sunlight(light, t_near, t_far, step.grey_depth, bands_);
+    for (const BandChoice::Range& r : bands_.ranges()) {
+      for (std::size_t b = r.first; b < r.last; ++b) {
+        out.molecular[b] += light[b] * step.molecular_depth[b];
+        const double aerosol = light[b] * step.aerosol_depth[b];
+        if (aerosol <= 0) continue;
+        out.aerosol[b] += aerosol;
+        out.asymmetry[b] += (step.asymmetry[b] - out.asymmetry[b]) * aerosol / out.aerosol[b];
+      }
     }
     t_near = std::move(t_far);
   }

@@ -24,6 +24,9 @@ struct StepScattering {
 [[nodiscard]] double mean_of_decay(double a, double b, double grey_depth);
 // The same of sunlight, of which a and b may also be 0 in the Earth's shadow.
 [[nodiscard]] double mean_of_sunlight(double a, double b, double grey_depth);
+// Of many bands at once.
+void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
+                      const AirSpectrum& grey_depth, const BandChoice& bands);
 
 // Amounts of the sun's path to any height of one vertical, for one zenith angle: computed at a few
 // heights and interpolated as if all gases thinned out over the same height. The zenith angle is
@@ -32,7 +35,8 @@ struct StepScattering {
 class SunAmounts {
  public:
   // From `height_m` to the top of the air.
-  SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg);
+  SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
+             const BandChoice& bands = BandChoice());
 
   // Adds what lies between a height and the sun; false: the Earth is in the way.
   [[nodiscard]] bool add_to(AbsorberAmounts& sum, double height_m) const;
@@ -45,6 +49,7 @@ class SunAmounts {
     bool lit;
     AbsorberAmounts amounts;
   };
+  BandChoice bands_;
   std::vector<Point> point_;
 };
 
@@ -119,7 +124,11 @@ class PathLayers {
   struct Emission {
     AirSpectrum thermal_w_m2_sr_um, surroundings_share;
   };
-  [[nodiscard]] Emission behind(const AbsorberAmounts& near) const;
+  struct Behind : Emission {
+    AirSpectrum transmittance;  // of near air and path together
+  };
+  //   through_near  transmittance of the near air
+  [[nodiscard]] Behind behind(const AbsorberAmounts& near, const AirSpectrum& through_near) const;
 
   // Sunlight that the path scatters once to the observer, behind near air if any.
   [[nodiscard]] ScatteredSun scattered(const SunAmounts& sun,

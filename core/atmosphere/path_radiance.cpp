@@ -2,7 +2,9 @@
 #include <cfloat>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/path_sums.h"
 #include "core/base/check.h"
 #include "core/base/constants.h"
@@ -67,42 +69,64 @@ double rayleigh_per_sr(double cosine) {
   return 3 * (1 + cosine * cosine) / (16 * std::numbers::pi);
 }
 
+void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& bands) {
+  const GasTable& table = gas_table();
+  for (const BandChoice::Range& r : bands.ranges()) {
+    planck_bands(r.size(), &table.lambda_um[r.first], &table.planck_scale[r.first], temperature_k,
+                 &out[r.first]);
+  }
+}
+
 void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                   const AirSpectrum& t_far, const AirSpectrum& planck_near,
-                  const AirSpectrum& planck_far) {
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    if (t_near[i] <= 0) continue;
-    const double t = std::min(1.0, t_far[i] / t_near[i]);
-    const double absorbed = 1 - t;
-    if (absorbed <= 0) continue;
-    const double seen = t > 0.5 ? -std::log1p(-absorbed)
-                                : std::log(t_near[i]) - std::log(std::max(t_far[i], DBL_MIN));
-    const double depth = std::max(seen, scattering.grey_depth[i]);
-    const double tilt = depth < 1e-3 ? depth * (0.5 - depth / 3) : absorbed / depth - t;
-    const double scattered = scattering.aerosol_depth[i] + scattering.molecular_depth[i];
-    const double share = std::max(0.0, 1 - scattered / depth);
-    out[i] +=
-        t_near[i] * share * (planck_near[i] * absorbed + (planck_far[i] - planck_near[i]) * tilt);
+                  const AirSpectrum& planck_far, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    const std::size_t i = r.first;
+    add_emission_bands(
+        r.size(),
+        {&scattering.aerosol_depth[i], &scattering.molecular_depth[i], &scattering.grey_depth[i]},
+        &t_near[i], &t_far[i], &planck_near[i], &planck_far[i], &out[i]);
+  }
+}
+
+void mean_of_decay(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
+                   const AirSpectrum& grey_depth, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    mean_of_decay_bands(r.size(), &a[r.first], &b[r.first], &grey_depth[r.first], &out[r.first]);
+  }
+}
+
+void mean_of_sunlight(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
+                      const AirSpectrum& grey_depth, const BandChoice& bands) {
+  mean_of_decay(out, a, b, grey_depth, bands);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t i = r.first; i < r.last; ++i) {
+      if (!(a[i] > 0 && b[i] > 0)) out[i] = mean_of_sunlight(a[i], b[i], grey_depth[i]);
+    }
   }
 }
 
 void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
-                      const AirSpectrum& t_far) {
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    if (t_near[i] <= 0) continue;
-    out[i] += (scattering.aerosol_depth[i] + scattering.molecular_depth[i]) *
-              mean_of_decay(t_near[i], t_far[i], scattering.grey_depth[i]);
+                      const AirSpectrum& t_far, const BandChoice& bands) {
+  AirSpectrum mean(kAirBandCount);
+  mean_of_decay(mean, t_near, t_far, scattering.grey_depth, bands);
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t i = r.first; i < r.last; ++i) {
+      out[i] += (scattering.aerosol_depth[i] + scattering.molecular_depth[i]) * mean[i];
+    }
   }
 }
 
-void merge(StepScattering& sum, const StepScattering& step) {
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    sum.molecular_depth[i] += step.molecular_depth[i];
-    sum.grey_depth[i] += step.grey_depth[i];
-    if (step.aerosol_depth[i] <= 0) continue;
-    sum.aerosol_depth[i] += step.aerosol_depth[i];
-    sum.asymmetry[i] +=
-        (step.asymmetry[i] - sum.asymmetry[i]) * step.aerosol_depth[i] / sum.aerosol_depth[i];
+void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    for (std::size_t i = r.first; i < r.last; ++i) {
+      sum.molecular_depth[i] += step.molecular_depth[i];
+      sum.grey_depth[i] += step.grey_depth[i];
+      if (step.aerosol_depth[i] <= 0) continue;
+      sum.aerosol_depth[i] += step.aerosol_depth[i];
+      sum.asymmetry[i] +=
+          (step.asymmetry[i] - sum.asymmetry[i]) * step.aerosol_depth[i] / sum.aerosol_depth[i];
+    }
   }
 }
 
@@ -121,14 +145,9 @@ PathSums::PathSums(const Atmosphere& atmosphere, double surface_humidity_percent
   }
 }
 
-AirSpectrum PathSums::planck_at(std::size_t node) const {
-  const double temperature_k =
-      air_at(atmosphere_.profile(), path_.node[node].height_m).temperature_k;
-  AirSpectrum b(kAirBandCount);
-  for (std::size_t i = 0; i < kAirBandCount; ++i) {
-    b[i] = planck_radiance_w_m2_sr_um(air_band_lambda_um(i), temperature_k);
-  }
-  return b;
+void PathSums::planck_at(AirSpectrum& out, std::size_t node) const {
+  planck_spectrum(out, air_at(atmosphere_.profile(), path_.node[node].height_m).temperature_k,
+                  BandChoice());
 }
 
 double PathSums::sun_zenith_deg(std::size_t node) const {
@@ -191,11 +210,12 @@ void PathSums::add_scattered(std::size_t step, const AirSpectrum& source_near,
   const double cosine = cos_scattering(step);
   const double rayleigh = rayleigh_per_sr(cosine);
   const StepScattering& s = scattering_[step];
+  AirSpectrum light(kAirBandCount);
+  mean_of_sunlight(light, source_near, source_far, s.grey_depth, BandChoice());
   for (std::size_t i = 0; i < kAirBandCount; ++i) {
     const double turned = s.aerosol_depth[i] * henyey_greenstein_per_sr(s.asymmetry[i], cosine) +
                           s.molecular_depth[i] * rayleigh;
-    out_.scattered_w_m2_sr_um[i] +=
-        turned * mean_of_sunlight(source_near[i], source_far[i], s.grey_depth[i]);
+    out_.scattered_w_m2_sr_um[i] += turned * light[i];
   }
 }
 
@@ -205,14 +225,16 @@ PathRadiance PathSums::result() {
   prepare_sun();
   AbsorberAmounts behind = near_ ? *near_ : AbsorberAmounts();
   AirSpectrum t_near = transmittance(behind);
-  AirSpectrum planck_near, sun_near;
-  if (steps > 0) planck_near = planck_at(0);
+  const BandChoice all;
+  AirSpectrum planck_near(kAirBandCount), planck_far(kAirBandCount), sun_near;
+  if (steps > 0) planck_at(planck_near, 0);
   if (!sun_node_.empty()) sun_near = sunlight_by(0, behind);
   for (std::size_t i = 0; i < steps; ++i) {
     add_step(behind, &scattering_[i], atmosphere_.spec(), surface_humidity_percent_, path_, i);
     AirSpectrum t_far = transmittance(behind);
-    AirSpectrum planck_far = planck_at(i + 1);
-    add_emission(out_.thermal_w_m2_sr_um, scattering_[i], t_near, t_far, planck_near, planck_far);
+    planck_at(planck_far, i + 1);
+    add_emission(out_.thermal_w_m2_sr_um, scattering_[i], t_near, t_far, planck_near, planck_far,
+                 all);
     if (!sun_node_.empty()) {
       AirSpectrum sun_far = sunlight_by(i + 1, behind);
       add_scattered(i, sun_near, sun_far);
@@ -220,13 +242,13 @@ PathRadiance PathSums::result() {
     }
     if (!light_.surroundings_w_m2_sr_um.empty()) {
       AirSpectrum share(kAirBandCount, 0.0);
-      add_surroundings(share, scattering_[i], t_near, t_far);
+      add_surroundings(share, scattering_[i], t_near, t_far, all);
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         out_.scattered_w_m2_sr_um[b] += light_.surroundings_w_m2_sr_um[b] * share[b];
       }
     }
     t_near = std::move(t_far);
-    planck_near = std::move(planck_far);
+    std::swap(planck_near, planck_far);
   }
   if (near_) {
     for (std::size_t i = 0; i < steps; ++i) {

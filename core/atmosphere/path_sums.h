@@ -9,7 +9,11 @@
 namespace irsig {
 
 void add_step(AbsorberAmounts& out, StepScattering* scattering, const AtmosphereSpec& spec,
-              double surface_humidity_percent, const LightPath& path, std::size_t step);
+              double surface_humidity_percent, const LightPath& path, std::size_t step,
+              const BandChoice& bands = BandChoice());
+
+// Planck's function at the bands' centres.
+void planck_spectrum(AirSpectrum& out, double temperature_k, const BandChoice& bands);
 
 // What a step adds to the thermal radiance behind it. t: transmittance from the observer to its
 // ends, planck: of the air there.
@@ -18,12 +22,15 @@ void add_step(AbsorberAmounts& out, StepScattering* scattering, const Atmosphere
 // Of the extinction only the absorbed share emits.
 void add_emission(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
                   const AirSpectrum& t_far, const AirSpectrum& planck_near,
-                  const AirSpectrum& planck_far);
+                  const AirSpectrum& planck_far, const BandChoice& bands);
 // The share of the surroundings' mean radiance that the step scatters to the observer.
 void add_surroundings(AirSpectrum& out, const StepScattering& scattering, const AirSpectrum& t_near,
-                      const AirSpectrum& t_far);
+                      const AirSpectrum& t_far, const BandChoice& bands);
+// mean_of_decay of all bands; mean_of_sunlight likewise.
+void mean_of_decay(AirSpectrum& out, const AirSpectrum& a, const AirSpectrum& b,
+                   const AirSpectrum& grey_depth, const BandChoice& bands);
 // Of two steps, one behind the other.
-void merge(StepScattering& sum, const StepScattering& step);
+void merge(StepScattering& sum, const StepScattering& step, const BandChoice& bands);
 
 // Phase functions: their integral over all directions is 1.
 [[nodiscard]] double henyey_greenstein_per_sr(double asymmetry, double cosine);
@@ -40,7 +47,7 @@ class PathSums {
  private:
   void add_scattered(std::size_t step, const AirSpectrum& source_near,
                      const AirSpectrum& source_far);
-  [[nodiscard]] AirSpectrum planck_at(std::size_t node) const;
+  void planck_at(AirSpectrum& out, std::size_t node) const;
   // Irradiance that arrives at the observer after a turn at the node, per band; 0 in shadow.
   [[nodiscard]] AirSpectrum sunlight_by(std::size_t node, const AbsorberAmounts& to_node) const;
   void prepare_sun();

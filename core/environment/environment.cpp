@@ -6,13 +6,15 @@
 #include <deque>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/check.h"
 #include "core/base/constants.h"
-#include "core/environment/interpolation_error.h"
+#include "core/environment/leg.h"
+#include "core/environment/light_bounds.h"
+#include "core/environment/made_once.h"
 #include "core/environment/sun_light.h"
 #include "core/environment/view_light.h"
 #include "core/environment/weather_light.h"
@@ -60,42 +62,96 @@ struct Environment::Parts {
     WeatherSpec spec;
     std::optional<Atmosphere> atmosphere;
     double height_m = 0;  // of the target, as the profile counts
-    std::once_flag once;
-    std::unique_ptr<const WeatherLight> light;
+    MadeOnce<std::unique_ptr<const WeatherLight>> light;
+    MadeOnce<std::unique_ptr<const WeatherBounds>> bounds;
   };
   struct Condition {
     ConditionEnvironment spec;
-    std::once_flag once;
-    std::unique_ptr<const SunLight> sun;
+    MadeOnce<std::unique_ptr<const SunLight>> sun;
+    MadeOnce<std::unique_ptr<const ConditionBounds>> bounds;
+    [[nodiscard]] bool sun_is_up() const { return spec.sun && spec.sun_direction.z < 0; }
   };
 
   std::deque<Weather> weather;
   std::deque<Condition> condition;
   NodeWavelengths wavelengths;
-  DirectionNodes nodes;
+  DirectionNodes nodes, rings;  // rings: the same with one azimuth
 
-  const WeatherLight& light_of(Weather& w) {
-    std::call_once(w.once, [&] {
-      w.light = std::make_unique<WeatherLight>(w.spec, *w.atmosphere, w.height_m, nodes,
-                                               wavelengths.bands);
+  [[nodiscard]] const WeatherLight& light_of(const Weather& w) const {
+    return *w.light.get([&] {
+      return std::make_unique<WeatherLight>(w.spec, *w.atmosphere, w.height_m, nodes,
+                                            wavelengths.bands);
     });
-    return *w.light;
   }
-  const SunLight& sun_of(Condition& c) {
-    Weather& w = weather[c.spec.weather];
-    const WeatherLight& light = light_of(w);
-    std::call_once(c.once, [&] {
-      c.sun = std::make_unique<SunLight>(c.spec, light, w.spec.lower, *w.atmosphere, w.height_m,
-                                         nodes, wavelengths.bands);
+  [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
+    const Weather& w = weather[c.spec.weather];
+    return *c.sun.get([&] {
+      return std::make_unique<SunLight>(c.spec, light_of(w), w.spec.lower, *w.atmosphere,
+                                        w.height_m, nodes, wavelengths.bands);
     });
-    return *c.sun;
+  }
+  [[nodiscard]] const ConditionBounds& bounds_of(const Condition& c) const {
+    const Weather& w = weather[c.spec.weather];
+    return *c.bounds.get([&] {
+      const WeatherBounds& of_weather = *w.bounds.get([&] {
+        return std::make_unique<WeatherBounds>(w.spec, *w.atmosphere, w.height_m, nodes,
+                                               wavelengths.bands);
+      });
+      return std::make_unique<ConditionBounds>(c.spec, of_weather);
+    });
+  }
+};
+
+// What of the view is computed so far.
+struct Environment::Look::Parts {
+  const Environment::Parts& of;
+  Line line;
+  struct Weather {
+    LegPath path;
+    std::unique_ptr<const Leg> leg;
+    std::unique_ptr<ViewLight> light;
+  };
+  std::map<std::uint32_t, Weather> weather;
+  std::map<std::uint32_t, LightBounds> bounds;
+
+  [[nodiscard]] absl::Status add(std::uint32_t index) {
+    if (weather.contains(index)) return absl::OkStatus();
+    const Environment::Parts::Weather& w = of.weather[index];
+    absl::StatusOr<LegPath> path =
+        leg_path(w.spec, *w.atmosphere, w.height_m, line, of.wavelengths.bands);
+    if (!path.ok()) return path.status();
+    weather[index].path = *std::move(path);
+    return absl::OkStatus();
+  }
+  [[nodiscard]] const Leg& leg_of(std::uint32_t index) {
+    Weather& here = weather.at(index);
+    const Environment::Parts::Weather& w = of.weather[index];
+    if (!here.leg) {
+      here.leg = std::make_unique<Leg>(here.path, *w.atmosphere, w.height_m, of.wavelengths);
+    }
+    return *here.leg;
+  }
+  [[nodiscard]] ViewLight& light_of(std::uint32_t index) {
+    Weather& here = weather.at(index);
+    if (!here.light) {
+      here.light = std::make_unique<ViewLight>(leg_of(index), of.light_of(of.weather[index]), line,
+                                               of.wavelengths);
+    }
+    return *here.light;
   }
 };
 
 Environment::Environment(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
 Environment::~Environment() = default;
+Environment::Look::Look(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Environment::Look::Look(Look&&) noexcept = default;
+Environment::Look& Environment::Look::operator=(Look&&) noexcept = default;
+Environment::Look::~Look() = default;
 
 const DirectionNodes& Environment::nodes() const { return parts_->nodes; }
+const DirectionNodes& Environment::nodes(bool with_azimuths) const {
+  return with_azimuths ? parts_->nodes : parts_->rings;
+}
 std::size_t Environment::conditions() const { return parts_->condition.size(); }
 
 absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
@@ -149,34 +205,65 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     lower.push_back(static_cast<float>(first + share * (1 - first)));
   }
   lower.back() = 1.0f;
-  parts->nodes =
-      DirectionNodes({kSkySines.begin(), kSkySines.end()}, std::move(lower), sun ? kAzimuths : 1);
+  const std::vector<float> upper(kSkySines.begin(), kSkySines.end());
+  parts->rings = DirectionNodes(upper, lower, 1);
+  parts->nodes = DirectionNodes(upper, std::move(lower), sun ? kAzimuths : 1);
   return std::unique_ptr<const Environment>(new Environment(std::move(parts)));
+}
+
+absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {
+  auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
+  for (const Parts::Condition& c : parts_->condition) {
+    if (const absl::Status s = parts->add(c.spec.weather); !s.ok()) return s;
+  }
+  return Look(std::move(parts));
 }
 
 absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
     const Line& line, std::span<const std::uint32_t> conditions) const {
-  std::vector<ViewEnvironment> out(conditions.size());
-  // In the order asked for; conditions that share a weather share what it does to the view.
-  std::map<std::uint32_t, std::unique_ptr<ViewLight>> by_weather;
-  for (std::size_t i = 0; i < conditions.size(); ++i) {
-    if (conditions[i] >= parts_->condition.size()) {
-      return absl::InvalidArgumentError(absl::StrCat("there is no condition ", conditions[i]));
+  // A line that another condition's weather does not cover is none of this view's business.
+  auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
+  for (const std::uint32_t c : conditions) {
+    if (c >= parts_->condition.size()) {
+      return absl::InvalidArgumentError(absl::StrCat("there is no condition ", c));
     }
-    Parts::Condition& condition = parts_->condition[conditions[i]];
-    Parts::Weather& weather = parts_->weather[condition.spec.weather];
-    const SunLight& sun = parts_->sun_of(condition);
-    std::unique_ptr<ViewLight>& view = by_weather[condition.spec.weather];
-    if (!view) {
-      absl::StatusOr<ViewLight> made =
-          ViewLight::make(weather.spec, *weather.atmosphere, *weather.light, weather.height_m, line,
-                          parts_->nodes, parts_->wavelengths);
-      if (!made.ok()) return made.status();
-      view = std::make_unique<ViewLight>(*std::move(made));
-    }
-    out[i] = view->seen_under(sun);
+    if (const absl::Status s = parts->add(parts_->condition[c].spec.weather); !s.ok()) return s;
+  }
+  Look look(std::move(parts));
+  std::vector<ViewEnvironment> out;
+  for (const std::uint32_t c : conditions) {
+    absl::StatusOr<ViewEnvironment> seen = look.see(c, LightUse(), true);
+    if (!seen.ok()) return seen.status();
+    out.push_back(*std::move(seen));
   }
   return out;
+}
+
+absl::StatusOr<ViewEnvironment> Environment::Look::see(std::uint32_t condition, const LightUse& use,
+                                                       bool with_azimuths) {
+  const Environment::Parts& of = parts_->of;
+  if (condition >= of.condition.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("there is no condition ", condition));
+  }
+  const Environment::Parts::Condition& c = of.condition[condition];
+  const bool diffuse_sun = use.reflected && use.diffuse_sun;
+  if (c.sun_is_up() && diffuse_sun && !with_azimuths) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "condition ", condition, ": scattered sunlight is reflected, but nodes have no azimuths"));
+  }
+  const bool any_sun = use.direct_sun || diffuse_sun || use.path_sun || use.background_sun;
+  const SunLight* sun = c.sun_is_up() && any_sun ? &of.sun_of(c) : nullptr;
+  return parts_->light_of(c.spec.weather).seen_under(sun, use, with_azimuths ? of.nodes : of.rings);
+}
+
+const LightBounds& Environment::Look::bounds(std::uint32_t condition) {
+  const auto known = parts_->bounds.find(condition);
+  if (known != parts_->bounds.end()) return known->second;
+  const Environment::Parts& of = parts_->of;
+  IRSIG_CHECK(condition < of.condition.size());
+  const Environment::Parts::Condition& c = of.condition[condition];
+  return parts_->bounds[condition] =
+             light_bounds(of.bounds_of(c), parts_->leg_of(c.spec.weather), parts_->line);
 }
 
 std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um) {

@@ -71,9 +71,40 @@ struct ViewEnvironment {
   // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
   // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
   double sky_interpolation = 0, lower_interpolation = 0;
+  // Of leaving out LightUse::joined_lines, relative to what is reflected of sky and surface at the
+  // target: the most by which any mean over directions of the apparent nodes can differ, in the
+  // worst quarter of a micrometre. 0 with it.
+  double joined_lines_bound = 0;
   // One sigma of the models, not of the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
   double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
+};
+
+// What of a condition's light one view is to be given. What is left out is 0 in ViewEnvironment.
+struct LightUse {
+  bool reflected = true;   // node, node_apparent: what the target can reflect of sky and surface
+  bool direct_sun = true;  // sun, sun_apparent
+  bool diffuse_sun =
+      true;              // scattered sunlight in the nodes (and what grey surfaces reflect of it)
+  bool path_sun = true;  // scattered sunlight in path_radiance
+  bool background_sun = true;  // sunlight in behind_apparent
+  // Nodes behind the line's air: the air's lines joined at every ring that is computed exactly (8
+  // of a side), or at three of them.
+  bool joined_lines = true;
+};
+
+// The most that light can be, known before any sky is computed. On the sweep's wavelengths.
+struct LightBounds {
+  using Spectrum = std::vector<double>;
+  Spectrum transmittance, path_radiance;  // of the line, its own emission only: not bounds
+  Spectrum thermal;                       // radiance of sky and surface
+  Spectrum sun;                           // irradiance, normal to the beam
+  // Radiance in any direction, and radiance integrated over all directions: an upper limit of the
+  // irradiance of any facet.
+  Spectrum diffuse_sun, diffuse_sun_w_m2_um;
+  Spectrum mirrored_sun, mirrored_sun_w_m2_um;  // by a rough sea towards the target
+  Spectrum path_sun;                            // at the sensor
+  Spectrum background_sun;                      // at the sensor, in any direction of Line::behind
 };
 
 // The embedded atmosphere with its sky, sun and sea, for all conditions of a sweep. Immutable but
@@ -90,6 +121,8 @@ class Environment {
 
   // The directions at which sky and sea are given; one azimuth if no condition has a sun.
   [[nodiscard]] const DirectionNodes& nodes() const;
+  // The same rings, with one azimuth if without.
+  [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
   // From the target to a sensor.
   struct Line {
@@ -98,11 +131,39 @@ class Environment {
     Vec<Body> direction;    // unit vector towards the sensor
     DirectionNodes behind;  // where the background is wanted: directions away from the sensor, at
                             // the line's own azimuth (behind.direction(node) has it)
+    // false: no line of sight goes to that side of `behind`, whose nodes stay dark.
+    bool behind_sky = true, behind_lower = true;
+    [[nodiscard]] bool looks_at(std::uint32_t node_behind) const {
+      return node_behind < behind.sky() ? behind_sky : behind_lower;
+    }
   };
   // INVALID_ARGUMENT: a sensor below the surface, or hidden by the Earth; a line that the imported
   // paths do not cover.
   [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(
       const Line& line, std::span<const std::uint32_t> conditions) const;
+
+  // A line of sight, to be asked for bounds first and for light then; what they share is computed
+  // once. Not for several threads. The environment outlives it.
+  class Look {
+   public:
+    Look(Look&&) noexcept;
+    Look& operator=(Look&&) noexcept;
+    ~Look();
+    [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
+    // What is returned depends on the line, the condition and its use alone. The nodes are those of
+    // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
+    // reflected and they have none.
+    [[nodiscard]] absl::StatusOr<ViewEnvironment> see(std::uint32_t condition, const LightUse& use,
+                                                      bool with_azimuths);
+
+   private:
+    friend class Environment;
+    struct Parts;
+    explicit Look(std::unique_ptr<Parts> parts);
+    std::unique_ptr<Parts> parts_;
+  };
+  // INVALID_ARGUMENT as view() has it.
+  [[nodiscard]] absl::StatusOr<Look> look(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
 

@@ -16,15 +16,17 @@ class InterpolationError {
 
   void add(double weight, const AirSpectrum& linear, const AirSpectrum& direct) {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      if (!chosen(bands_, b)) continue;
-      const auto quarter = static_cast<std::size_t>(4 * air_band_lambda_um(b));
-      if (quarter >= error_.size()) {
-        error_.resize(quarter + 1, 0.0);
-        radiance_.resize(quarter + 1, 0.0);
-      }
-      error_[quarter] += weight * std::abs(linear[b] - direct[b]);
-      radiance_[quarter] += weight * direct[b];
+      if (chosen(bands_, b)) add(b, weight * std::abs(linear[b] - direct[b]), weight * direct[b]);
     }
+  }
+  void add(std::size_t band, double error, double radiance) {
+    const auto quarter = static_cast<std::size_t>(4 * air_band_lambda_um(band));
+    if (quarter >= error_.size()) {
+      error_.resize(quarter + 1, 0.0);
+      radiance_.resize(quarter + 1, 0.0);
+    }
+    error_[quarter] += error;
+    radiance_[quarter] += radiance;
   }
   [[nodiscard]] double worst() const {
     double w = 0;

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "core/base/check.h"
+#include "core/base/clones.h"
 #include "core/materials/fresnel.h"
 #include "core/materials/optical/material_library.h"
 #include "core/materials/spectra.h"
@@ -43,6 +44,33 @@ std::complex<double> sea_water_index(double lambda_um) {
 
 double water_reflectance(std::complex<double> index, double cos_incidence) {
   return fresnel_exact(std::clamp(cos_incidence, 0.0, 1.0), index.real(), index.imag());
+}
+
+WaterSpectrum sea_water_spectrum(const std::vector<double>& lambda_um) {
+  WaterSpectrum out;
+  for (const double um : lambda_um) {
+    const std::complex<double> squared = sea_water_index(um) * sea_water_index(um);
+    out.real.push_back(squared.real());
+    out.imaginary.push_back(squared.imag());
+  }
+  return out;
+}
+
+IRSIG_CLONES void water_reflectance(const WaterSpectrum& water, double cos_incidence,
+                                    std::size_t first, std::span<double> out) {
+  const double c = std::clamp(cos_incidence, 0.0, 1.0), sin2 = 1 - c * c;
+  const double *real = water.real.data() + first, *imaginary = water.imaginary.data() + first;
+  const std::size_t n = out.size();
+  double* rho = out.data();
+#pragma GCC ivdep
+  for (std::size_t i = 0; i < n; ++i) {
+    // a + ib: the root of index^2 - sin^2, whose real part is positive for water.
+    const double e = real[i], f = imaginary[i], x = e - sin2;
+    const double a = std::sqrt(0.5 * (std::sqrt(x * x + f * f) + x)), b = 0.5 * f / a;
+    const auto norm = [](double re, double im) { return re * re + im * im; };
+    rho[i] = 0.5 * (norm(c - a, b) / norm(c + a, b) +
+                    norm(e * c - a, f * c - b) / norm(e * c + a, f * c + b));
+  }
 }
 
 std::vector<SeaFacet> flat_sea(Vec<Body> to_observer) {

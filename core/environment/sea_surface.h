@@ -1,6 +1,8 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/geo/frames.h"
@@ -19,6 +21,15 @@ namespace irsig {
 
 // Unpolarised Fresnel reflectance of water at an angle of incidence.
 [[nodiscard]] double water_reflectance(std::complex<double> index, double cos_incidence);
+
+// The same at many wavelengths.
+struct WaterSpectrum {
+  std::vector<double> real, imaginary;  // of the index squared
+};
+[[nodiscard]] WaterSpectrum sea_water_spectrum(const std::vector<double>& lambda_um);
+//   out  of wavelengths first, first + 1, ...
+void water_reflectance(const WaterSpectrum& water, double cos_incidence, std::size_t first,
+                       std::span<double> out);
 
 // The slopes through which a rough sea is seen from one direction: facets weighted by their share
 // of what is seen (their projected area, hidden ones left out).

@@ -1,64 +1,66 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
+#include "core/environment/leg.h"
+#include "core/environment/ring_ratios.h"
 #include "core/environment/sun_light.h"
 #include "core/environment/weather_light.h"
 
 namespace irsig {
 
-// The sweep's wavelengths and the air's bands that they lie in. Private to core/environment.
-struct NodeWavelengths {
-  std::vector<double> um;
-  std::vector<std::size_t> band;
-  BandChoice bands;
-  std::vector<double> solar_shape;  // solar spectrum there over that at the band's centre
-};
-[[nodiscard]] absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um);
-
-// One weather seen along one line: what all its conditions share. Private to core/environment.
+// One weather seen along one line: what all its conditions share is computed when it is first asked
+// for. Not for several threads. Private to core/environment.
 class ViewLight {
  public:
-  [[nodiscard]] static absl::StatusOr<ViewLight> make(const WeatherSpec& spec,
-                                                      const Atmosphere& atmosphere,
-                                                      const WeatherLight& light, double height_m,
-                                                      const Environment::Line& line,
-                                                      const DirectionNodes& nodes,
-                                                      const NodeWavelengths& wavelengths);
+  // All outlive it.
+  ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
+            const NodeWavelengths& wavelengths);
+  ViewLight(const ViewLight&) = delete;
+  ViewLight& operator=(const ViewLight&) = delete;
 
-  [[nodiscard]] ViewEnvironment seen_under(const SunLight& sun) const;
+  //   sun    null: none, or nothing of it is used
+  //   nodes  with those azimuths that `sun` has if its scattered light is used
+  [[nodiscard]] ViewEnvironment seen_under(const SunLight* sun, const LightUse& use,
+                                           const DirectionNodes& nodes);
 
  private:
-  ViewLight(const WeatherLight& light, const Environment::Line& line, const DirectionNodes& nodes,
-            const NodeWavelengths& wavelengths);
-  void see_sky();
-  void see_lower();
-  absl::Status take_import(const ImportedPaths& paths, double sensor_height_m, double height_m);
-  // On the sweep's wavelengths: band means, carried on inside a band by Planck's function at the
-  // target's air temperature or by the sun's spectrum.
-  [[nodiscard]] std::vector<double> spread_thermal(const AirSpectrum& thermal) const;
-  [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,
-                                               const AirSpectrum& solar) const;
-  struct Solar {  // what the sun adds, behind near air
-    std::vector<AirSpectrum> sky_ratio, lower_air_ratio, lower_surface_ratio;  // [ring]
-    AirSpectrum irradiance, scattered;
-  };
-  [[nodiscard]] Solar solar(const SunLight& sun) const;
-  void add_behind(ViewEnvironment& out, const SunLight& sun, const Solar& solar) const;
+  struct Solar;  // what the sun adds, behind near air
 
-  const WeatherLight* light_;
-  Environment::Line line_;
-  const DirectionNodes* nodes_;
-  const NodeWavelengths* wavelengths_;
-  std::vector<double> thermal_shape_;  // Planck's function there over that at the band's centre
+  // Apparent thermal radiance of a ring.
+  [[nodiscard]] const AirSpectrum& sky(std::size_t ring);
+  [[nodiscard]] const AirSpectrum& lower(std::size_t ring);
+  [[nodiscard]] AirSpectrum seen_lower(std::size_t ring);
+  // The air in front of a lower ring's surface, behind the line's.
+  [[nodiscard]] const PathLayers::Behind& behind(std::size_t ring);
+  // The same on the sweep's wavelengths, of all rings: sky, then lower. At the target, and at the
+  // sensor with the air's lines joined at all exact rings or at three.
+  using Rings = std::vector<std::vector<double>>;
+  [[nodiscard]] const Rings& rings();
+  [[nodiscard]] const Rings& rings_apparent(bool joined_lines);
+  // Of joining them at three, for the light of one side, in front of which the ratios are those.
+  [[nodiscard]] double joined_lines_bound(RingRatios& ratio, double share,
+                                          const std::vector<const AirSpectrum*>& light) const;
+  [[nodiscard]] double joined_lines_bound(Solar* solar);
 
-  std::optional<PathLayers> leg_;  // from the sensor to the target
-  AirSpectrum transmittance_, path_radiance_;
-  bool imported_ = false, imported_radiance_ = false;
+  void add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* solar, bool joined_lines,
+                 const DirectionNodes& nodes);
+  void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
+
+  const Leg& leg_;
+  const WeatherLight& light_;
+  const Environment::Line& line_;
+  const NodeWavelengths& wavelengths_;
+  AirSpectrum path_radiance_;
   ModelError error_;
-  std::vector<AirSpectrum> sky_, lower_;  // apparent thermal radiance, [ring]
-  // Thermal radiance at the target and at the sensor, [ring: sky, then lower].
-  std::vector<std::vector<double>> ring_, ring_apparent_;
+  RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it
+  RingRatios lower_ratio_;                 // of all light from below the horizon
+  std::vector<std::optional<AirSpectrum>> sky_, lower_;
+  std::vector<std::optional<PathLayers::Behind>> behind_;  // [lower ring]
+  std::optional<Rings> rings_;
+  std::array<std::optional<Rings>, 2> rings_apparent_;
 };
 
 }  // namespace irsig

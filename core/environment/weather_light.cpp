@@ -104,17 +104,17 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
       surface_planck[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), spec_.temperature_k);
     }
   }
+  std::vector<double> lambda_um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) lambda_um.push_back(air_band_lambda_um(b));
+  water_ = sea_water_spectrum(lambda_um);
   if (spec_.kind == LowerSpec::Kind::kRoughSea) {
+    AirSpectrum of_facet(kAirBandCount, 0.0);
     for (const double sine : kGrazing) {
       AirSpectrum reflectance(kAirBandCount, 0.0);
-      const std::vector<SeaFacet> facets =
-          sea_facets({-std::sqrt(1 - sine * sine), 0, -sine}, spec_.wind_speed_m_s);
-      for (std::size_t b = 0; b < kAirBandCount; ++b) {
-        if (!chosen(bands, b)) continue;
-        const std::complex<double> index = sea_water_index(air_band_lambda_um(b));
-        for (const SeaFacet& f : facets) {
-          reflectance[b] += f.share * water_reflectance(index, f.cos_incidence);
-        }
+      for (const SeaFacet& f :
+           sea_facets({-std::sqrt(1 - sine * sine), 0, -sine}, spec_.wind_speed_m_s)) {
+        reflect(of_facet, f.cos_incidence);
+        for (std::size_t b = 0; b < kAirBandCount; ++b) reflectance[b] += f.share * of_facet[b];
       }
       rough_reflectance_.push_back(std::move(reflectance));
     }
@@ -172,6 +172,7 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
       sky_mean[b] += weight[i] * sky[i].total[b];
     }
   }
+  sky_model_relative = mean_relative(sky_model_error, sky_mean);
   lower_model_relative = surface_model_relative(spec_.kind);
 }
 
@@ -205,6 +206,12 @@ LowerRing WeatherLight::make_lower(double sin_elevation) const {
   return ring;
 }
 
+void WeatherLight::reflect(AirSpectrum& out, double cos_incidence) const {
+  for (const BandChoice::Range& r : bands_.ranges()) {
+    water_reflectance(water_, cos_incidence, r.first, {&out[r.first], r.size()});
+  }
+}
+
 // Light that a facet mirrors from below the horizon has met the sea before: there it is emitted, or
 // reflected from the sky as high above the horizon, by the mean reflectance in that direction.
 void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const {
@@ -229,11 +236,7 @@ void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const
     if (away < nearest) ring.mirrored_ring = r;
     nearest = std::min(nearest, away);
   }
-  std::vector<std::complex<double>> index(kAirBandCount);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    if (chosen(bands_, b)) index[b] = sea_water_index(air_band_lambda_um(b));
-  }
-  AirSpectrum reflected(kAirBandCount, 0.0);
+  AirSpectrum reflected(kAirBandCount, 0.0), mirrored = reflected;
   for (std::uint32_t node = 0; node < nodes_.sky(); ++node) {
     if (once[node].share <= 0 && twice[node].share <= 0) continue;
     const double sine = nodes_.sin_elevation(node);
@@ -241,19 +244,22 @@ void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const
     while (k + 2 < kGrazing.size() && kGrazing[k + 1] < sine) ++k;
     const double f = std::clamp((sine - kGrazing[k]) / (kGrazing[k + 1] - kGrazing[k]), 0.0, 1.0);
     LowerRing::Cell cell{node / azimuths, node % azimuths, AirSpectrum(kAirBandCount, 0.0)};
+    if (once[node].share > 0) {
+      reflect(mirrored, once[node].mean_cosine());
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        cell.weight[b] += once[node].share * mirrored[b];
+      }
+    }
+    if (twice[node].share > 0) {
+      const AirSpectrum &low = rough_reflectance_[k], &high = rough_reflectance_[k + 1];
+      reflect(mirrored, twice[node].mean_cosine());
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        cell.weight[b] += twice[node].share * mirrored[b] * ((1 - f) * low[b] + f * high[b]);
+      }
+    }
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      if (!chosen(bands_, b)) continue;
-      double weight = 0;
-      if (once[node].share > 0) {
-        weight += once[node].share * water_reflectance(index[b], once[node].mean_cosine());
-      }
-      if (twice[node].share > 0) {
-        weight += twice[node].share * water_reflectance(index[b], twice[node].mean_cosine()) *
-                  ((1 - f) * rough_reflectance_[k][b] + f * rough_reflectance_[k + 1][b]);
-      }
-      cell.weight[b] = weight;
-      ring.from_ring[cell.ring][b] += weight;
-      reflected[b] += weight;
+      ring.from_ring[cell.ring][b] += cell.weight[b];
+      reflected[b] += cell.weight[b];
     }
     ring.cell.push_back(std::move(cell));
   }
@@ -314,8 +320,9 @@ void WeatherLight::finish(SkyRing& ring) const {
   }
 }
 
-AirSpectrum WeatherLight::sky_ratio(std::uint32_t ring, const AbsorberAmounts& near) const {
-  const PathLayers::Emission seen = sky[ring].layers.behind(near);
+AirSpectrum WeatherLight::sky_ratio(std::uint32_t ring, const AbsorberAmounts& near,
+                                    const AirSpectrum& through_near) const {
+  const PathLayers::Behind seen = sky[ring].layers.behind(near, through_near);
   AirSpectrum ratio(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (sky[ring].total[b] <= 0) continue;
@@ -332,7 +339,8 @@ void WeatherLight::finish(LowerRing& ring) const {
       ring.reflected[b] += ring.from_ring[r][b] * sky[r].total[b];
     }
   }
-  ring.reflected_ratio = sky_ratio(ring.mirrored_ring, ring.layers.amounts());
+  ring.reflected_ratio =
+      sky_ratio(ring.mirrored_ring, ring.layers.amounts(), ring.layers.transmittance);
   ring.total = ring.layers.thermal_w_m2_sr_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     ring.total[b] += ring.layers.surroundings_share[b] * surroundings[b] +

@@ -46,15 +46,19 @@ class WeatherLight {
   AirSpectrum surface_planck;
   // Means over the hemisphere above: radiance, and one sigma of its model.
   AirSpectrum sky_mean, sky_model_error;
-  double lower_model_relative = 0;
+  double sky_model_relative = 0, lower_model_relative = 0;
   double sky_interpolation = 0, lower_interpolation = 0;
 
   // Radiance of the sky's ring through so much air in front, over its own.
-  [[nodiscard]] AirSpectrum sky_ratio(std::uint32_t ring, const AbsorberAmounts& near) const;
+  //   through_near  its transmittance
+  [[nodiscard]] AirSpectrum sky_ratio(std::uint32_t ring, const AbsorberAmounts& near,
+                                      const AirSpectrum& through_near) const;
 
  private:
   [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
   [[nodiscard]] LowerRing make_lower(double sin_elevation) const;
+  // What water reflects, in the bands that are wanted.
+  void reflect(AirSpectrum& out, double cos_incidence) const;
   void reflect_from_facets(LowerRing& ring, double cos_zenith) const;
   void reflect_diffusely(LowerRing& ring) const;
   void finish(SkyRing& ring) const;
@@ -67,6 +71,7 @@ class WeatherLight {
   const DirectionNodes& nodes_;
   const BandChoice& bands_;
   bool refraction_;
+  WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
 };
 

@@ -48,6 +48,29 @@ absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
   return part_of_group;
 }
 
+// Whether no vertex lies above a facet's plane by more than half of what rays start above it (on
+// neither side of a facet that is seen from both).
+bool is_convex(const Target& target) {
+  constexpr std::size_t kMostProducts = 200'000'000;
+  const std::size_t vertices = target.vertex.size() / 3;
+  if (vertices == 0 || target.facet.size() > kMostProducts / vertices) return false;
+  const auto allowed = static_cast<float>(0.5 * target.offset_m());
+  for (std::size_t i = 0; i < target.facet.size(); ++i) {
+    const Target::Facet& f = target.facet[i];
+    if (f.nx == 0 && f.ny == 0 && f.nz == 0) continue;
+    const bool both = target.part[f.part].two_sided;
+    const float* corner =
+        target.vertex.data() + 3 * static_cast<std::size_t>(target.triangle[3 * i]);
+    for (std::size_t v = 0; v < vertices; ++v) {
+      const float* p = target.vertex.data() + 3 * v;
+      const float above =
+          f.nx * (p[0] - corner[0]) + f.ny * (p[1] - corner[1]) + f.nz * (p[2] - corner[2]);
+      if (above > allowed || (both && above < -allowed)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa,
@@ -91,6 +114,7 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
   auto tracer = Tracer::build(target.vertex, target.triangle, isa, options);
   if (!tracer.ok()) return tracer.status();
   target.tracer = *std::move(tracer);
+  target.convex = is_convex(target);
   return target;
 }
 

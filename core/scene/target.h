@@ -36,6 +36,9 @@ struct Target {
   Vec<Body> centre;                    // in the body frame
   double radius_m = 0;                 // of the bounding sphere about centre
   std::array<double, 2> z_extent_m{};  // smallest and largest body z (down)
+  // Proven: no ray that leaves a facet meets the target again. False also where a proof would take
+  // too long (facets x vertices above 2e8).
+  bool convex = false;
   // Secondary rays start this far off a facet: about 8 units in the last place of a coordinate at
   // the rim.     [m]
   [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }

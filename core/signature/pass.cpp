@@ -8,72 +8,15 @@
 #include "core/base/sobol.h"
 
 namespace irsig {
-namespace {
 
-// Rings of a side on which the background of a target is wanted, from |sin(elevation)| low to high.
-// Near the horizon the way through the air changes fastest.
-std::vector<float> behind_rings(double low, double high) {
-  std::vector<float> out{static_cast<float>(low)};
-  const auto last = static_cast<float>(high);
-  while (out.back() < last)
-    out.push_back(std::min(last, std::max(1.15f * out.back(), out.back() + 0.002f)));
-  return out;
-}
-
-}  // namespace
-
-bool sun_shines(const ConditionSpec& condition) {
-  return condition.sun && condition.sun_scale > 0 &&
-         condition.sun_cos_zenith >
-             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
-}
-
-// The same for all conditions: simulate() checks it.
-bool over_sea(const ViewRequest& request) {
-  return request.condition.front().surroundings.kind == SurroundingsKind::kSea;
-}
-
-absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, const Target& target,
-                                                   double range_m,
-                                                   std::span<const std::uint32_t> conditions,
-                                                   const std::vector<double>& node_um) {
-  ViewEnvironments out;
-  out.condition.resize(request.condition.size());
-  if (request.environment == nullptr) {
-    for (const std::uint32_t c : conditions)
-      out.condition[c] = plain_environment(request.condition[c], request.air, range_m,
-                                           sun_shines(request.condition[c]), node_um);
-    return out;
-  }
-  const Viewpoint& v = request.viewpoint;
-  const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
-  // Lines of sight leave the target downwards where the sensor is above it: between the elevations
-  // of the target's lowest and highest point, as the sensor sees them.
-  const double elevation = v.aspect_elevation_deg * std::numbers::pi / 180,
-               reach =
-                   std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)),
-               least = elevation - reach, most = std::min(elevation + reach, std::numbers::pi / 2);
-  const auto side = [](double from, double to) {
-    return to > 0 ? behind_rings(std::sin(std::max(from, 0.0)), std::sin(to))
-                  : std::vector<float>{0.0f};
-  };
-  out.behind = DirectionNodes(side(-most, std::min(-least, std::numbers::pi / 2)),
-                              side(least, most), 1, std::atan2(-towards.y, -towards.x));
-  out.directions = request.environment->nodes();
-  auto views =
-      request.environment->view({range_m, v.aspect_elevation_deg, towards, out.behind}, conditions);
-  if (!views.ok()) return views.status();
-  for (std::size_t i = 0; i < conditions.size(); ++i)
-    out.condition[conditions[i]] = std::move((*views)[i]);
-  return out;
-}
-
-Pass::Pass(const Simulator& simulator, const ViewRequest& request, const AimedView& view,
-           const ViewEnvironments& environments, std::span<const std::uint32_t> conditions,
-           std::span<const std::uint32_t> bands, const std::vector<double>& node_um,
-           const std::vector<std::size_t>& band_offset, std::uint64_t seed)
+Pass::Pass(const Simulator& simulator, const ViewRequest& request, const ViewPlan& plan,
+           const AimedView& view, const ViewEnvironments& environments,
+           std::span<const std::uint32_t> conditions, std::span<const std::uint32_t> bands,
+           const std::vector<double>& node_um, const std::vector<std::size_t>& band_offset,
+           std::uint64_t seed)
     : simulator_(simulator),
       request_(request),
+      effects_(plan),
       conditions_(conditions.begin(), conditions.end()),
       bands_(bands.begin(), bands.end()),
       band_offset_(band_offset),
@@ -84,10 +27,12 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const AimedVi
   for (const std::uint32_t c : conditions_) {
     const ConditionSpec& condition = request.condition[c];
     int index = -1;
-    if (sun_shines(condition)) {
+    const ViewPlan::Lights& lights = plan.condition[c];
+    if (sun_shines(condition) && plan.max_reflections > 0 &&
+        (lights.direct_sun || lights.mirrored_sun)) {
       const SunDirection sun{condition.sun_direction,
                              condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
-                             condition.sea_wind_m_s};
+                             lights.mirrored_sun ? condition.sea_wind_m_s : 0};
       const auto same = std::find_if(suns_.begin(), suns_.end(), [&](const SunDirection& s) {
         return s.direction == sun.direction && s.angular_radius_rad == sun.angular_radius_rad &&
                s.sea_wind_m_s == sun.sea_wind_m_s;
@@ -101,7 +46,9 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const AimedVi
                             environments.directions, &environments.behind);
   for (std::size_t i = 0; i < conditions_.size(); ++i)
     shading_.emplace_back(request.condition[conditions_[i]], environments.condition[conditions_[i]],
-                          classes_, sun_of_condition[i], node_um);
+                          classes_, sun_of_condition[i], node_um,
+                          DarkSources{!plan.sky, !plan.lower, !plan.parts,
+                                      !plan.condition[conditions_[i]].direct_sun});
   unseen_sun_ = unseen_sun(simulator.target(), simulator.carried_materials(), view.frame,
                            view.range_m, suns_);
 }
@@ -109,7 +56,9 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const AimedVi
 void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   const auto& grids = simulator_.band_grids();
   PathSettings settings;
-  settings.max_reflections = request_.max_reflections;
+  settings.max_reflections = effects_.max_reflections;
+  settings.no_second_hit = effects_.no_second_hit;
+  settings.hot_lights = !effects_.no_second_hit;
   settings.lower_is_sea = over_sea(request_);
   settings.sea_z_m = -simulator_.target().centre.z;
   settings.earth_radius_m = settings.lower_is_sea ? kEarthRadiusM : 0;
@@ -144,6 +93,7 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   samples_ = samples;
   statistics_.clear();
   last_ = ReplicateStatistics(rows());
+  beyond_ = ReplicateStatistics(effects_.max_reflections + 1);
 
   const std::vector<PathWeights> weights = tracer.trace(plan_, image_, counts_);
   const double inverse_replicates = 1.0 / request_.accuracy.replicates;
@@ -151,6 +101,7 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   std::vector<double> last(rows());
   for (const PathWeights& w : weights) {
     for (std::size_t k = 0; k < 3; ++k) beyond_m2_[k] += inverse_replicates * w.beyond_m2[k];
+    beyond_.add(w.beyond_order_m2);
     summed.push_back(row_weights(w.weight, classes_, tracer.nodes()));
     if (!w.last.empty()) {
       const RowWeights of_last = row_weights(w.last, classes_, tracer.nodes());
@@ -159,13 +110,20 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
     }
     last_.add(last);
   }
+  find_energy(weights, summed, basis);
+  replicate_.assign(rows(), {});
   std::vector<std::vector<double>> values;
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::uint32_t b = bands_[row % bands_.size()];
     shading(row).evaluate(weights, summed, basis, grids[b], band_offset_[b], kind != Kind::kPilot,
                           values);
     ReplicateStatistics& s = statistics_.emplace_back(values.front().size());
-    for (const std::vector<double>& of_replicate : values) s.add(of_replicate);
+    for (const std::vector<double>& of_replicate : values) {
+      s.add(of_replicate);
+      replicate_[row][0].push_back(of_replicate[0]);
+      replicate_[row][1].push_back(of_replicate[kApparentQuantity]);
+      replicate_[row][2].push_back(of_replicate[contrast_quantity(classes_.parts)]);
+    }
   }
   if (basis == nullptr || basis->identity()) return;
   RowWeights mean = summed.front();
@@ -180,6 +138,26 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   }
 }
 
+// By reciprocity: what of the light that the sensor would send out ends where.
+void Pass::find_energy(std::span<const PathWeights> weights, std::span<const RowWeights> summed,
+                       const SpectralBasis* basis) {
+  energy_.clear();
+  for (const std::uint32_t b : bands_) {
+    const SourceTable unit =
+        unit_table(basis, band_offset_[b], simulator_.band_grids()[b].band_weight);
+    ReplicateStatistics s(5);
+    for (std::size_t r = 0; r < weights.size(); ++r) {
+      const double area = weights[r].projected_area_m2;
+      if (!(area > 0)) continue;
+      const auto share = ConditionShading::shares(summed[r], classes_, unit);
+      const double cut = weights[r].truncated_m2;
+      s.add(std::array{share.absorbed / area, share.sky / area, share.lower / area, cut / area,
+                       (share.absorbed + share.sky + share.lower + cut) / area});
+    }
+    energy_.push_back({s.estimate(0), s.estimate(1), s.estimate(2), s.estimate(3), s.estimate(4)});
+  }
+}
+
 Pass::Bounds Pass::bounds(std::size_t row) const {
   const std::size_t c = row / bands_.size();
   const std::uint32_t b = bands_[row % bands_.size()];
@@ -191,29 +169,77 @@ Pass::Bounds Pass::bounds(std::size_t row) const {
     coldest = std::min(coldest, t);
     hottest = std::max(hottest, t);
   }
-  double brightest = shading.brightest_thermal_w_m2_sr(grid, offset);
-  if (const int j = shading.sun_index(); j >= 0)
-    brightest +=
-        shading.sun_w_m2(grid, offset) * unseen_sun_[static_cast<std::size_t>(j)].brightest_per_sr;
   const ViewEnvironment& environment = shading.environment();
   const auto cause = [&](Cause which) {
     return std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(which)).value);
   };
-  return {truncation_bound(beyond_m2_, beyond_spacing(request_.max_reflections),
-                           last_.estimate(row), beyond_m2_[2] * brightest),
-          std::abs(statistics_[row].estimate(0).value) *
-              quadrature_relative_bound(simulator_.bands()[b], grid,
-                                        std::clamp(coldest, 1.0, hottest), hottest),
-          basis_w_sr_[row], unseen_w_sr(shading, grid, offset),
-          environment.sky_interpolation * cause(Cause::kSkyReflected) +
-              environment.lower_interpolation * cause(Cause::kSeaReflected)};
+  Bounds out{0,
+             std::abs(statistics_[row].estimate(0).value) *
+                 quadrature_relative_bound(simulator_.bands()[b], grid,
+                                           std::clamp(coldest, 1.0, hottest), hottest),
+             basis_w_sr_[row],
+             unseen_w_sr(shading, grid, offset),
+             environment.sky_interpolation * cause(Cause::kSkyReflected) +
+                 environment.lower_interpolation * cause(Cause::kSeaReflected),
+             {}};
+  if (!effects_.omitted.empty())
+    out.omitted = effects_.omitted[conditions_[c] * simulator_.bands().size() + b];
+  const bool left_out = effects_.max_reflections < request_.max_reflections;
+  // Without any reflection the plan's bounds say it all; without other parts they say the rest.
+  if (left_out && (effects_.max_reflections == 0 || !effects_.parts)) return out;
+  const double truncation =
+      truncation_bound(beyond_m2_, beyond_spacing(effects_.max_reflections), last_.estimate(row),
+                       beyond_m2_[2] * brightest_w_m2_sr(row));
+  if (!left_out) {
+    out.truncation = truncation;
+    return out;
+  }
+  out.omitted.source += truncation;
+  out.omitted.apparent += truncation;
+  out.omitted.contrast += truncation;
+  return out;
 }
 
-double Pass::stderr_wanted(std::size_t row, double relative_error) const {
+double Pass::brightest_w_m2_sr(std::size_t row) const {
+  const ConditionShading& shading = this->shading(row);
+  const std::uint32_t b = bands_[row % bands_.size()];
+  const BandGrid& grid = simulator_.band_grids()[b];
+  const double thermal = shading.brightest_thermal_w_m2_sr(grid, band_offset_[b]);
+  const int j = shading.sun_index();
+  return j < 0 ? thermal
+               : thermal + shading.sun_w_m2(grid, band_offset_[b]) *
+                               unseen_sun_[static_cast<std::size_t>(j)].brightest_per_sr;
+}
+
+Estimate Pass::beyond_m2(std::uint32_t reflections) const { return beyond_.estimate(reflections); }
+
+double Pass::beyond_limit_m2(std::uint32_t reflections) const {
+  const Estimate e = beyond_m2(reflections);
+  double mask_m2 = 0;
+  for (const CoverageMask& stratum : view_.stratum)
+    if (!stratum.empty()) mask_m2 += stratum.area_m2();
+  const double n = static_cast<double>(samples_) * request_.accuracy.replicates;
+  return e.value + 4 * e.stderr_ + kNoneSeen / n * mask_m2;
+}
+
+double Pass::absolute_floor_w_sr(std::size_t row) const {
+  if (effects_.absolute_floor_w_m2_sr.empty()) return 0;
+  return effects_
+             .absolute_floor_w_m2_sr[conditions_[row / bands_.size()] * simulator_.bands().size() +
+                                     bands_[row % bands_.size()]] *
+         statistics_[row].estimate(kAreaQuantity).value;
+}
+
+double Pass::goal_w_sr(std::size_t row) const {
+  return std::max(request_.accuracy.relative_error * std::abs(statistics_[row].estimate(0).value),
+                  absolute_floor_w_sr(row));
+}
+
+double Pass::stderr_wanted(std::size_t row) const {
   const Bounds b = bounds(row);
   // What is unseen is met, or ruled out, by more samples.
-  const double bias = (b.sum() - b.unseen) / std::sqrt(3.0);
-  const double goal = relative_error * std::abs(statistics_[row].estimate(0).value);
+  const double bias = (b.source() - b.unseen) / std::sqrt(3.0);
+  const double goal = goal_w_sr(row);
   return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
 }
 
@@ -221,7 +247,7 @@ double Pass::stderr_wanted(std::size_t row, double relative_error) const {
 // (docs/methods.md)
 double Pass::unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
                          std::size_t offset) const {
-  if (request_.max_reflections == 0) return 0;
+  if (effects_.max_reflections == 0) return 0;
   const double n = static_cast<double>(samples_) * request_.accuracy.replicates;
   // What one event among all primary samples would be worth, per unit radiance. [m2]
   const double none_seen_m2 =
@@ -229,14 +255,14 @@ double Pass::unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
   double sum = 0;
   // A hot part: roulette makes an aimed ray stand for up to 1 / kFaintHot others.
   for (std::uint32_t p = 0; p < classes_.parts; ++p)
-    if (simulator_.target().part[p].hot)
+    if (simulator_.target().part[p].hot && effects_.parts && !effects_.no_second_hit)
       sum = std::max(sum, kFaintHot * none_seen_m2 * shading.part_w_m2_sr(p, grid, offset));
   if (shading.sun_index() < 0) return sum;
   const auto j = static_cast<std::size_t>(shading.sun_index());
   const UnseenSun& unseen = unseen_sun_[j];
   double per_irradiance = 0;
   if (counts_.sun_met_first[j] < kSeenOften) per_irradiance += unseen.glint;
-  if (request_.max_reflections >= 2 && counts_.sun_met_later[j] < kSeenOften) {
+  if (effects_.max_reflections >= 2 && counts_.sun_met_later[j] < kSeenOften) {
     per_irradiance += unseen.caustic;
     if (counts_.bright_to_bright > 0) per_irradiance += none_seen_m2 * unseen.chain_per_sr;
   }

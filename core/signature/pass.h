@@ -8,35 +8,26 @@
 #include "core/signature/shading.h"
 #include "core/signature/signature.h"
 #include "core/signature/unseen.h"
+#include "core/signature/view_environments.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {
-
-// What the conditions of a request do to one view, and the directions to which it refers.
-struct ViewEnvironments {
-  DirectionNodes directions, behind;
-  std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
-};
-// INVALID_ARGUMENT as Environment::view() has it.
-[[nodiscard]] absl::StatusOr<ViewEnvironments> view_environments(
-    const ViewRequest& request, const Target& target, double range_m,
-    std::span<const std::uint32_t> conditions, const std::vector<double>& node_um);
-
-[[nodiscard]] bool over_sea(const ViewRequest& request);
-// Whether a condition's sun shines: some of its disk is above the horizon.
-[[nodiscard]] bool sun_shines(const ConditionSpec& condition);
 
 // Tracing one view for a set of conditions and bands (the rows): which suns shine, how the
 // conditions shade, and the statistics and error bounds of what is stored. The pilots are passes,
 // and so is the stored run.
 class Pass {
  public:
-  // environments: of the request's conditions as far as they are among `conditions`; node_um,
-  // band_offset: the simulator's nodes and where each band's begin.
-  Pass(const Simulator& simulator, const ViewRequest& request, const AimedView& view,
-       const ViewEnvironments& environments, std::span<const std::uint32_t> conditions,
-       std::span<const std::uint32_t> bands, const std::vector<double>& node_um,
-       const std::vector<std::size_t>& band_offset, std::uint64_t seed);
+  // plan: its effects; its number of samples is not looked at. environments: of the request's
+  // conditions as far as they are among `conditions`; node_um, band_offset: the simulator's nodes
+  // and where each band's begin. All must outlive it.
+  Pass(const Simulator& simulator, const ViewRequest& request, const ViewPlan& plan,
+       const AimedView& view, const ViewEnvironments& environments,
+       std::span<const std::uint32_t> conditions, std::span<const std::uint32_t> bands,
+       const std::vector<double>& node_um, const std::vector<std::size_t>& band_offset,
+       std::uint64_t seed);
+
+  enum class Replicated : std::uint8_t { kSource, kApparent, kContrast };
 
   // Traces all replicates afresh. A pilot knows in-band numbers only.
   enum class Kind { kPilot, kStored, kStoredWithPictures };
@@ -56,26 +47,56 @@ class Pass {
   [[nodiscard]] const ViewFrame& frame() const { return view_.frame; }
   [[nodiscard]] const ImagePlan& plan() const { return plan_; }
 
-  // The bias bounds of a row. [W/sr]
+  // The bias bounds of a row. Reflections that the plan leaves out are `omitted`, those that the
+  // request does not allow `truncation`.                                                    [W/sr]
   struct Bounds {
     double truncation, quadrature, basis, unseen, sky;
-    [[nodiscard]] double sum() const { return truncation + quadrature + basis + unseen + sky; }
+    RowBounds::Bound omitted;
+    [[nodiscard]] double source() const { return common() + omitted.source; }
+    [[nodiscard]] double apparent() const { return common() + omitted.apparent; }
+    [[nodiscard]] double contrast() const { return common() + omitted.contrast; }
+
+   private:
+    [[nodiscard]] double common() const { return truncation + quadrature + basis + unseen + sky; }
   };
   [[nodiscard]] Bounds bounds(std::size_t row) const;
 
-  // The standard error that a row may keep for its numerical error to be relative_error x its
-  // value: what the bias bounds leave. Where they take more than 0.8 of that, samples cannot mend
-  // it: the standard error is then brought to 0.6 of the goal, and the row will say that the target
-  // was missed.
-  [[nodiscard]] double stderr_wanted(std::size_t row, double relative_error) const;
+  // The error that the request wants of a row: relative to its value, or the absolute floor if that
+  // is more. [W/sr]
+  [[nodiscard]] double goal_w_sr(std::size_t row) const;
+  [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
+  // The standard error that a row may keep for its numerical error to reach its goal: what the bias
+  // bounds leave. Where they take more than 0.8 of that, samples cannot mend it: the standard error
+  // is then brought to 0.6 of the goal, and the row will say that the target was missed.
+  [[nodiscard]] double stderr_wanted(std::size_t row) const;
+
+  // Throughput that goes on after each number of reflections, and an upper limit of it that
+  // sampling will hardly exceed: 4 standard errors, and as much as none of the samples may have
+  // met. [m2]
+  [[nodiscard]] Estimate beyond_m2(std::uint32_t reflections) const;
+  [[nodiscard]] double beyond_limit_m2(std::uint32_t reflections) const;
+  // Of any source that a lost path may have met. [W/(m2 sr)]
+  [[nodiscard]] double brightest_w_m2_sr(std::size_t row) const;
+  // Of one band, all conditions alike.
+  [[nodiscard]] const EnergyLedger& energy(std::size_t row) const {
+    return energy_[row % bands_.size()];
+  }
+  // [replicate]
+  [[nodiscard]] const std::vector<double>& replicates(std::size_t row, Replicated what) const {
+    return replicate_[row][static_cast<std::size_t>(what)];
+  }
 
  private:
   [[nodiscard]] double unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
                                    std::size_t offset) const;
   [[nodiscard]] ImagePlan image_plan(const PathTracer& tracer) const;
 
+  void find_energy(std::span<const PathWeights> weights, std::span<const RowWeights> summed,
+                   const SpectralBasis* basis);
+
   const Simulator& simulator_;
   const ViewRequest& request_;
+  const ViewPlan& effects_;
   std::vector<std::uint32_t> conditions_, bands_;
   const std::vector<std::size_t>& band_offset_;
   std::uint64_t seed_;
@@ -89,6 +110,9 @@ class Pass {
   ReplicateStatistics last_;        // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
+  ReplicateStatistics beyond_;                                 // [order]
+  std::vector<EnergyLedger> energy_;                           // [band]
+  std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
   PathCounts counts_;
   std::uint64_t samples_ = 0;
   ImagePlan plan_;

@@ -109,8 +109,10 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
 
 ConditionShading::ConditionShading(const ConditionSpec& condition,
                                    const ViewEnvironment& environment, const SourceClasses& classes,
-                                   int sun_index, const std::vector<double>& node_um)
+                                   int sun_index, const std::vector<double>& node_um,
+                                   const DarkSources& dark)
     : classes_(classes),
+      dark_(dark),
       sun_index_(sun_index),
       nodes_(node_um.size()),
       none_(node_um.size(), 0.0),
@@ -136,8 +138,16 @@ ConditionShading::ConditionShading(const ConditionSpec& condition,
   }
 }
 
+bool ConditionShading::is_dark(std::uint32_t c) const {
+  if (c < classes_.sky()) return dark_.parts;
+  if (c < classes_.lower()) return dark_.sky;
+  if (c < classes_.sun(0)) return dark_.lower;
+  return dark_.sun && c < classes_.glint(0);
+}
+
 const std::vector<double>& ConditionShading::source(std::uint32_t first, std::uint32_t c) const {
   if (c == classes_.own()) return part_[first];
+  if (is_dark(c)) return none_;
   if (c < classes_.sky()) return part_[c - classes_.part(0)];
   if (c < classes_.sun(0)) return environment_->node[c - classes_.sky()];
   if (c >= classes_.behind(0)) return none_;
@@ -149,6 +159,7 @@ const std::vector<double>& ConditionShading::source(std::uint32_t first, std::ui
 
 const std::vector<double>& ConditionShading::apparent(std::uint32_t first, std::uint32_t c) const {
   if (c == classes_.own()) return part_apparent_[first];
+  if (is_dark(c)) return none_;
   if (c < classes_.sky()) return part_apparent_[c - classes_.part(0)];
   if (c < classes_.sun(0)) return environment_->node_apparent[c - classes_.sky()];
   if (c >= classes_.behind(0)) return environment_->behind_apparent[c - classes_.behind(0)];
@@ -217,6 +228,44 @@ std::array<std::array<ConditionShading::Rows, 2>, kCauses> ConditionShading::cau
            {rows(classes_.part(0), classes_.parts), Rows{0, 0}}}};
 }
 
+ConditionShading::Shares ConditionShading::shares(const RowWeights& rows,
+                                                  const SourceClasses& classes,
+                                                  const SourceTable& unit) {
+  const auto sum = [&](std::uint32_t first, std::uint32_t last) {
+    double total = 0;
+    for (std::uint32_t row = first; row < last; ++row)
+      total += dot(unit.source.data(), rows.value.data() + row * rows.columns + unit.first_column,
+                   unit.columns);
+    return total;
+  };
+  const auto row_of = [&](std::uint32_t c) { return classes.parts + c - 1; };
+  return {sum(0, row_of(classes.sky())), sum(row_of(classes.sky()), row_of(classes.lower())),
+          sum(row_of(classes.lower()), row_of(classes.sun(0)))};
+}
+
+SourceTable unit_table(const SpectralBasis* basis, std::size_t first_node,
+                       std::span<const double> weight) {
+  double whole = 0;
+  for (const double w : weight) whole += w;
+  SourceTable out;
+  if (basis != nullptr && basis->identity()) {
+    out.first_column = first_node;
+    out.columns = weight.size();
+    for (const double w : weight) out.source.push_back(w / whole);
+    return out;
+  }
+  if (basis == nullptr) {
+    out.source.push_back(1);
+    return out;
+  }
+  out.columns = basis->columns();
+  out.source.assign(out.columns, 0.0);
+  for (std::size_t i = 0; i < weight.size(); ++i)
+    for (std::size_t k = 0; k < out.columns; ++k)
+      out.source[k] += weight[i] / whole * basis->expand[(first_node + i) * out.columns + k];
+  return out;
+}
+
 double ConditionShading::in_band_w_sr(const RowWeights& rows, const SourceTable& in_band) const {
   double sum = 0;
   for (const auto& of_cause : cause_rows())
@@ -260,7 +309,8 @@ void ConditionShading::evaluate(std::span<const PathWeights> weights,
     }
   };
 
-  const std::size_t at_area = 2 + kCauses, at_parts = at_area + 1, at_contrast = at_parts + parts;
+  const std::size_t at_area = kAreaQuantity, at_parts = at_area + 1,
+                    at_contrast = contrast_quantity(parts);
   const SourceTable band = table(basis, node_offset, grid.band_weight);
   double path = 0;
   for (std::size_t i = 0; i < grid.node_um.size(); ++i)

@@ -38,12 +38,18 @@ struct SourceTable {
                                                 double range_m, bool sun,
                                                 const std::vector<double>& node_um);
 
+// Sources that are left out: their radiance is 0.
+struct DarkSources {
+  bool sky = false, lower = false, parts = false, sun = false;
+};
+
 // The sources of one condition on the sweep's nodes, and how they meet the weights of a replicate.
 class ConditionShading {
  public:
   // environment: outlives this.
   ConditionShading(const ConditionSpec& condition, const ViewEnvironment& environment,
-                   const SourceClasses& classes, int sun_index, const std::vector<double>& node_um);
+                   const SourceClasses& classes, int sun_index, const std::vector<double>& node_um,
+                   const DarkSources& dark = {});
 
   // Radiance of class c behind first part f at node i; for the sun: irradiance. At the target, and
   // what of it arrives at the sensor. A class behind the target is no source: it has the latter
@@ -65,6 +71,14 @@ class ConditionShading {
   void evaluate(std::span<const PathWeights> weights, std::span<const RowWeights> rows,
                 const SpectralBasis* basis, const BandGrid& grid, std::size_t node_offset,
                 bool spectra, std::vector<std::vector<double>>& values) const;
+
+  // The weights themselves, as means over the nodes: of what the target absorbs, of sky, of what
+  // lies below the horizon. `unit`: of unit_table().
+  struct Shares {
+    double absorbed, sky, lower;
+  };
+  [[nodiscard]] static Shares shares(const RowWeights& rows, const SourceClasses& classes,
+                                     const SourceTable& unit);
 
   // The in-band sum over one table of weights in a tracer's layout.
   [[nodiscard]] double in_band_w_sr(const RowWeights& rows, const SourceTable& in_band) const;
@@ -90,6 +104,7 @@ class ConditionShading {
   [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
 
  private:
+  [[nodiscard]] bool is_dark(std::uint32_t source_class) const;
   [[nodiscard]] std::uint32_t class_of_row(std::uint32_t row) const {
     return row < classes_.parts ? classes_.own() : row - classes_.parts + 1;
   }
@@ -102,6 +117,7 @@ class ConditionShading {
   [[nodiscard]] std::array<std::array<Rows, 2>, kCauses> cause_rows() const;
 
   SourceClasses classes_;
+  DarkSources dark_;
   int sun_index_;  // which sun of the path tracer shines in this condition; -1: none
   std::size_t nodes_;
   std::vector<std::vector<double>> part_, part_apparent_;  // blackbody radiance of each part
@@ -109,6 +125,16 @@ class ConditionShading {
   std::vector<std::vector<double>> glint_, glint_apparent_;  // [kGlintCosines]
   const ViewEnvironment* environment_;
 };
+
+// One row for every source alike: radiance 1, weights that add up to 1.
+[[nodiscard]] SourceTable unit_table(const SpectralBasis* basis, std::size_t first_node,
+                                     std::span<const double> weight);
+
+// Where evaluate() puts some of them.
+inline constexpr std::size_t kApparentQuantity = 1 + kCauses, kAreaQuantity = 2 + kCauses;
+[[nodiscard]] constexpr std::size_t contrast_quantity(std::size_t parts) {
+  return kAreaQuantity + 1 + parts;
+}
 
 // How many numbers evaluate() gives.
 [[nodiscard]] std::size_t quantities(std::size_t parts, const BandGrid& grid, bool spectra);

@@ -8,18 +8,10 @@
 #include "core/base/constants.h"
 #include "core/signature/pass.h"
 #include "core/signature/scene_hash.h"
+#include "core/signature/view_plan.h"
 
 namespace irsig {
 namespace {
-
-// The sampler's coordinates have 23 bits.
-constexpr std::uint64_t kMostSamples = 1u << 23;
-
-std::vector<std::uint32_t> all_of(std::size_t n) {
-  std::vector<std::uint32_t> out(n);
-  for (std::size_t i = 0; i < n; ++i) out[i] = static_cast<std::uint32_t>(i);
-  return out;
-}
 
 // What is stored of the air between target and sensor, and the models' errors.
 void add_path(const ViewEnvironment& e, const BandGrid& grid, std::size_t offset,
@@ -60,6 +52,70 @@ void add_path(const ViewEnvironment& e, const BandGrid& grid, std::size_t offset
                           : 0;
   r.apparent_model_error_w_sr =
       std::hypot(std::min(seen, 1.0) * r.model_error_w_sr, emission_lost_w_sr - path_w_sr);
+}
+
+// What of the intensity each effect was measured to be, where the causes tell.
+void add_shares(SignatureResult& r) {
+  for (LedgerEntry& e : r.effect) {
+    if (e.state != EffectState::kOn) continue;
+    const auto cause = [&](Cause which) {
+      return r.cause_w_sr[static_cast<std::size_t>(which)].value;
+    };
+    switch (e.effect) {
+      case Effect::kSelfEmission:
+        e.share_w_sr = cause(Cause::kEmitted);
+        break;
+      case Effect::kDirectSun:
+        e.share_w_sr = cause(Cause::kSunReflected);
+        break;
+      case Effect::kSkyReflected:
+        e.share_w_sr = cause(Cause::kSkyReflected);
+        break;
+      case Effect::kLowerReflected:
+        e.share_w_sr = cause(Cause::kSeaReflected);
+        break;
+      case Effect::kInterReflection:
+        e.share_w_sr = cause(Cause::kPartsReflected);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+// From counts of rays and the table's figures for the air; of the whole view.
+void estimate_times(const PathCounts& counts, double reflected_share, bool atmosphere,
+                    std::vector<LedgerEntry>& ledger) {
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  // Rays that reflections send out, where none was allowed to: as many as the first vertex would.
+  const bool none = counts.reflected_rays == 0;
+  const double reflected =
+      none ? 2 * std::min(1.0, 2 * reflected_share) * number(counts.target_paths)
+           : number(counts.reflected_rays);
+  const double vertices = number(counts.target_paths) + reflected;
+  for (LedgerEntry& e : ledger) {
+    if (e.state == EffectState::kAbsent || !info_of(e.effect).switchable) continue;
+    const bool on = e.state == EffectState::kOn;
+    double rays = 0;
+    switch (e.effect) {
+      case Effect::kDirectSun:
+        rays = on ? number(counts.sun_rays) : vertices;
+        break;
+      case Effect::kMirroredSun:
+        rays = on ? number(counts.glint_rays) : 0.5 * reflected;
+        break;
+      case Effect::kSkyReflected:
+      case Effect::kLowerReflected:
+        rays = 0.5 * reflected;
+        break;
+      case Effect::kInterReflection:
+        rays = on ? number(counts.hot_rays) : 0;
+        break;
+      default:
+        break;
+    }
+    e.time_s = rays * kRaySeconds + (atmosphere ? info_of(e.effect).view_s : 0);
+  }
 }
 
 // The air is taken at the range of the reference point. Over the target's own depth, at most
@@ -131,131 +187,51 @@ absl::StatusOr<std::unique_ptr<Simulator>> Simulator::create(const SceneSpec& sp
 }
 
 absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const {
+  const auto plan = this->plan(request);
+  if (!plan.ok()) return plan.status();
+  return measure(request, *plan);
+}
+
+absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
+                                              const ViewPlan& plan) const {
+  if (auto status = check_request(*this, request); !status.ok()) return status;
   const Viewpoint& viewpoint = request.viewpoint;
   const double reach = length(target_.centre) + target_.radius_m;
-  if (!(viewpoint.range_m > reach))
-    return absl::InvalidArgumentError(absl::StrCat(
-        "viewpoints.range_m: a sensor at ", viewpoint.range_m,
-        " m is inside the target, which reaches ", reach, " m from its reference point"));
-  for (const ConditionSpec& c : request.condition)
-    if (c.part_temperature_k.size() != target_.part.size())
-      return absl::InvalidArgumentError("a condition does not state one temperature for each part");
-  for (const ConditionSpec& c : request.condition)
-    if (c.surroundings.kind != request.condition.front().surroundings.kind)
-      return absl::InvalidArgumentError(
-          "surroundings.kind: all conditions of a sweep need the same kind, since paths are traced "
-          "once for all");
-  if (request.accuracy.max_samples_per_replicate > kMostSamples ||
-      request.accuracy.samples_per_replicate > kMostSamples)
-    return absl::InvalidArgumentError(absl::StrCat("accuracy: more than ", kMostSamples,
-                                                   " samples in a replicate; use more replicates"));
-  if (request.condition.empty() || band_.empty())
-    return absl::InvalidArgumentError("a sweep needs a condition and a band");
-  if (request.condition.front().surroundings.kind == SurroundingsKind::kSea) {
-    const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
-    const double along = viewpoint.range_m * std::cos(el);
-    const double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
-    if (height < 0)
-      return absl::InvalidArgumentError(
-          absl::StrCat("viewpoints: a sensor at ", viewpoint.range_m, " m range and ",
-                       viewpoint.aspect_elevation_deg, " deg elevation is under the sea"));
-  }
-
-  Hash hash;
-  hash.add(scene_hash_);
-  hash.add(viewpoint.aspect_azimuth_deg);
-  hash.add(viewpoint.aspect_elevation_deg);
-  hash.add(viewpoint.range_m);
-  hash.add(request.seed);
-  const std::uint64_t seed = hash.value();
-  constexpr std::uint64_t kFirstPilot = 1, kSecondPilot = 2, kStored = 4;
-
-  const AimedView view = make_aimed_view(target_, viewpoint);
-  const bool pilots = request.accuracy.relative_error > 0 || request.accuracy.target_paths > 0;
-  const auto environments = view_environments(
-      request, target_, viewpoint.range_m,
-      pilots ? all_of(request.condition.size()) : request.selected_condition, node_um_);
-  if (!environments.ok()) return environments.status();
-
-  // The number of samples, from a pilot over every row of the sweep. Nothing of the pilot is
-  // stored.
   const AccuracySpec& accuracy = request.accuracy;
-  std::uint64_t samples = accuracy.samples_per_replicate;
-  bool limited = false;
-  std::uint64_t pilot_rays = 0;
-  if (pilots) {
-    Pass pilot(*this, request, view, *environments, all_of(request.condition.size()),
-               all_of(band_.size()), node_um_, band_offset_, seed);
-    constexpr std::uint64_t kFirst = 128, kSecond = 1024;
-    if (accuracy.target_paths > 0) {
-      // Hits are counted with the strata in the proportion that the stored run has.
-      pilot.run(kSecond, kFirstPilot, Pass::Kind::kPilot);
-      pilot_rays += pilot.counts().rays;
-      const double per_sample =
-          static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
-      if (per_sample == 0)
-        return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
-      const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
-      samples = static_cast<std::uint64_t>(
-          std::min(wanted, static_cast<double>(accuracy.max_samples_per_replicate)));
-      limited = wanted > static_cast<double>(accuracy.max_samples_per_replicate);
-    } else {
-      pilot.run(kFirst, kFirstPilot, Pass::Kind::kPilot);
-      pilot_rays += pilot.counts().rays;
-      const std::size_t rows = pilot.rows();
-      std::vector<double> before;
-      for (std::size_t row = 0; row < rows; ++row)
-        before.push_back(pilot.statistics(row).estimate(0).stderr_);
-      // A larger pilot follows where the first estimate asks for much more: rare bright paths are
-      // then seen often enough to be judged.
-      std::uint64_t n_before = kFirst, n = kSecond;
-      for (std::uint64_t stage = kSecondPilot;; ++stage) {
-        pilot.run(n, stage, Pass::Kind::kPilot);
-        pilot_rays += pilot.counts().rays;
-        samples = 16;
-        for (std::size_t row = 0; row < rows; ++row) {
-          const Estimate e = pilot.statistics(row).estimate(0);
-          if (e.stderr_ > 0)
-            samples =
-                std::max(samples, samples_needed(n_before, before[row], n, e.stderr_,
-                                                 pilot.stderr_wanted(row, accuracy.relative_error),
-                                                 std::uint64_t{1} << 40));
-          before[row] = e.stderr_;
-        }
-        samples = std::min(samples, accuracy.max_samples_per_replicate + 1);
-        if (stage != kSecondPilot || samples < 32 * n) break;
-        n_before = n;
-        n = samples / 16;
-      }
-      limited = samples > accuracy.max_samples_per_replicate;
-      samples = std::min(samples, accuracy.max_samples_per_replicate);
-    }
+  std::shared_ptr<const PreparedView> prepared = plan.prepared;
+  if (prepared == nullptr) {
+    auto surroundings = ViewSurroundings::make(request, target_, viewpoint.range_m, node_um_);
+    if (!surroundings.ok()) return surroundings.status();
+    auto seen = surroundings->see(request.selected_condition, plan);
+    if (!seen.ok()) return seen.status();
+    prepared = std::make_shared<const PreparedView>(
+        PreparedView{make_aimed_view(target_, viewpoint), *std::move(seen)});
   }
-
-  Pass pass(*this, request, view, *environments, request.selected_condition, request.selected_band,
-            node_um_, band_offset_, seed);
-  pass.run(samples, kStored,
+  const std::uint64_t seed = view_seed(*this, request);
+  Pass pass(*this, request, plan, prepared->aimed, prepared->environments,
+            request.selected_condition, request.selected_band, node_um_, band_offset_, seed);
+  pass.run(plan.samples_per_replicate, kStoredStage,
            request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored);
 
   ViewResult out;
   out.samples = pass.counts().samples;
   out.target_paths = pass.counts().target_paths;
-  out.rays = pass.counts().rays + pilot_rays;
+  out.rays = pass.counts().rays + plan.pilot_rays;
   out.replicates = accuracy.replicates;
-  out.samples_per_replicate = samples;
+  out.samples_per_replicate = plan.samples_per_replicate;
   out.guarded_backface_hits = pass.counts().guarded_backface_hits;
   out.guarded_nonfinite = pass.counts().guarded_nonfinite;
   out.guarded_negative = pass.counts().guarded_negative;
   out.guarded_path_limit = pass.counts().truncated_paths;
   out.seed = seed;
-  const ImagePlan& plan = pass.plan();
-  out.image_width_px = plan.width_px;
-  out.image_height_px = plan.height_px;
+  const ImagePlan& image = pass.plan();
+  out.image_width_px = image.width_px;
+  out.image_height_px = image.height_px;
   // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
   // their weights.
-  const double pixel_m = plan.width_px > 0 ? pass.frame().width_m / plan.width_px : 0;
+  const double pixel_m = image.width_px > 0 ? pass.frame().width_m / image.width_px : 0;
   const double pixel_area_m2 =
-      plan.width_px > 0 ? pixel_m * pass.frame().height_m / plan.height_px : 0;
+      image.width_px > 0 ? pixel_m * pass.frame().height_m / image.height_px : 0;
   out.pixel_rad = pixel_m / pass.frame().plane_m;
   const double plane_scale = std::pow(viewpoint.range_m / pass.frame().plane_m, 2);
 
@@ -292,28 +268,42 @@ absl::StatusOr<ViewResult> Simulator::simulate(const ViewRequest& request) const
     r.quadrature_bound_w_sr = bounds.quadrature + bounds.basis;
     r.basis_bound_w_sr = bounds.basis;
     r.unseen_bound_w_sr = bounds.unseen;
-    r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.sum());
-    const double aperture_bounds =
-        bounds.sum() + depth_bound_w_sr(r, grid, reach / viewpoint.range_m);
+    r.omitted_bound_w_sr = bounds.omitted.source;
+    r.apparent_omitted_bound_w_sr = bounds.omitted.apparent;
+    r.contrast_omitted_bound_w_sr = bounds.omitted.contrast;
+    r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.source());
+    const double depth = depth_bound_w_sr(r, grid, reach / viewpoint.range_m);
     r.apparent_numerical_error_w_sr =
-        numerical_error(r.apparent_intensity_w_sr.stderr_, aperture_bounds);
+        numerical_error(r.apparent_intensity_w_sr.stderr_, bounds.apparent() + depth);
     r.contrast_numerical_error_w_sr =
-        numerical_error(r.contrast_intensity_w_sr.stderr_, aperture_bounds);
+        numerical_error(r.contrast_intensity_w_sr.stderr_, bounds.contrast() + depth);
     r.sky_bound_w_sr = bounds.sky;
     if (r.projected_area_m2.value > 0)
       r.apparent_temperature_k = apparent_temperature_k(
           band_[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);
     if (accuracy.relative_error <= 0)
       r.stop_reason = StopReason::kFixedSamples;
-    else if (r.numerical_error_w_sr <= accuracy.relative_error * std::abs(r.intensity_w_sr.value))
+    else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
       r.stop_reason = StopReason::kTargetReached;
     else
-      r.stop_reason = limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
-    if (!plan.empty()) {
+      r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
+    r.absolute_floor_w_sr = pass.absolute_floor_w_sr(row);
+    r.reflections = plan.max_reflections;
+    r.energy = pass.energy(row);
+    r.effect = plan.ledger[r.condition * band_.size() + r.band];
+    add_shares(r);
+    estimate_times(
+        pass.counts(),
+        r.projected_area_m2.value > 0 ? pass.beyond_m2(0).value / r.projected_area_m2.value : 0,
+        request.environment != nullptr, r.effect);
+    r.replicate_w_sr = pass.replicates(row, Pass::Replicated::kSource);
+    r.replicate_apparent_w_sr = pass.replicates(row, Pass::Replicated::kApparent);
+    r.replicate_contrast_w_sr = pass.replicates(row, Pass::Replicated::kContrast);
+    if (!image.empty()) {
       const double scale = 1.0 / (accuracy.replicates * pixel_area_m2 * plane_scale);
-      const std::size_t pixels = static_cast<std::size_t>(plan.width_px) * plan.height_px;
+      const std::size_t pixels = static_cast<std::size_t>(image.width_px) * image.height_px;
       for (std::size_t i = 0; i < pixels; ++i)
-        r.image_w_m2_sr.push_back(static_cast<float>(scale * pass.image()[i * plan.padded + row]));
+        r.image_w_m2_sr.push_back(static_cast<float>(scale * pass.image()[i * image.padded + row]));
     }
   }
   return out;

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
+#include "core/effects/plan.h"
 #include "core/environment/air.h"
 #include "core/environment/environment.h"
 #include "core/environment/surroundings.h"
@@ -20,7 +21,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-inline constexpr int kPhysicsVersion = 3;
+inline constexpr int kPhysicsVersion = 4;
 
 // What does not change during a sweep.
 struct SceneSpec {
@@ -50,7 +51,10 @@ struct ConditionSpec {
 struct AccuracySpec {
   // Exactly one is positive.
   double relative_error = 0;  // of the in-band intensity of every row of the sweep
-  double target_paths = 0;    // primary rays that meet the target, all replicates
+  // With it: an error of projected area x dL/dT x this, at the temperature around the target, is
+  // small enough. 0: none.
+  double absolute_error_k = 0;
+  double target_paths = 0;  // primary rays that meet the target, all replicates
   std::uint64_t samples_per_replicate = 0;
   std::uint32_t replicates = 32;
   std::uint64_t max_samples_per_replicate = 1u << 22;
@@ -68,6 +72,7 @@ struct ViewRequest {
   std::shared_ptr<const Environment> environment;
   std::vector<std::uint32_t> selected_condition, selected_band;
   AccuracySpec accuracy;
+  EffectChoice effects;
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
   std::uint32_t thumbnail_px = 0;
@@ -83,6 +88,13 @@ inline constexpr std::size_t kCauses = 5;
 
 enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSamples };
 
+// Where light that the sensor would send out ends, in-band mean: by reciprocity the shares of what
+// it sees. balance: their sum, 1 within its error. cut_off: after the last reflection; of spectral
+// materials at least that.
+struct EnergyLedger {
+  Estimate absorbed, escaped_to_sky, escaped_to_lower, cut_off, balance;
+};
+
 struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
   Estimate intensity_w_sr;  // source: no air
@@ -92,6 +104,8 @@ struct SignatureResult {
   double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, unseen_bound_w_sr = 0;
   double basis_bound_w_sr = 0;  // of the nodes between those that paths carry
   double sky_bound_w_sr = 0;    // of sky and sea between the directions at which they are known
+  // Of effects that were left out, reflections after fewer than the request allows included.
+  double omitted_bound_w_sr = 0, apparent_omitted_bound_w_sr = 0, contrast_omitted_bound_w_sr = 0;
   double numerical_error_w_sr = 0;
   Estimate apparent_intensity_w_sr;
   double apparent_numerical_error_w_sr = 0;
@@ -115,6 +129,36 @@ struct SignatureResult {
   std::vector<double> path_transmittance_spectral, path_radiance_spectral;
   std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none
   StopReason stop_reason = StopReason::kFixedSamples;
+  double absolute_floor_w_sr = 0;  // what AccuracySpec::absolute_error_k is worth
+  std::uint32_t reflections = 0;   // the most that paths were given
+  EnergyLedger energy;
+  std::vector<LedgerEntry> effect;  // [kEffects], in the table's order
+  // Of each replicate: for differences between runs that share their paths. [W/sr]
+  std::vector<double> replicate_w_sr, replicate_apparent_w_sr, replicate_contrast_w_sr;
+};
+
+struct PreparedView;
+
+// What is fixed before a view is measured: by pilots over every row of the sweep.
+struct ViewPlan {
+  std::uint64_t samples_per_replicate = 0;
+  bool limited = false;  // more would have been needed than the request allows
+  std::uint64_t pilot_rays = 0;
+  std::uint32_t max_reflections = 0;
+  bool no_second_hit = false;  // of a convex target: no reflected ray is traced
+  struct Lights {              // of one condition
+    bool direct_sun = true, diffuse_sun = true, mirrored_sun = true, path_sun = true,
+         background_sun = true;
+  };
+  std::vector<Lights> condition;                // of the request
+  bool sky = true, lower = true, parts = true;  // whether reflections see them
+  bool joined_lines = true;
+  // All that follows: [condition x band of the simulator].
+  std::vector<double> absolute_floor_w_m2_sr;    // what AccuracySpec::absolute_error_k is worth
+  std::vector<RowBounds::Bound> omitted;         // reflections after max_reflections are not in it
+  std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
+  // What the pilots saw, all conditions; null: measure() makes it.
+  std::shared_ptr<const PreparedView> prepared;
 };
 
 struct ViewResult {
@@ -138,7 +182,13 @@ class Simulator {
  public:
   static absl::StatusOr<std::unique_ptr<Simulator>> create(const SceneSpec& spec);
 
+  // plan() and measure().
   [[nodiscard]] absl::StatusOr<ViewResult> simulate(const ViewRequest& request) const;
+  // The same request with another plan's number of samples has the same paths as far as both follow
+  // them.
+  [[nodiscard]] absl::StatusOr<ViewPlan> plan(const ViewRequest& request) const;
+  [[nodiscard]] absl::StatusOr<ViewResult> measure(const ViewRequest& request,
+                                                   const ViewPlan& plan) const;
 
   [[nodiscard]] const Target& target() const { return target_; }
   // Prepared at every node of the bands, one band after the other.

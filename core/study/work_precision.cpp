@@ -27,6 +27,58 @@ void add_squares(const RowValue& value, const RowValue& reference, double* sum) 
         static_cast<double>(bins);
 }
 
+double relative(double error, double value) { return value != 0 ? std::abs(error / value) : 0; }
+
+void set_stderr(Measured what, const Estimate& e, EstimateRun& run) {
+  run.relative_stderr[static_cast<std::size_t>(what)] = relative(e.stderr_, e.value);
+}
+
+void set_spectral_stderr(const std::vector<double>& stderr_w_sr_um, EstimateRun& run) {
+  const std::vector<double>& spectrum = run.value.spectral_w_sr_um;
+  double square = 0;
+  for (std::size_t k = 0; k < spectrum.size(); ++k)
+    square += std::pow(relative(stderr_w_sr_um[k], spectrum[k]), 2);
+  run.relative_stderr[static_cast<std::size_t>(Measured::kSpectrum)] =
+      std::sqrt(square / static_cast<double>(std::max<std::size_t>(spectrum.size(), 1)));
+}
+
+// Runs of the same kind with several seeds, one after the other.
+class SeedMean {
+ public:
+  explicit SeedMean(const ReferenceValue& reference) : reference_(reference) {}
+  void add(const EstimateRun& run) {
+    ++point_.seeds;
+    point_.samples += run.samples;
+    samples_per_replicate_ += static_cast<double>(run.samples_per_replicate);
+    numerical_ += run.relative_numerical_error * run.relative_numerical_error;
+    add_squares(run.value, reference_.value, sum_);
+    for (std::size_t q = 0; q < kMeasured; ++q)
+      random_[q] += run.relative_stderr[q] * run.relative_stderr[q];
+  }
+  [[nodiscard]] std::uint32_t seeds() const { return point_.seeds; }
+  // cpu_s: of all runs together.
+  [[nodiscard]] WorkPoint point(double cpu_s) const {
+    WorkPoint out = point_;
+    const double seeds = point_.seeds;
+    out.cpu_s = cpu_s / seeds;
+    out.samples /= seeds;
+    out.samples_per_replicate =
+        static_cast<std::uint64_t>(std::llround(samples_per_replicate_ / seeds));
+    out.relative_numerical_error = std::sqrt(numerical_ / seeds);
+    for (std::size_t q = 0; q < kMeasured; ++q) {
+      out.relative_error[q] = std::sqrt(sum_[q] / seeds);
+      out.relative_stderr[q] = std::sqrt(random_[q] / seeds);
+    }
+    return out;
+  }
+
+ private:
+  const ReferenceValue& reference_;
+  WorkPoint point_;
+  double samples_per_replicate_ = 0, numerical_ = 0;
+  double sum_[kMeasured]{}, random_[kMeasured]{};
+};
+
 struct Line {
   double slope, mean_x, mean_y;
 };
@@ -72,22 +124,26 @@ std::vector<WorkError> against(const std::vector<WorkPoint>& points, Measured wh
 }  // namespace
 
 EstimateRun run_of(const ViewValue& view, std::size_t row) {
-  EstimateRun out{view.row[row], static_cast<double>(view.samples), {}};
-  const auto relative = [](double stderr_, double value) {
-    return value != 0 ? std::abs(stderr_ / value) : 0;
-  };
-  const auto set = [&](Measured what, const Estimate& e) {
-    out.relative_stderr[static_cast<std::size_t>(what)] = relative(e.stderr_, e.value);
-  };
-  set(Measured::kIntensity, view.intensity_w_sr[row]);
-  set(Measured::kEmitted, view.emitted_w_sr[row]);
-  set(Measured::kArea, view.projected_area_m2[row]);
-  const std::vector<double>& spectrum = out.value.spectral_w_sr_um;
-  double square = 0;
-  for (std::size_t k = 0; k < spectrum.size(); ++k)
-    square += std::pow(relative(view.spectral_stderr_w_sr_um[row][k], spectrum[k]), 2);
-  out.relative_stderr[static_cast<std::size_t>(Measured::kSpectrum)] =
-      std::sqrt(square / static_cast<double>(std::max<std::size_t>(spectrum.size(), 1)));
+  EstimateRun out{view.row[row], static_cast<double>(view.samples), {}, 0, 0};
+  set_stderr(Measured::kIntensity, view.intensity_w_sr[row], out);
+  set_stderr(Measured::kEmitted, view.emitted_w_sr[row], out);
+  set_stderr(Measured::kArea, view.projected_area_m2[row], out);
+  set_spectral_stderr(view.spectral_stderr_w_sr_um[row], out);
+  return out;
+}
+
+EstimateRun run_of(const ViewResult& view, std::size_t row) {
+  const SignatureResult& r = view.row[row];
+  const Estimate& emitted = r.cause_w_sr[static_cast<std::size_t>(Cause::kEmitted)];
+  EstimateRun out;
+  out.value = {r.intensity_w_sr.value, emitted.value, r.projected_area_m2.value, r.spectral.value};
+  out.samples = static_cast<double>(view.samples);
+  set_stderr(Measured::kIntensity, r.intensity_w_sr, out);
+  set_stderr(Measured::kEmitted, emitted, out);
+  set_stderr(Measured::kArea, r.projected_area_m2, out);
+  set_spectral_stderr(r.spectral.stderr_, out);
+  out.samples_per_replicate = view.samples_per_replicate;
+  out.relative_numerical_error = relative(r.numerical_error_w_sr, r.intensity_w_sr.value);
   return out;
 }
 
@@ -101,30 +157,52 @@ std::vector<WorkPoint> work_curve(const WorkMethod& method, const ReferenceValue
   for (std::uint64_t n = method.first_samples; n <= budget.most_samples_per_replicate; n *= 4) {
     const double left_s = budget.cpu_s - (cpu_s() - start_s);
     if (out.size() >= 2 && 3 * out.back().cpu_s * budget.least_seeds > left_s) break;
-    WorkPoint point;
-    point.samples_per_replicate = n;
-    double sum[kMeasured]{}, random[kMeasured]{};
+    SeedMean mean(reference);
     const double begin_s = cpu_s();
     double spent_s = 0;
     // Many seeds while they are cheap; most of the budget is for the last steps.
-    while (point.seeds < budget.least_seeds ||
-           (point.seeds < budget.most_seeds && spent_s < left_s / 16)) {
-      const EstimateRun run = method.estimate(n, seed++);
-      ++point.seeds;
-      point.samples += run.samples;
+    while (mean.seeds() < budget.least_seeds ||
+           (mean.seeds() < budget.most_seeds && spent_s < left_s / 16)) {
+      mean.add(method.estimate(n, seed++));
       spent_s = cpu_s() - begin_s;
-      add_squares(run.value, reference.value, sum);
-      for (std::size_t q = 0; q < kMeasured; ++q)
-        random[q] += run.relative_stderr[q] * run.relative_stderr[q];
     }
-    const double seeds = point.seeds;
-    point.cpu_s = spent_s / seeds;
-    point.samples /= seeds;
-    for (std::size_t q = 0; q < kMeasured; ++q) {
-      point.relative_error[q] = std::sqrt(sum[q] / seeds);
-      point.relative_stderr[q] = std::sqrt(random[q] / seeds);
+    out.push_back(mean.point(spent_s));
+    out.back().samples_per_replicate = n;
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& method,
+                                                       std::span<const double> relative_errors,
+                                                       const ReferenceValue& reference,
+                                                       const WorkBudget& budget,
+                                                       const CpuClock& cpu_s) {
+  std::vector<WorkPoint> out;
+  const double start_s = cpu_s();
+  // What all views of a sweep share is made by the first: not counted.
+  if (const auto first = method.simulate(relative_errors.front(), 0); !first.ok())
+    return first.status();
+  std::uint64_t seed = 1;
+  for (const double asked : relative_errors) {
+    const double left_s = budget.cpu_s - (cpu_s() - start_s);
+    if (out.size() >= 2) {
+      // As samples grow where the error falls as n^-0.67; what does not grow with them is left.
+      const WorkPoint& last = out.back();
+      const double growth = std::pow(last.asked_relative_error / asked, 1.5);
+      if (growth * last.cpu_s * budget.least_seeds > left_s) break;
     }
-    out.push_back(point);
+    SeedMean mean(reference);
+    const double begin_s = cpu_s();
+    double spent_s = 0;
+    while (mean.seeds() < budget.least_seeds ||
+           (mean.seeds() < budget.most_seeds && spent_s < left_s / 16)) {
+      const auto run = method.simulate(asked, seed++);
+      if (!run.ok()) return run.status();
+      mean.add(*run);
+      spent_s = cpu_s() - begin_s;
+    }
+    out.push_back(mean.point(spent_s));
+    out.back().asked_relative_error = asked;
   }
   return out;
 }

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "core/study/view_estimator.h"
 
 namespace irsig {
@@ -33,6 +35,9 @@ struct WorkPoint {
   // Likewise of the standard errors that the runs' own replicates give: the random part of the
   // error, known much better than from a few seeds. 0: the method has no replicates.
   double relative_stderr[kMeasured]{};
+  // Of the in-band intensity. 0: a number of samples was asked for, and no such error is stated.
+  double asked_relative_error = 0;
+  double relative_numerical_error = 0;  // as the runs state it: rms over the seeds
 };
 
 // A way of estimating one row: value, primary rays and CPU time at a number of samples and a seed.
@@ -40,6 +45,9 @@ struct EstimateRun {
   RowValue value;
   double samples = 0;
   double relative_stderr[kMeasured]{};  // 0: no replicates
+  // Of whole runs, which decide about their samples themselves.
+  std::uint64_t samples_per_replicate = 0;
+  double relative_numerical_error = 0;
 };
 struct WorkMethod {
   std::string name;
@@ -62,6 +70,21 @@ struct WorkBudget {
                                                 const ReferenceValue& reference,
                                                 const WorkBudget& budget, const CpuClock& cpu_s);
 
+// A way of computing one row from its request to its stored errors: pilots, air, sky and sea of the
+// view included.
+struct WholeRunMethod {
+  std::string name;
+  std::function<absl::StatusOr<EstimateRun>(double relative_error, std::uint64_t seed)> simulate;
+};
+
+// Runs it for each relative error asked, the largest first, each with several seeds, until the next
+// would not fit into the budget. At least two.
+[[nodiscard]] absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(
+    const WholeRunMethod& method, std::span<const double> relative_errors,
+    const ReferenceValue& reference, const WorkBudget& budget, const CpuClock& cpu_s);
+
+// A row of a whole run.
+[[nodiscard]] EstimateRun run_of(const ViewResult& view, std::size_t row);
 // The i-th row of a view as a run.
 [[nodiscard]] EstimateRun run_of(const ViewValue& view, std::size_t row);
 

@@ -318,9 +318,12 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     RayBatch& batch = work.shadow[j];
     if (batch.size == 0) continue;
     batch.prepare_packets(false);
-    batch.for_each_packet(
-        [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
-    work.counts->rays += batch.size;
+    if (!settings_.no_second_hit) {
+      batch.for_each_packet(
+          [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
+      work.counts->rays += batch.size;
+    }
+    work.counts->sun_rays += batch.size;
     auto& met = order == 0 ? work.counts->sun_met_first : work.counts->sun_met_later;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
       if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
@@ -337,6 +340,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
   batch.for_each_packet(
       [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, false); });
   work.counts->rays += batch.size;
+  work.counts->hot_rays += batch.size;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
     const PathState& s = batch.state[i];

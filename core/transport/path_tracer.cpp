@@ -115,9 +115,11 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
   std::vector<PathWeights> out(settings_.replicates);
   const bool keep_last = settings_.max_reflections >= 2;
   const std::size_t last_bins = keep_last ? bins() : 0;
+  const std::size_t orders = settings_.max_reflections + 1;
   for (PathWeights& w : out) {
     w.weight.assign(work.bins, 0.0);
     w.last.assign(last_bins, 0.0);
+    w.beyond_order_m2.assign(orders, 0.0);
   }
   for (std::uint32_t s = 0; s < view_.stratum.size(); ++s) {
     if (view_.stratum[s].empty()) continue;
@@ -125,7 +127,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     work.weight.assign(settings_.replicates * work.bins, 0.0);
     work.last.assign(settings_.replicates * last_bins, 0.0);
     work.area.assign(settings_.replicates, 0.0);
-    work.beyond.assign(settings_.replicates, {});
+    work.beyond.assign(settings_.replicates * orders, 0.0);
     if (spectral_)
       trace_stratum<true>(work, s);
     else
@@ -137,9 +139,16 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       for (std::size_t i = 0; i < last_bins; ++i)
         out[r].last[i] += normalise * work.last[r * last_bins + i];
       out[r].projected_area_m2 += normalise * work.area[r];
-      for (std::size_t k = 0; k < 3; ++k) out[r].beyond_m2[k] += normalise * work.beyond[r][k];
-      out[r].truncated_m2 = out[r].beyond_m2[2];
+      for (std::size_t k = 0; k < orders; ++k)
+        out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
     }
+  }
+  const std::size_t spacing = beyond_spacing(settings_.max_reflections);
+  for (PathWeights& w : out) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if ((2 - k) * spacing < orders)
+        w.beyond_m2[k] = w.beyond_order_m2[settings_.max_reflections - (2 - k) * spacing];
+    w.truncated_m2 = w.beyond_m2[2];
   }
   return out;
 }
@@ -260,10 +269,13 @@ void PathTracer::trace_batch(Work& work) const {
   for (std::uint32_t order = 0; order <= settings_.max_reflections && work.batch.size > 0;
        ++order) {
     work.batch.prepare_packets(true);
-    work.batch.for_each_packet([&](RayPacket& packet, int count) {
-      target_.tracer->intersect(packet, count, order == 0);
-    });
-    work.counts->rays += work.batch.size;
+    if (order == 0 || !settings_.no_second_hit) {
+      work.batch.for_each_packet([&](RayPacket& packet, int count) {
+        target_.tracer->intersect(packet, count, order == 0);
+      });
+      work.counts->rays += work.batch.size;
+    }
+    if (order > 0) work.counts->reflected_rays += work.batch.size;
     work.next.size = 0;
     arrive<kSpectral>(work, order);
     if (any_glint_) trace_glint<kSpectral>(work, order);
@@ -284,7 +296,6 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
   vertex.size = 0;
   const auto sea_z = static_cast<float>(settings_.sea_z_m);
   const auto offset = static_cast<float>(target_.offset_m());
-  const std::uint32_t spacing = beyond_spacing(settings_.max_reflections);
   const auto persistence = static_cast<float>(settings_.persistence);
   const bool behind_horizon =
       order == 0 && settings_.earth_radius_m > 0 && view_.frame.sensor.z > settings_.sea_z_m;
@@ -390,9 +401,8 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
         materials_[target_.part[s.first].material].narrowest_slope() < kBrightSlope)
       ++work.counts->bright_to_bright;
     if (e.dhr_max <= 0) continue;
-    for (std::uint32_t k = 0; k < 3; ++k)
-      if (order + (2 - k) * spacing == settings_.max_reflections)
-        work.beyond[s.replicate][k] += static_cast<double>(s.weight * s.spectral_max * e.dhr_max);
+    work.beyond[s.replicate * (settings_.max_reflections + 1) + order] +=
+        static_cast<double>(s.weight * s.spectral_max * e.dhr_max);
     if (order == settings_.max_reflections) {
       ++work.counts->truncated_paths;
       continue;
@@ -450,9 +460,11 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
   RayBatch& batch = work.glint_shadow;
   if (batch.size == 0) return;
   batch.prepare_packets(false);
+  // From the sea, which is not on the target: its shadow falls there even if it is convex.
   batch.for_each_packet(
       [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
   work.counts->rays += batch.size;
+  work.counts->glint_rays += batch.size;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
     const PathState& s = batch.state[i];

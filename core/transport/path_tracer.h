@@ -109,6 +109,8 @@ struct PathSettings {
   bool hot_lights = true, sun_disk_by_chance = true;
   // Independent random numbers instead of scrambled Sobol points. For comparisons.
   bool pseudo_random = false;
+  // No ray that leaves the target meets it again (Target::convex): none is traced.
+  bool no_second_hit = false;
 };
 
 // The weights of one replicate: intensity = sum over (f, c) of weight x source radiance of (f, c).
@@ -124,6 +126,8 @@ struct PathWeights {
   // the largest spectral factor times the largest DHR, not less than the throughput at any node.
   std::array<double, 3> beyond_m2{};
   double truncated_m2 = 0;  // = beyond_m2[2]
+  // The same after each number of reflections 0 .. N.
+  std::vector<double> beyond_order_m2;
 };
 
 [[nodiscard]] constexpr std::uint32_t beyond_spacing(std::uint32_t max_reflections) {
@@ -133,6 +137,9 @@ struct PathWeights {
 // Guarded events are numbers that should not occur; nothing of them enters the result.
 struct PathCounts {
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
+  // Of all rays: those that look for a second hit (or would), and those aimed at suns, from the sea
+  // at suns, at hot parts. The others are primary.
+  std::uint64_t reflected_rays = 0, sun_rays = 0, glint_rays = 0, hot_rays = 0;
   std::uint64_t guarded_backface_hits = 0;  // a one-sided facet met from behind
   std::uint64_t guarded_nonfinite = 0;      // a weight that is NaN or infinite
   std::uint64_t guarded_negative = 0;       // a weight below zero

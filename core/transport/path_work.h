@@ -99,14 +99,14 @@ struct PathTracer::Work {
   double* image;
   PathCounts* counts;
   std::vector<Sun> sun;
-  std::uint32_t capacity = 0;                 // primary rays of a batch
-  std::uint32_t most = 0;                     // after splitting
-  std::size_t bins = 0;                       // (f, c, node) of one replicate
-  std::vector<double> weight;                 // [replicate][bin], of the current stratum
-  std::vector<double> last;                   // those of the last order alone
-  std::vector<double> area;                   // [replicate]
-  std::vector<std::array<double, 3>> beyond;  // [replicate]: PathWeights::beyond_m2
-  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
+  std::uint32_t capacity = 0;  // primary rays of a batch
+  std::uint32_t most = 0;      // after splitting
+  std::size_t bins = 0;        // (f, c, node) of one replicate
+  std::vector<double> weight;  // [replicate][bin], of the current stratum
+  std::vector<double> last;    // those of the last order alone
+  std::vector<double> area;    // [replicate]
+  std::vector<double> beyond;  // [replicate][order]: PathWeights::beyond_order_m2
+  float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
   std::vector<SeedPair> late_seeds;         // [replicate][pair], of one later order

@@ -9,8 +9,7 @@ namespace irsig {
 
 CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
                            const std::vector<double>& x_m, const std::vector<double>& y_m,
-                           const std::vector<std::uint32_t>& stratum_of_part, std::uint32_t stratum,
-                           std::uint32_t cells_long_side) {
+                           std::span<const std::uint32_t> facets, std::uint32_t cells_long_side) {
   const double longest = std::max(frame.width_m, frame.height_m);
   const auto cells = [&](double side) {
     return std::clamp<int>(static_cast<int>(std::ceil(side / longest * cells_long_side)), 1,
@@ -20,27 +19,37 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
   const double cell_x = frame.width_m / columns, cell_y = frame.height_m / rows;
   std::vector<std::uint8_t> hit(static_cast<std::size_t>(columns * rows), 0);
 
-  // In cells.
-  const auto place = [&](std::uint32_t v) {
-    return std::pair{static_cast<float>((x_m[v] - frame.x0_m) / cell_x),
-                     static_cast<float>((y_m[v] - frame.y0_m) / cell_y)};
+  // In cells: of all vertices at once, where most of them are needed.
+  struct Place {
+    float x, y;
+  };
+  const auto placed = [&](std::uint32_t v) {
+    return Place{static_cast<float>((x_m[v] - frame.x0_m) / cell_x),
+                 static_cast<float>((y_m[v] - frame.y0_m) / cell_y)};
+  };
+  std::vector<Place> known(3 * facets.size() > x_m.size() ? x_m.size() : 0);
+  for (std::uint32_t v = 0; v < known.size(); ++v) known[v] = placed(v);
+  const auto place = [&](std::uint32_t v) { return known.empty() ? placed(v) : known[v]; };
+  // floor() within the grid.
+  const auto cell = [](float x, int count) {
+    return std::min(static_cast<int>(std::max(x, 0.0f)), count - 1);
   };
   constexpr float kMargin = 2e-3f;  // in cells: far above the rounding of the projection
-  for (std::size_t t = 0; t < target.facet.size(); ++t) {
-    if (stratum_of_part[target.facet[t].part] != stratum) continue;
-    const std::uint32_t* corner = target.triangle.data() + 3 * t;
+  for (const std::uint32_t t : facets) {
+    const std::uint32_t* corner = target.triangle.data() + 3 * static_cast<std::size_t>(t);
     const auto [ax, ay] = place(corner[0]);
     const auto [bx, by] = place(corner[1]);
     const auto [cx, cy] = place(corner[2]);
-    const int first =
-        std::clamp(static_cast<int>(std::floor(std::min({ax, bx, cx}) - kMargin)), 0, columns - 1);
-    const int last =
-        std::clamp(static_cast<int>(std::floor(std::max({ax, bx, cx}) + kMargin)), 0, columns - 1);
-    const int bottom =
-        std::clamp(static_cast<int>(std::floor(std::min({ay, by, cy}) - kMargin)), 0, rows - 1);
-    const int top =
-        std::clamp(static_cast<int>(std::floor(std::max({ay, by, cy}) + kMargin)), 0, rows - 1);
-    const bool small = (last - first + 1) * (top - bottom + 1) <= 4;
+    const int first = cell(std::min({ax, bx, cx}) - kMargin, columns);
+    const int last = cell(std::max({ax, bx, cx}) + kMargin, columns);
+    const int bottom = cell(std::min({ay, by, cy}) - kMargin, rows);
+    const int top = cell(std::max({ay, by, cy}) + kMargin, rows);
+    if ((last - first + 1) * (top - bottom + 1) <= 4) {
+      for (int column = first; column <= last; ++column)
+        for (int row = bottom; row <= top; ++row)
+          hit[static_cast<std::size_t>(column * rows + row)] = 1;
+      continue;
+    }
     // Edge functions, oriented so that the triangle's inside is positive; a cell is out if it lies
     // wholly outside one edge.
     const float area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
@@ -51,7 +60,7 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
     for (int column = first; column <= last; ++column)
       for (int row = bottom; row <= top; ++row) {
         bool outside = false;
-        for (int e = 0; e < 3 && !small; ++e) {
+        for (int e = 0; e < 3; ++e) {
           // The cell's corner (grown by the margin) that lies furthest inside this edge.
           const float x = static_cast<float>(column) + (ex[e] > 0 ? 1 + kMargin : -kMargin);
           const float y = static_cast<float>(row) + (ey[e] > 0 ? 1 + kMargin : -kMargin);
@@ -117,21 +126,18 @@ double margin_m(double side_m, double size_m) {
   return side_m > kThin * size_m ? 0.0 : kRounding * size_m;
 }
 
-// The frame with the bounding rectangle of one stratum's triangles in place of the target's.
+// The frame with the bounding rectangle of these triangles in place of the target's.
 ViewFrame bounds_of(const Target& target, ViewFrame frame, const std::vector<double>& x_m,
-                    const std::vector<double>& y_m,
-                    const std::vector<std::uint32_t>& stratum_of_part, std::uint32_t stratum) {
+                    const std::vector<double>& y_m, std::span<const std::uint32_t> facets) {
   double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
-  for (std::size_t t = 0; t < target.facet.size(); ++t) {
-    if (stratum_of_part[target.facet[t].part] != stratum) continue;
+  for (const std::uint32_t t : facets)
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = target.triangle[3 * t + k];
+      const std::uint32_t v = target.triangle[3 * static_cast<std::size_t>(t) + k];
       x_min = std::min(x_min, x_m[v]);
       x_max = std::max(x_max, x_m[v]);
       y_min = std::min(y_min, y_m[v]);
       y_max = std::max(y_max, y_m[v]);
     }
-  }
   if (x_min > x_max) return frame;  // no triangles: the mask is empty whatever its rectangle
   const double size_m = std::max(frame.width_m, frame.height_m);
   const double x_margin_m = margin_m(x_max - x_min, size_m),
@@ -186,9 +192,11 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
   for (const PartSpec& part : target.part) view.stratum_of_part.push_back(part.hot ? strata++ : 0);
   // 128 cells on the long side of each stratum's own rectangle: 90 % of the frigate's rays then
   // meet it, and a small hot spot on a large target is aimed at as well as a large one.
-  for (std::uint32_t s = 0; s < strata; ++s)
-    view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, view.stratum_of_part, s),
-                              x_m, y_m, view.stratum_of_part, s, 128);
+  std::vector<std::vector<std::uint32_t>> facets(strata);
+  for (std::uint32_t t = 0; t < target.facet.size(); ++t)
+    facets[view.stratum_of_part[target.facet[t].part]].push_back(t);
+  for (const std::vector<std::uint32_t>& f : facets)
+    view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, f), x_m, y_m, f, 128);
   return view;
 }
 

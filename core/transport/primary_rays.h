@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/sobol.h"
@@ -26,11 +27,10 @@ struct ViewFrame {
 // is mapped to the cells column by column, which keeps the stratification of the sampler.
 class CoverageMask {
  public:
-  // x, y: the vertices' places on the image plane [m]; stratum_of_part[p] == stratum: the part's
-  // triangles count.
+  // x, y: the vertices' places on the image plane [m]; facets: the stratum's triangles.
   CoverageMask(const Target& target, const ViewFrame& frame, const std::vector<double>& x_m,
-               const std::vector<double>& y_m, const std::vector<std::uint32_t>& stratum_of_part,
-               std::uint32_t stratum, std::uint32_t cells_long_side);
+               const std::vector<double>& y_m, std::span<const std::uint32_t> facets,
+               std::uint32_t cells_long_side);
 
   // The whole rectangle of the frame.
   static CoverageMask whole(const ViewFrame& frame);

@@ -42,7 +42,8 @@ SELECT s.signature_id,
        s.unseen_bound_w_sr, s.basis_bound_w_sr, s.sky_bound_w_sr, s.contrast_intensity_w_sr,
        s.contrast_intensity_stderr_w_sr, s.contrast_numerical_error_w_sr, s.background_radiance_w_m2_sr,
        s.background_radiance_stderr_w_m2_sr, s.model_error_w_sr, s.apparent_model_error_w_sr, s.path_transmittance,
-       s.path_radiance_w_m2_sr,
+       s.path_radiance_w_m2_sr, s.omitted_bound_w_sr, s.apparent_omitted_bound_w_sr, s.contrast_omitted_bound_w_sr,
+       s.absolute_floor_w_sr, s.reflections,
        s.stop_reason, s.energy_gain, p.seed_hex, p.physics_version, p.samples, p.replicates, p.target_paths
 FROM viewpoint v
 CROSS JOIN sweep w ON w.sweep_id = v.sweep_id
@@ -68,6 +69,17 @@ FROM spectrum WHERE signature_id = ?1;
 SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr
 FROM part_intensity i JOIN part p USING (part_id)
 WHERE i.signature_id = ?1 ORDER BY p.part_index, p.name;
+
+-- All but time_s.
+-- name: digest_ledger
+SELECT e.name, l.state, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.share_w_sr
+FROM ledger l JOIN effect e USING (effect) JOIN effect_reason r USING (reason)
+WHERE l.signature_id = ?1 ORDER BY l.effect;
+
+-- name: digest_energy
+SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower, escaped_to_lower_stderr,
+       cut_off, cut_off_stderr, balance, balance_stderr
+FROM energy WHERE signature_id = ?1;
 
 -- name: digest_thumbnail
 SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;

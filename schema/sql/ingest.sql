@@ -46,9 +46,11 @@ INSERT INTO signature (
   parts_reflected_stderr_w_sr, stop_reason, energy_gain,
   unseen_bound_w_sr, basis_bound_w_sr, sky_bound_w_sr, contrast_intensity_w_sr, contrast_intensity_stderr_w_sr,
   contrast_numerical_error_w_sr, background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, model_error_w_sr,
-  apparent_model_error_w_sr, path_transmittance, path_radiance_w_m2_sr)
+  apparent_model_error_w_sr, path_transmittance, path_radiance_w_m2_sr, omitted_bound_w_sr,
+  apparent_omitted_bound_w_sr, contrast_omitted_bound_w_sr, absolute_floor_w_sr, reflections)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23,
-        ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, ?39, ?40, ?41);
+        ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, ?39, ?40, ?41, ?42, ?43, ?44,
+        ?45, ?46);
 
 -- name: insert_spectrum
 INSERT INTO spectrum (
@@ -62,6 +64,26 @@ VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?
 
 -- name: insert_part_intensity
 INSERT INTO part_intensity (signature_id, part_id, intensity_w_sr, intensity_stderr_w_sr) VALUES (?1, ?2, ?3, ?4);
+
+-- name: known_effects
+SELECT name, effect FROM effect;
+
+-- name: effects_without_own_bound
+SELECT name, bounded_with FROM effect WHERE bounded_with IS NOT NULL;
+
+-- name: known_effect_reasons
+SELECT name, reason FROM effect_reason;
+
+-- name: insert_ledger_entry
+INSERT INTO ledger (
+  signature_id, effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, share_w_sr, time_s)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
+
+-- name: insert_energy
+INSERT INTO energy (
+  signature_id, absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower,
+  escaped_to_lower_stderr, cut_off, cut_off_stderr, balance, balance_stderr)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11);
 
 -- name: insert_thumbnail
 INSERT INTO thumbnail (signature_id, width_px, height_px, pixel_rad, png, exr) VALUES (?1, ?2, ?3, ?4, ?5, ?6);

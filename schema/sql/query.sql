@@ -87,6 +87,17 @@ JOIN part p USING (part_id)
 WHERE i.signature_id = ?1
 ORDER BY p.part_index;
 
+-- name: ledger_of_signature
+SELECT e.name, s.name, r.name, l.bound_w_sr, l.apparent_bound_w_sr, l.contrast_bound_w_sr, l.share_w_sr, l.time_s
+FROM ledger l JOIN effect e USING (effect) JOIN effect_state s USING (state) JOIN effect_reason r USING (reason)
+WHERE l.signature_id = ?1
+ORDER BY l.effect;
+
+-- name: energy_of_signature
+SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower, escaped_to_lower_stderr,
+       cut_off, cut_off_stderr, balance, balance_stderr
+FROM energy WHERE signature_id = ?1;
+
 -- name: thumbnail_of_signature
 SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
 

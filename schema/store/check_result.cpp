@@ -24,8 +24,8 @@ absl::Status wrong(const std::string& path, const std::string& what) {
 
 // Names that stand for something that cannot be negative (GLOSSARY of docs: suffix grammar).
 bool never_negative(const std::string& name) {
-  for (const char* word :
-       {"stderr", "error", "bound", "area", "temperature", "seconds", "pixel_rad"}) {
+  for (const char* word : {"stderr", "error", "bound", "area", "temperature", "seconds",
+                           "pixel_rad", "floor", "time_s"}) {
     if (absl::StrContains(name, word)) return true;
   }
   return false;
@@ -117,9 +117,11 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
   const google::protobuf::Descriptor& type = *row.GetDescriptor();
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor* field = type.field(i);
-    // Every estimate and the spectrum; a thumbnail is absent when none was asked for.
+    // Every estimate and the spectrum; a thumbnail is absent when none was asked for, energy is
+    // looked at with the ledger.
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field->is_repeated() &&
-        field->name() != "thumbnail" && !row.GetReflection()->HasField(row, field)) {
+        field->name() != "thumbnail" && field->name() != "energy" &&
+        !row.GetReflection()->HasField(row, field)) {
       return wrong(absl::StrCat(path, ".", field->name()), "is missing");
     }
   }
@@ -127,6 +129,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
       row.stop_reason() > schema::STOP_REASON_FIXED_SAMPLES) {
     return wrong(path + ".stop_reason", "is not stated");
   }
+  IRSIG_STORE_TRY(check_ledger(row, expected.ledger, path));
   std::set<std::uint32_t> seen;
   for (const schema::PartIntensity& part : row.part()) {
     if (part.part_index() >= expected.parts || !seen.insert(part.part_index()).second) {

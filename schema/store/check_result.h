@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "schema/result.pb.h"
+#include "schema/store/ingest_ledger.h"
 
 namespace irsig {
 
@@ -18,10 +19,11 @@ struct ExpectedResult {
   std::size_t parts;
   std::size_t profile_rows;       // of each condition and band
   std::optional<bool> thumbnail;  // whether images were asked for
+  LedgerNames ledger;
 };
 
 // INVALID_ARGUMENT, naming the field, unless the result is its job's: every condition and band
-// exactly once, every part and row of a profile once, arrays of one length on increasing
+// exactly once, every part, effect and row of a profile once, arrays of one length on increasing
 // wavelengths, finite numbers, errors and areas not negative.
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);

@@ -103,6 +103,10 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
         encode(database, out, First::kContent, sql::digest_part_intensities, signature_id)
             .status());
     IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_ledger, signature_id).status());
+    IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_energy, signature_id).status());
+    IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_thumbnail, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_profile, signature_id).status());
@@ -114,7 +118,7 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
 
 absl::StatusOr<std::string> content_digest(Database& database) {
   Encoder out;
-  out.bytes('t', "irsig digest 3");
+  out.bytes('t', "irsig digest 4");
   const auto sweeps = encode(database, out, First::kKey, sql::digest_sweeps);
   if (!sweeps.ok()) return sweeps.status();
   for (const std::int64_t sweep_id : *sweeps) {

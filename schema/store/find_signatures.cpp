@@ -41,11 +41,16 @@ StoredSignature read_signature(Rows& row) {
        {&s.unseen_bound_w_sr, &s.basis_bound_w_sr, &s.sky_bound_w_sr, &s.contrast_intensity_w_sr,
         &s.contrast_intensity_stderr_w_sr, &s.contrast_numerical_error_w_sr,
         &s.background_radiance_w_m2_sr, &s.background_radiance_stderr_w_m2_sr, &s.model_error_w_sr,
-        &s.apparent_model_error_w_sr, &s.path_transmittance, &s.path_radiance_w_m2_sr}) {
+        &s.apparent_model_error_w_sr, &s.path_transmittance, &s.path_radiance_w_m2_sr,
+        &s.omitted_bound_w_sr, &s.apparent_omitted_bound_w_sr, &s.contrast_omitted_bound_w_sr,
+        &s.absolute_floor_w_sr}) {
     const bool computed = !row.is_null();
     *number = row.real();
     if (!computed) *number = kNotComputed;
   }
+  const bool stated = !row.is_null();
+  const std::uint64_t reflections = row.count();
+  if (stated) s.reflections = reflections;
   s.stop_reason = row.text();
   s.energy_gain = row.integer() != 0;
   s.warning = row.text();

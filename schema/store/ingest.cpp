@@ -93,7 +93,8 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
       row.contrast_intensity_w_sr().stderr(), row.contrast_numerical_error_w_sr(),
       row.background_radiance_w_m2_sr().value(), row.background_radiance_w_m2_sr().stderr(),
       row.model_error_w_sr(), row.apparent_model_error_w_sr(), row.path_transmittance(),
-      row.path_radiance_w_m2_sr()));
+      row.path_radiance_w_m2_sr(), row.omitted_bound_w_sr(), row.apparent_omitted_bound_w_sr(),
+      row.contrast_omitted_bound_w_sr(), row.absolute_floor_w_sr(), row.reflections()));
   return database.last_insert_rowid();
 }
 
@@ -130,7 +131,8 @@ absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
 }
 
 absl::Status insert_row(Database& database, const LeasedJob& job,
-                        const std::vector<std::int64_t>& parts, const schema::SignatureRow& row) {
+                        const std::vector<std::int64_t>& parts, const LedgerNames& names,
+                        const schema::SignatureRow& row) {
   const absl::StatusOr<std::int64_t> signature_id = insert_signature(database, job, row);
   if (!signature_id.ok()) return signature_id.status();
   IRSIG_STORE_TRY(insert_spectrum(database, *signature_id, row.spectrum()));
@@ -139,6 +141,7 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
                                  parts[part.part_index()], part.intensity_w_sr().value(),
                                  part.intensity_w_sr().stderr()));
   }
+  IRSIG_STORE_TRY(insert_ledger(database, names, *signature_id, row));
   for (const schema::ProfileRow& p : row.profile()) {
     IRSIG_STORE_TRY(insert_profile_row(database, *signature_id, p));
   }
@@ -187,19 +190,22 @@ absl::Status store_result(Database& database, const LeasedJob& job, const schema
   const absl::StatusOr<std::int64_t> profile_rows =
       database.integer(sql::wanted_profile_rows, job.sweep_id);
   if (!profile_rows.ok()) return profile_rows.status();
+  const absl::StatusOr<LedgerNames> names = ledger_names(database);
+  if (!names.ok()) return names.status();
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
                .condition_index = job.condition_index,
                .band_index = job.band_index,
                .parts = parts->size(),
                .profile_rows = static_cast<std::size_t>(*profile_rows),
-               .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt}));
+               .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt,
+               .ledger = *names}));
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();
   IRSIG_STORE_TRY(make_room(database, job, result));
   IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
   for (const schema::SignatureRow& row : result.row()) {
-    IRSIG_STORE_TRY(insert_row(database, job, *parts, row));
+    IRSIG_STORE_TRY(insert_row(database, job, *parts, *names, row));
   }
   IRSIG_STORE_TRY(remove_superseded(database, job));
   return (*savepoint)->keep();

@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
+#include "schema/store/find_ledger.h"
 #include "schema/store/find_profiles.h"
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
@@ -64,6 +65,11 @@ class SqliteReader final : public StoreReader {
       part.intensity_w_sr = row->real();
       part.intensity_stderr_w_sr = row->real();
     }
+  }
+
+  absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) override {
+    IRSIG_STORE_TRY(check_exists(signature_id));
+    return find_ledger(database_, signature_id);
   }
 
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) override {

@@ -162,6 +162,11 @@ struct StoredSignature {
   double background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr;
   double model_error_w_sr, apparent_model_error_w_sr;
   double path_transmittance, path_radiance_w_m2_sr;
+  // What left-out effects can change at most: kNotComputed (reflections: nullopt) in rows of format
+  // version 4 or older.
+  double omitted_bound_w_sr, apparent_omitted_bound_w_sr, contrast_omitted_bound_w_sr;
+  double absolute_floor_w_sr;
+  std::optional<std::uint64_t> reflections;
   std::string stop_reason;
   bool energy_gain;
   std::string warning;  // of the condition, one line each
@@ -178,6 +183,29 @@ struct StoredSignature {
 struct StoredPart {
   std::string part;
   double intensity_w_sr, intensity_stderr_w_sr;
+};
+
+// One effect of a signature. kNotComputed: not known.
+struct StoredEffect {
+  std::string effect;
+  std::string
+      state;  // on, off (its bound is part of the numerical error), absent (nothing causes it)
+  std::string reason;  // always, not_in_scene, within_share, above_share, other_row, no_goal,
+                       // unbounded, forced
+  double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
+  double share_w_sr;
+  double time_s;  // of the whole view, an estimate: spent (on) or saved (off)
+};
+
+// Where light that the sensor would send out ends.
+struct StoredEnergy {
+  double absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower,
+      escaped_to_lower_stderr, cut_off, cut_off_stderr, balance, balance_stderr;
+};
+
+struct StoredLedger {
+  std::vector<StoredEffect> effect;    // empty: of a row of format version 4 or older
+  std::optional<StoredEnergy> energy;  // nullopt: the same, or nothing of the target is seen
 };
 
 // One row of a profile: mean in-band radiance over a footprint, with at most `reflections`
@@ -263,6 +291,7 @@ class StoreReader {
   // NOT_FOUND: no sweep of that name.
   virtual absl::StatusOr<StoredSweep> sweep(const std::string& name) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
+  virtual absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
   // In the order of sweeps, rows, profiles, points and numbers of reflections.
   virtual absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) = 0;

@@ -15,6 +15,7 @@
 #include <random>
 
 #include "schema/store/store.h"
+#include "tests/fault/synthetic_ledger.h"
 
 namespace irsig {
 namespace {
@@ -101,6 +102,7 @@ schema::JobResult make_result(std::mt19937_64& random) {
       }
       row.set_numerical_error_w_sr(1e-3 * value(random));
       row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
+      add_synthetic_ledger(row, [&] { return value(random); });
       for (std::uint32_t p = 0; p < 8; ++p) {
         schema::PartIntensity& part = *row.add_part();
         part.set_part_index(p);

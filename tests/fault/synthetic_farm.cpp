@@ -11,6 +11,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "jobs/sweep_file.h"
+#include "tests/fault/synthetic_ledger.h"
 
 namespace irsig {
 namespace {
@@ -85,6 +86,7 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       row->set_contrast_numerical_error_w_sr(2e-3);
       estimate(row->mutable_background_radiance_w_m2_sr());
       row->set_path_transmittance(0.5);
+      add_synthetic_ledger(*row, number);
       estimate(row->mutable_projected_area_m2());
       row->set_apparent_temperature_k(300 + number());
       estimate(row->mutable_emitted_w_sr());

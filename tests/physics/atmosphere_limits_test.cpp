@@ -5,11 +5,15 @@
 // enumerated here term by term; Kirchhoff; Bouguer; Planck.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <limits>
 
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/gas_table.h"
+#include "core/atmosphere/lane_math.h"
+#include "core/atmosphere/path_layers.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
 
@@ -48,8 +52,8 @@ std::vector<Combination> combinations(const std::vector<AbsorberAmounts>& stretc
     if (table.entry[e].band != band) continue;
     std::vector<Combination> next;
     for (const Combination& c : all) {
-      for (std::size_t i = 2 * table.entry[e].first_pair;
-           i < 2 * (table.entry[e].first_pair + table.entry[e].pairs); ++i) {
+      for (std::size_t i = table.entry[e].first_term;
+           i < table.entry[e].first_term + table.entry[e].terms; ++i) {
         // Combinations of negligible weight cost time only.
         if (c.weight * table.weight[i] < 1e-9) continue;
         Combination n = {c.weight * table.weight[i], c.depth};
@@ -70,6 +74,54 @@ constexpr double kCentresCm1[] = {2855, 2565, 2175, 1165, 905};
 
 std::size_t band_of(double centre_cm1) {
   return static_cast<std::size_t>((centre_cm1 - kAirFirstCm1) / kAirBandWidthCm1);
+}
+
+TEST(AtmosphereLimits, BandsThatAreLeftOutChangeNoOther) {
+  const Atmosphere air = *Atmosphere::make(
+      {afgl_profile(AfglProfile::kUsStandard1976), {AerosolKind::kMaritime, 23e3}});
+  const LightPath path = look(air.profile(), 10, 40, kFar);
+  // Of every length, and all over the lanes of a vector.
+  std::vector<unsigned char> wanted(kAirBandCount, 0);
+  for (std::size_t first = 0, length = 1; first + length < kAirBandCount; ++length) {
+    std::fill_n(wanted.begin() + static_cast<std::ptrdiff_t>(first), length, 1);
+    first += length + 3;
+  }
+  const BandChoice some(wanted);
+  const AbsorberAmounts whole = air.amounts(path), part = air.amounts(path, some);
+  const AirSpectrum t = transmittance(whole), of_part = transmittance(part, some),
+                    of_whole = transmittance(whole, some);
+  const PathLayers layers(air, path, BandChoice()), fewer(air, path, some);
+  AbsorberAmounts twice;
+  set_sum(twice, part, part, some);
+  const AirSpectrum t_twice = transmittance(whole + whole), of_twice = transmittance(twice, some);
+  std::size_t opaque = 0;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    EXPECT_EQ(of_part[b], wanted[b] ? t[b] : 0) << b;
+    EXPECT_EQ(of_whole[b], wanted[b] ? t[b] : 0) << b;
+    EXPECT_EQ(of_twice[b], wanted[b] ? t_twice[b] : 0) << b;
+    EXPECT_EQ(fewer.thermal_w_m2_sr_um[b], wanted[b] ? layers.thermal_w_m2_sr_um[b] : 0) << b;
+    EXPECT_EQ(fewer.surroundings_share[b], wanted[b] ? layers.surroundings_share[b] : 0) << b;
+    opaque += t[b] < 0.5 ? 1 : 0;
+  }
+  EXPECT_GT(opaque, 20U);
+  EXPECT_LT(opaque, kAirBandCount - 20);
+}
+
+TEST(AtmosphereLimits, LanesComputeExpAndLn) {
+  for (double x = -699.7; x < 700; x += 0.0137) {
+    EXPECT_NEAR(exp_lane(x) / std::exp(x), 1, 4e-16 + 1e-16 * std::abs(x)) << x;
+  }
+  EXPECT_EQ(exp_lane(0), 1);
+  EXPECT_EQ(exp_lane(-700.1), 0);
+  for (double x = DBL_MIN; x < 1e300; x *= 1.0173) {
+    EXPECT_NEAR(ln_lane(x), std::log(x), 3e-16 * std::abs(std::log(x))) << x;
+  }
+  for (double off = 1e-15; off < 0.5; off *= 1.07) {
+    EXPECT_NEAR(ln_lane(1 + off), std::log(1 + off), 3e-16 * std::log(1 + off)) << off;
+    EXPECT_NEAR(ln_lane(1 - off), std::log(1 - off), -3e-16 * std::log(1 - off)) << off;
+  }
+  EXPECT_EQ(ln_lane(1), 0);
+  EXPECT_EQ(ln_lane(0), ln_lane(DBL_MIN));
 }
 
 TEST(AtmosphereLimits, NothingIsTransparent) {

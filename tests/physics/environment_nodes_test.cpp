@@ -40,9 +40,9 @@ ConditionEnvironment sunny(double zenith_deg, double azimuth_deg) {
 }
 
 BandChoice bands() {
-  BandChoice b(kAirBandCount, 0);
-  for (const double um : wavelengths()) b[*air_band(um)] = 1;
-  return b;
+  std::vector<unsigned char> wanted(kAirBandCount, 0);
+  for (const double um : wavelengths()) wanted[*air_band(um)] = 1;
+  return BandChoice(wanted);
 }
 
 // The weather's own light, to know what surrounds a path.

@@ -91,7 +91,8 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
   environments.condition = {e};
   const AimedView view = make_aimed_view(simulator->target(), r.viewpoint);
   const std::vector<std::size_t> offset{0};
-  Pass pass(*simulator, r, view, environments, std::vector<std::uint32_t>{0},
+  const ViewPlan plan = plan_with_everything(r);
+  Pass pass(*simulator, r, plan, view, environments, std::vector<std::uint32_t>{0},
             std::vector<std::uint32_t>{0}, node_um, offset, 5);
   pass.run(1u << 13, 1, Pass::Kind::kStored);
   const ReplicateStatistics& s = pass.statistics(0);

@@ -55,7 +55,8 @@ struct Fake {
   }
   std::vector<Estimate> run(std::uint64_t samples) {
     const AimedView view = make_aimed_view(simulator->target(), request.viewpoint);
-    Pass pass(*simulator, request, view, environments, std::vector<std::uint32_t>{0},
+    const ViewPlan plan = plan_with_everything(request);
+    Pass pass(*simulator, request, plan, view, environments, std::vector<std::uint32_t>{0},
               std::vector<std::uint32_t>{0}, node_um, offset, 7);
     pass.run(samples, 1, Pass::Kind::kStored);
     std::vector<Estimate> out;

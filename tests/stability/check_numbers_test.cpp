@@ -15,9 +15,9 @@ using ::testing::HasSubstr;
 ViewResult good() {
   ViewResult view;
   SignatureResult& r = view.row.emplace_back();
-  r.intensity_w_sr = {10, 0.1};
+  r.intensity_w_sr = {10, 0.09};
   r.numerical_error_w_sr = 0.1;
-  r.apparent_intensity_w_sr = {9, 0.1};
+  r.apparent_intensity_w_sr = {9, 0.09};
   r.apparent_numerical_error_w_sr = 0.1;
   r.projected_area_m2 = {1, 1e-3};
   r.apparent_temperature_k = 300;
@@ -25,6 +25,14 @@ ViewResult good() {
   for (SpectralEstimate* s : {&r.spectral, &r.apparent_spectral}) *s = {{1, 2}, {0.1, 0.1}};
   for (SpectralEstimate& s : r.spectral_cause) s = {{1, 2}, {0.1, 0.1}};
   r.image_w_m2_sr = {0, 1, 2};
+  r.omitted_bound_w_sr = r.apparent_omitted_bound_w_sr = r.contrast_omitted_bound_w_sr = 1e-3;
+  r.contrast_numerical_error_w_sr = 0.1;
+  const double unknown = std::nan("");
+  r.effect = {{Effect::kSelfEmission, EffectState::kOn, EffectReason::kAlways, unknown, unknown,
+               unknown, 9, unknown},
+              {Effect::kDirectSun, EffectState::kOff, EffectReason::kWithinShare, 1e-3, 1e-3, 1e-3,
+               unknown, 0.5}};
+  r.energy = {{0.9, 0.01}, {0.05, 0.01}, {0.05, 0.01}, {0, 0}, {1, 1e-9}};
   return view;
 }
 
@@ -98,7 +106,7 @@ TEST(CheckNumbers, NegativeOnlyWithinTheError) {
 
 TEST(CheckNumbers, ContrastHasAnySignAndTransmittanceNone) {
   ViewResult view = good();
-  view.row[0].contrast_intensity_w_sr = {-500, 0.1};
+  view.row[0].contrast_intensity_w_sr = {-500, 0.09};
   view.row[0].contrast_spectral = {{-1, 2}, {0.1, 0.1}};
   view.row[0].path_transmittance = 1 + 1e-12;  // a mean of ones, rounded
   EXPECT_TRUE(check_numbers(view).ok());
@@ -126,6 +134,43 @@ TEST(CheckNumbers, ContrastHasAnySignAndTransmittanceNone) {
     wrong.make(bad.row[0]);
     EXPECT_THAT(reason(bad), HasSubstr(wrong.named));
   }
+}
+
+TEST(CheckNumbers, WhatWasLeftOutIsFiniteAndPartOfTheError) {
+  struct Wrong {
+    const char* named;
+    void (*make)(SignatureResult&);
+  };
+  for (const Wrong& wrong :
+       {Wrong{"omitted_bound_w_sr is not a finite", [](auto& r) { r.omitted_bound_w_sr = NAN; }},
+        {"contrast_omitted_bound_w_sr is negative",
+         [](auto& r) { r.contrast_omitted_bound_w_sr = -1e-3; }},
+        // A bound of 0.2 makes an error of 0.2 / sqrt(3) at least.
+        {"band 0: omitted_bound_w_sr is no part", [](auto& r) { r.omitted_bound_w_sr = 0.2; }},
+        {"apparent_omitted_bound_w_sr is no part",
+         [](auto& r) { r.apparent_omitted_bound_w_sr = 0.2; }},
+        {"contrast_omitted_bound_w_sr is no part",
+         [](auto& r) { r.contrast_omitted_bound_w_sr = 0.2; }},
+        {"absolute_floor_w_sr is negative", [](auto& r) { r.absolute_floor_w_sr = -1; }},
+        {"direct_sun's bound_w_sr is not a finite",
+         [](auto& r) { r.effect[1].bound_w_sr = INFINITY; }},
+        {"direct_sun's contrast_bound_w_sr is negative",
+         [](auto& r) { r.effect[1].contrast_bound_w_sr = -1; }},
+        {"self_emission's share_w_sr is not a finite",
+         [](auto& r) { r.effect[0].share_w_sr = -INFINITY; }},
+        {"direct_sun's time_s is negative", [](auto& r) { r.effect[1].time_s = -1; }},
+        {"energy.absorbed is not a finite", [](auto& r) { r.energy.absorbed.value = NAN; }},
+        {"energy.cut_off is negative", [](auto& r) { r.energy.cut_off.value = -1e-3; }},
+        {"energy.balance's standard error",
+         [](auto& r) { r.energy.balance.stderr_ = INFINITY; }}}) {
+    ViewResult bad = good();
+    wrong.make(bad.row[0]);
+    EXPECT_THAT(reason(bad), HasSubstr(wrong.named));
+  }
+  // Nothing to be seen: no energy to account for.
+  ViewResult nothing = good();
+  nothing.row[0].energy = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
+  EXPECT_TRUE(check_numbers(nothing).ok()) << check_numbers(nothing);
 }
 
 TEST(CheckNumbers, TellsEveryReason) {

@@ -53,6 +53,11 @@ class Plan(unittest.TestCase):
         samples = [int(count) for _, count, _ in table]
         self.assertEqual(samples, sorted(samples), plan)
         self.assertGreater(samples[-1], 4 * samples[0], plan)
+        # The ledger: one line for each effect, every row of the pilot in it.
+        ledger = re.findall(r"(?m)^(\w+) +(\d+) +(\d+) +(\d+) +(?:[\d.e+-]+ %|-) ", plan)
+        self.assertEqual(len(ledger), 19, plan)
+        for name, *counts in ledger:
+            self.assertIn(sum(map(int, counts)), (30, 42), name)
         (stored,) = self.prediction()
         self.assertEqual((stored["jobs"], stored["workers"]), (7, 2))
         self.assertIn(stored["pilot_viewpoints"], (5, 7))  # all, if the first five scatter
@@ -67,9 +72,9 @@ class Plan(unittest.TestCase):
         self.assertAlmostEqual(stored["database_bytes"] / self.db.stat().st_size, 1, delta=0.15)
         self.assertIn("relative error asked: 1 %", report)
         self.assertRegex(report, r"stopped by:.* target_reached \d+")
-        shares = [float(share) for share in re.findall(r"(?:statistical|truncation|quadrature|unseen|basis|sky) (\S+) %",
+        shares = [float(share) for share in re.findall(r"(?:statistical|truncation|quadrature|unseen|basis|sky|omitted) (\S+) %",
                                                        report)]
-        self.assertEqual(len(shares), 6)
+        self.assertEqual(len(shares), 7)
         self.assertAlmostEqual(sum(shares), 100, delta=1)
         self.assertIn("guarded events: back faces ", report)
         self.assertIn("warnings: none", report)
@@ -94,6 +99,19 @@ class Plan(unittest.TestCase):
         plan = irsig("plan", self.sweep)
         self.assertRegex(plan, r"(?m)^ +0.03 % .*max_samples_per_replicate = 2048 keeps ")
         self.assertNotRegex(plan, r"(?m)^ +10 % .*keeps ")
+
+    def test_effects_are_those_of_the_accuracy_asked(self):
+        """Soot reflects so little that 5 % has room for all of it, and 0.01 % has not."""
+        soot = re.sub(r'material = "\w+"', 'material = "soot"', SWEEP).replace("sun = true", "sun = false")
+        at = soot.index("[[part]]")
+        self.sweep.write_text(soot[:at] + '[[material]]\nname = "soot"\nkind = "lambert"\nemissivity = 0.99999\n\n' + soot[at:])
+        coarse = irsig("plan", self.sweep, "--relative-error", 0.05)
+        self.assertRegex(coarse, r"(?m)^sky_reflected +0 +(30|42) +0 +[\d.]+ % .*has room for its bound \((30|42)\)$")
+        self.assertRegex(coarse, r"(?m)^direct_sun +0 +0 +(30|42) ")
+        fine = irsig("plan", self.sweep, "--relative-error", 1e-4)
+        self.assertRegex(fine, r"(?m)^sky_reflected +(30|42) +0 +0 ")
+        forced = irsig("plan", self.sweep, "--relative-error", 0.05, "--effects", "all")
+        self.assertRegex(forced, r"(?m)^sky_reflected +(30|42) +0 +0 .*forced: the user's word \((30|42)\)$")
 
     def test_profiles_are_predicted(self):
         self.sweep.write_text(CAVITY)

@@ -49,8 +49,9 @@ TEST(CostModel, StandardErrorIsAPowerBetweenAndBeyondTheStages) {
 }
 
 TEST(CostModel, TheSecondPilotSuffices) {
-  // 0.8 x 1 % of 100 W/sr is more than the 0.5 at 1024 samples.
-  const ViewCost cost = view_cost(pilot_of(0.5 * std::pow(8, 0.5), 0.5), relative(0.01), 0);
+  // The first asks for (3 / 0.8)^2 x 128 = 1800; 0.8 x 1 % of 100 W/sr is more than the 0.7 at
+  // 1024.
+  const ViewCost cost = view_cost(pilot_of(3, 0.7), relative(0.01), 0);
   EXPECT_EQ(cost.samples, 1024u);
   EXPECT_NEAR(cost.cpu_s, seconds_of(1024), 1e-12);
   EXPECT_EQ(cost.reached, 1u);
@@ -64,6 +65,28 @@ TEST(CostModel, SamplesAreThoseOfTheJobsOwnRule) {
   EXPECT_EQ(cost.samples, n);
   EXPECT_GT(n, 4 * 1024u);
   EXPECT_NEAR(cost.cpu_s, seconds_of(static_cast<double>(n)), 1e-12);
+}
+
+// As the job does: where the first pilot asks for no more than the second would trace, there is no
+// second.
+TEST(CostModel, TheFirstPilotAloneDecidesWhereLittleIsNeeded) {
+  const ViewPilot pilot = pilot_of(1.6, 0.7);  // at 128 samples
+  const ViewCost cost = view_cost(pilot, relative(0.01), 0);
+  EXPECT_EQ(cost.samples, samples_needed(0, 0, 128, 1.6, 1, std::uint64_t{1} << 40));
+  EXPECT_EQ(cost.samples, 512u);  // (1.6 / 0.8)^2 x 128; with the slope of both pilots 344
+}
+
+TEST(CostModel, AFloorIsEnoughWhateverTheValue) {
+  ViewPilot pilot = pilot_of(2 * std::pow(8, 0.6), 0.6);
+  const ViewCost without = view_cost(pilot, relative(0.001), 0);
+  pilot.row[0].floor_w_sr = 1;  // 1 % of the value
+  const ViewCost with = view_cost(pilot, relative(0.001), 0);
+  EXPECT_EQ(with.samples, view_cost(pilot, relative(0.01), 0).samples);
+  EXPECT_LT(4 * with.samples, without.samples);
+  EXPECT_EQ(with.reached, 1u);
+  // A floor below the relative error changes nothing.
+  pilot.row[0].floor_w_sr = 0.05;
+  EXPECT_EQ(view_cost(pilot, relative(0.001), 0).samples, without.samples);
 }
 
 TEST(CostModel, AThirdPilotCostsASixteenth) {

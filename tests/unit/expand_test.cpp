@@ -121,7 +121,7 @@ sun = false
 // Change it only on purpose.
 TEST(ExpandJobs, GoldenKey) {
   EXPECT_EQ(expand_jobs(golden_sweep(), 1)[1].job_key(),
-            "45c8b608ddf7dcc306439b2cbe38df14ae4bce6b9d52d3eb9acf6ff100d71f5f");
+            "b06a0f7315a560db9c78391b91b35eaa2599c14d5626a18ad60b75eb1c353bc0");
 }
 
 TEST(ExpandJobs, KeysDependOnThePhysicsVersion) {

@@ -17,6 +17,7 @@ schema::ResolvedSweep disk(std::uint32_t thumbnail_px) {
   auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/disk.toml");
   EXPECT_TRUE(sweep.ok()) << sweep.status();
   sweep->mutable_sweep()->mutable_accuracy()->clear_relative_error();
+  sweep->mutable_sweep()->mutable_accuracy()->clear_absolute_error_k();
   sweep->mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(64);
   sweep->mutable_sweep()->mutable_output()->set_thumbnail_px(thumbnail_px);
   return *std::move(sweep);
@@ -65,6 +66,79 @@ TEST(JobRunner, PassesOnThatTheEncoderFails) {
   EXPECT_EQ(first_job(disk(16), ThumbnailEncoder{fail, fail}).status().message(), "no ink");
 }
 
+std::string state_of(const schema::SignatureRow& row, const std::string& effect) {
+  for (const schema::EffectEntry& e : row.effect())
+    if (e.effect() == effect) return schema::EffectState_Name(e.state()) + " " + e.reason();
+  return "not in the ledger";
+}
+
+// Nearly black: what it reflects fits into 5 %.
+schema::ResolvedSweep soot(double relative_error) {
+  schema::ResolvedSweep sweep = disk(0);
+  schema::Accuracy& accuracy = *sweep.mutable_sweep()->mutable_accuracy();
+  accuracy.clear_samples_per_replicate();
+  accuracy.set_relative_error(relative_error);
+  accuracy.set_absolute_error_k(0.05);
+  sweep.mutable_sweep()->mutable_transport()->set_max_reflections(3);
+  schema::Surroundings around;
+  around.set_kind("none");
+  around.set_sky_temperature_k(250);
+  around.set_lower_radiance_w_m2_sr_um(0);
+  for (schema::Condition& c : *sweep.mutable_condition()) *c.mutable_surroundings() = around;
+  for (schema::Material& m : *sweep.mutable_sweep()->mutable_material()) {
+    const std::string name = m.name();
+    m.Clear();
+    m.set_name(name);
+    m.set_kind("lambert");
+    m.set_emissivity(0.9999);
+  }
+  return sweep;
+}
+
+TEST(JobRunner, HasTheEffectsThatTheSweepAsksFor) {
+  schema::ResolvedSweep sweep = soot(0.05);
+  auto result = first_job(sweep, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  const schema::SignatureRow& row = result->row(0);
+  EXPECT_EQ(state_of(row, "sky_reflected"), "EFFECT_STATE_OFF within_share");
+  EXPECT_GT(row.omitted_bound_w_sr(), 0);
+  EXPECT_GT(row.absolute_floor_w_sr(), 0);
+  EXPECT_EQ(row.reflections(), 0U);
+  EXPECT_FALSE(row.effect(0).has_bound_w_sr()) << "not known";
+  EXPECT_TRUE(row.effect(0).has_share_w_sr());
+  EXPECT_NEAR(row.energy().balance().value(), 1, 1e-3);
+
+  sweep.mutable_sweep()->mutable_effects()->set_mode("all");
+  result = first_job(sweep, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_ON forced");
+  EXPECT_EQ(result->row(0).omitted_bound_w_sr(), 0);
+  EXPECT_GT(result->row(0).reflections(), 0U);
+
+  sweep.mutable_sweep()->mutable_effects()->set_mode("only");
+  sweep.mutable_sweep()->mutable_effects()->add_only("direct_sun");
+  result = first_job(sweep, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_OFF forced");
+
+  sweep.mutable_sweep()->mutable_effects()->add_only("perspective");
+  EXPECT_EQ(first_job(sweep, {}).status().code(), absl::StatusCode::kInvalidArgument);
+  sweep.mutable_sweep()->mutable_effects()->set_mode("some");
+  EXPECT_EQ(first_job(sweep, {}).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// What `irsig plan` tries: the effects of the error, another number of samples.
+TEST(JobRunner, APilotHasItsOwnNumberOfSamples) {
+  schema::ResolvedSweep sweep = soot(0.05);
+  for (const std::uint64_t samples : {64U, 2048U}) {
+    sweep.mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(samples);
+    const auto result = first_job(sweep, {});
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->samples(), samples * result->replicates());
+    EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_OFF within_share");
+  }
+}
+
 // The whole way of the embedded atmosphere: sweep file, weather, environment, signature.
 TEST(JobRunner, ComputesThroughTheEmbeddedAtmosphere) {
   auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
@@ -72,6 +146,7 @@ TEST(JobRunner, ComputesThroughTheEmbeddedAtmosphere) {
   sweep->mutable_sweep()->mutable_model()->set_triangles(2000);
   sweep->mutable_sweep()->mutable_transport()->set_sun(false);
   sweep->mutable_sweep()->mutable_accuracy()->clear_relative_error();
+  sweep->mutable_sweep()->mutable_accuracy()->clear_absolute_error_k();
   sweep->mutable_sweep()->mutable_accuracy()->set_samples_per_replicate(64);
   sweep->mutable_sweep()->mutable_output()->set_thumbnail_px(0);
   const auto result = first_job(*sweep, {});

@@ -91,6 +91,11 @@ TEST_F(StoreContent, EveryScalarComesBack) {
       EXPECT_EQ(s.apparent_model_error_w_sr, row.apparent_model_error_w_sr());
       EXPECT_EQ(s.path_transmittance, row.path_transmittance());
       EXPECT_EQ(s.path_radiance_w_m2_sr, row.path_radiance_w_m2_sr());
+      EXPECT_EQ(s.omitted_bound_w_sr, row.omitted_bound_w_sr());
+      EXPECT_EQ(s.apparent_omitted_bound_w_sr, row.apparent_omitted_bound_w_sr());
+      EXPECT_EQ(s.contrast_omitted_bound_w_sr, row.contrast_omitted_bound_w_sr());
+      EXPECT_EQ(s.absolute_floor_w_sr, row.absolute_floor_w_sr());
+      EXPECT_EQ(s.reflections, 3U);
       EXPECT_EQ(s.warning, s.season + " is odd\nand so is this");
       EXPECT_EQ(s.stop_reason, "target_reached");
       EXPECT_EQ(s.energy_gain, row.energy_gain());

@@ -80,6 +80,8 @@ TEST(StoreDigest, DoesNotDependOnOrderTimeOrHost) {
                              result.set_seconds(77);
                              result.set_determinism_class("another");
                              result.set_build_id("another");
+                             for (auto& row : *result.mutable_row())
+                               for (auto& effect : *row.mutable_effect()) effect.set_time_s(1);
                            }}),
             digest);
 }
@@ -118,6 +120,14 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
       [](auto& r) { r.mutable_row(0)->set_sky_bound_w_sr(1e-9); },
       [](auto& r) { r.mutable_row(0)->set_path_radiance_w_m2_sr(1e-9); },
       [](auto& r) { r.mutable_row(1)->mutable_spectrum()->set_path_radiance_w_m2_sr_um(2, 1e-9F); },
+      [](auto& r) { r.mutable_row(0)->set_contrast_omitted_bound_w_sr(1e-9); },
+      [](auto& r) { r.mutable_row(0)->set_absolute_floor_w_sr(1e-9); },
+      [](auto& r) { r.mutable_row(0)->set_reflections(7); },
+      [](auto& r) { r.mutable_row(1)->mutable_effect(1)->set_apparent_bound_w_sr(1e-9); },
+      [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_reason("forced"); },
+      [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_state(schema::EFFECT_STATE_ON); },
+      [](auto& r) { r.mutable_row(1)->mutable_effect(0)->clear_share_w_sr(); },
+      [](auto& r) { r.mutable_row(2)->mutable_energy()->mutable_cut_off()->set_value(1e-9); },
       [](auto& r) { r.set_samples(1); },
       [](auto& r) { r.set_seed_hex("ab"); },
       [](auto& r) { r.set_physics_version(2); },

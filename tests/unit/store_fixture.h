@@ -17,6 +17,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "schema/store/store.h"
+#include "tests/fault/synthetic_ledger.h"
 
 namespace irsig {
 
@@ -162,6 +163,7 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       row.set_path_transmittance(1 / row.path_transmittance());
       row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
       row.set_energy_gain(c == 1);
+      add_synthetic_ledger(row, [&next] { return next += 0.25; });
       for (int p = 0; p < sweep.sweep().part_size(); ++p) {
         schema::PartIntensity& part = *row.add_part();
         part.set_part_index(static_cast<std::uint32_t>(p));
@@ -257,9 +259,34 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   return text;
 }
 
-// Takes from a database what version 3 of the format added; a row keeps what version 2 stored.
+// Takes from a database what later versions of the format added; a row keeps what version 2 or 4
+// stored.
+inline std::string without_effects() {
+  std::string script =
+      "DROP VIEW ledger_view; DROP TABLE ledger; DROP TABLE energy; DROP TABLE effect;"
+      "DROP TABLE effect_state; DROP TABLE effect_reason;"
+      "DROP VIEW profile_view; DROP VIEW signature_view;";
+  for (const char* column : {"omitted_bound_w_sr", "apparent_omitted_bound_w_sr",
+                             "contrast_omitted_bound_w_sr", "absolute_floor_w_sr", "reflections"})
+    absl::StrAppend(&script, "ALTER TABLE signature DROP COLUMN ", column, ";");
+  return script;
+}
+
+// Views are made again by the migration, or read only after it.
+inline std::string with_version(int version) {
+  return absl::StrCat(
+      "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
+      "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
+      "PRAGMA user_version = ",
+      version, "; SELECT 'older'");
+}
+
+inline std::string back_to_version_4(const std::string& path) {
+  return sqlite_text(path, without_effects() + with_version(4));
+}
+
 inline std::string back_to_version_2(const std::string& path) {
-  std::string script = "DROP TABLE prediction; DROP VIEW profile_view; DROP VIEW signature_view;";
+  std::string script = without_effects() + "DROP TABLE prediction;";
   const std::pair<const char*, std::vector<const char*>> added[] = {
       {"condition",
        {"sea_model", "ground_temperature_k", "ground_emissivity", "weather", "warning"}},
@@ -277,12 +304,7 @@ inline std::string back_to_version_2(const std::string& path) {
     for (const char* column : columns)
       absl::StrAppend(&script, "ALTER TABLE ", table, " DROP COLUMN ", column, ";");
   }
-  // Views are made again by the migration, or read only after it.
-  absl::StrAppend(&script,
-                  "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
-                  "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
-                  "PRAGMA user_version = 2; SELECT 'older'");
-  return sqlite_text(path, script);
+  return sqlite_text(path, script + with_version(2));
 }
 
 }  // namespace irsig

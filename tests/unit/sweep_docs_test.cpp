@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "core/effects/effects.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -164,6 +165,16 @@ TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
   for (const std::string& block : page.blocks) {
     const auto file = parse_sweep(block, "block");
     EXPECT_TRUE(file.ok()) << file.status();
+  }
+}
+
+TEST(SweepDocs, NameEveryEffectThatCanBeLeftOutAndNoOther) {
+  const std::string page = text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/sweep-file.md");
+  for (const EffectInfo& effect : effect_table()) {
+    const auto text = [](std::string_view view) { return std::string(view); };
+    const std::string line = "\n- `" + text(effect.name) + "`: " + text(effect.what) +
+                             ". Matters: " + text(effect.when) + "\n";
+    EXPECT_EQ(page.find(line) != std::string::npos, effect.switchable) << line;
   }
 }
 

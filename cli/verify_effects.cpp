@@ -1,0 +1,243 @@
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "cli/commands.h"
+#include "cli/effects_tables.h"
+#include "cli/load_sweep.h"
+#include "core/accuracy/cost_model.h"
+#include "fmt/format.h"
+#include "view/atomic_file.h"
+#include "worker/spec_to_request.h"
+
+namespace irsig {
+namespace {
+
+struct VerifyOptions {
+  std::string sweep, csv;
+  std::uint64_t views = 5;
+  std::vector<std::uint64_t> row;
+  bool matrix = false, small = false, each_effect = false;
+  std::optional<double> relative_error, reference;
+  std::uint32_t timed = 1;
+};
+
+double thread_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+struct ViewRows {
+  std::uint64_t view;
+  std::vector<std::uint32_t> condition, band;
+};
+
+std::vector<std::uint32_t> up_to(int n) {
+  std::vector<std::uint32_t> out;
+  for (int i = 0; i < n; ++i) out.push_back(static_cast<std::uint32_t>(i));
+  return out;
+}
+
+// The rows that --row names, each by itself, or all rows of --views viewpoints.
+absl::StatusOr<std::vector<ViewRows>> chosen_rows(const schema::ResolvedSweep& sweep,
+                                                  const VerifyOptions& given) {
+  const auto views = static_cast<std::uint64_t>(sweep.viewpoint_size()),
+             conditions = static_cast<std::uint64_t>(sweep.condition_size()),
+             bands = static_cast<std::uint64_t>(sweep.sweep().band_size());
+  std::vector<ViewRows> out;
+  for (const std::uint64_t row : given.row) {
+    if (row == 0 || row > views * conditions * bands)
+      return absl::InvalidArgumentError(
+          absl::StrCat("--row ", row, ": the sweep has rows 1 to ", views * conditions * bands));
+    const std::uint64_t in_view = (row - 1) % (conditions * bands);
+    out.push_back({(row - 1) / (conditions * bands),
+                   {static_cast<std::uint32_t>(in_view / bands)},
+                   {static_cast<std::uint32_t>(in_view % bands)}});
+  }
+  if (!out.empty()) return out;
+  auto chosen = spread_views(views, given.views);
+  std::sort(chosen.begin(), chosen.end());
+  for (const std::uint64_t view : chosen)
+    out.push_back({view, up_to(sweep.condition_size()), up_to(sweep.sweep().band_size())});
+  return out;
+}
+
+absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
+  AccuracyAsked asked;
+  asked.relative_error = given.relative_error;
+  const auto loaded = load_sweep(given.sweep, asked);
+  if (!loaded.ok()) return loaded.status();
+  const schema::ResolvedSweep& sweep = loaded->resolved;
+  if (!(sweep.sweep().accuracy().relative_error() > 0))
+    return absl::InvalidArgumentError(
+        "verify-effects: the sweep asks for no relative error, so that nothing would be left out: "
+        "say --relative-error");
+  const auto rows = chosen_rows(sweep, given);
+  if (!rows.ok()) return rows.status();
+  const auto scene = scene_from_sweep(sweep, loaded->model_bytes);
+  if (!scene.ok()) return scene.status();
+  const auto simulator = Simulator::create(*scene);
+  if (!simulator.ok()) return simulator.status();
+  // One for each of the two runs: neither profits from what the other has made.
+  const auto for_chosen = environment_from_sweep(sweep, (*simulator)->band_grids()),
+             for_all = environment_from_sweep(sweep, (*simulator)->band_grids());
+  if (!for_chosen.ok()) return for_chosen.status();
+  if (!for_all.ok()) return for_all.status();
+  std::printf("%s: relative error %g, effects auto against all, the same paths\n%s\n",
+              sweep.sweep().name().c_str(), sweep.sweep().accuracy().relative_error(),
+              effects_view_header().c_str());
+  std::vector<CheckedView> views;
+  std::string failures;
+  std::vector<double> ratios;
+  for (const ViewRows& chosen : *rows) {
+    schema::JobSpec job;
+    job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
+    job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
+    job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
+    auto request = request_from_job(sweep, job, *for_chosen);
+    if (!request.ok()) return request.status();
+    request->effects = {EffectChoice::Mode::kAuto, {}};
+    auto view = check_effects(**simulator, *std::move(request),
+                              {*for_all, views.empty(), given.timed, given.reference.value_or(0)},
+                              thread_cpu_s);
+    if (!view.ok()) return view.status();
+    std::printf("%s\n", effects_view_line(*view).c_str());
+    std::fflush(stdout);
+    failures += effects_failures(sweep.sweep().name(), *view);
+    ratios.push_back(view->all_s > 0 ? view->chosen_s / view->all_s : 1);
+    views.push_back(*std::move(view));
+  }
+  const EffectsSummary s = summary_of(views);
+  std::printf(
+      "%zu views, %zu rows, %zu values: %zu out of bound, largest difference %.3f of what is "
+      "allowed\ntime auto/all: median %.2f; first view with what all views share %.3g s against "
+      "%.3g s\n%s\n",
+      s.views, s.rows, s.values, s.out_of_bound, s.largest_of_allowed, quantile(ratios, 0.5),
+      s.chosen_first_s, s.all_first_s, effects_off(s).c_str());
+  if (s.referenced > 0)
+    std::printf(
+        "against the reference: %zu values, %zu beyond 2 numerical errors, %zu beyond 5, largest "
+        "%.2f\n",
+        s.referenced, s.beyond_2, s.beyond_5, s.largest_of_numerical_error);
+  std::printf("%s", failures.c_str());
+  exit_code = s.out_of_bound == 0 ? 0 : 1;
+  return absl::OkStatus();
+}
+
+// Every effect left out alone, wherever there is something of it: are the bounds right, and how far
+// from what they bound?
+absl::Status verify_bounds(const std::vector<MatrixCell>& cells, MatrixOptions options,
+                           int& exit_code) {
+  options.reference_paths = 0;
+  std::string failures;
+  std::printf("%s", effect_bounds_header().c_str());
+  for (const EffectInfo& info : effect_table()) {
+    if (!info.switchable) continue;
+    options.without = info.effect;
+    std::vector<CheckedCell> checked;
+    for (const MatrixCell& cell : cells) {
+      auto result = check_cell(cell, options, thread_cpu_s);
+      if (!result.ok())
+        return {result.status().code(), absl::StrCat(cell.name, ": ", result.status().message())};
+      for (const CheckedView& view : result->view)
+        failures +=
+            effects_failures(absl::StrCat(cell.name, " without ", std::string(info.name)), view);
+      if (result->summary.out_of_bound > 0) exit_code = 1;
+      checked.push_back(*std::move(result));
+    }
+    std::printf("%s", effect_bounds_line(info.effect, checked).c_str());
+    std::fflush(stdout);
+  }
+  std::printf("%s", failures.c_str());
+  return absl::OkStatus();
+}
+
+absl::Status verify_matrix(const VerifyOptions& given, int& exit_code) {
+  const auto cells = matrix_cells(given.small);
+  if (!cells.ok()) return cells.status();
+  MatrixOptions options;
+  options.relative_error = given.relative_error.value_or(options.relative_error);
+  options.reference_paths = given.reference.value_or(options.reference_paths);
+  options.timed = given.timed;
+  if (given.each_effect) return verify_bounds(*cells, options, exit_code);
+  std::printf("relative error %g, effects auto against all, the same paths\n%s\n",
+              options.relative_error, effects_cell_header().c_str());
+  std::vector<CheckedCell> checked;
+  std::string failures;
+  std::size_t bad = 0;
+  for (const MatrixCell& cell : *cells) {
+    auto result = check_cell(cell, options, thread_cpu_s);
+    if (!result.ok())
+      return {result.status().code(), absl::StrCat(cell.name, ": ", result.status().message())};
+    std::printf("%s\n", effects_cell_line(cell, *result).c_str());
+    std::fflush(stdout);
+    for (const CheckedView& view : result->view) failures += effects_failures(cell.name, view);
+    bad += result->summary.out_of_bound > 0 ? 1 : 0;
+    checked.push_back(*std::move(result));
+  }
+  std::printf("\n%s%s", effects_matrix_summary(*cells, checked).c_str(), failures.c_str());
+  if (!given.csv.empty())
+    if (auto status = replace_file(given.csv, effects_csv(*cells, checked)); !status.ok())
+      return status;
+  exit_code = bad == 0 ? 0 : 1;
+  return absl::OkStatus();
+}
+
+int verify(const VerifyOptions& given) {
+  const bool both = given.matrix && (!given.sweep.empty() || !given.row.empty());
+  if (both || (!given.matrix && given.sweep.empty()))
+    return report(absl::InvalidArgumentError(
+        "verify-effects: expected a sweep file, or --matrix for the built-in scenes"));
+  if (!given.matrix && (given.small || given.each_effect || !given.csv.empty()))
+    return report(absl::InvalidArgumentError(
+        "verify-effects: --small, --each-effect and --csv need --matrix"));
+  if (given.each_effect && !given.csv.empty())
+    return report(absl::InvalidArgumentError("verify-effects: --csv is not for --each-effect"));
+  int exit_code = 0;
+  const absl::Status status =
+      given.matrix ? verify_matrix(given, exit_code) : verify_sweep(given, exit_code);
+  return status.ok() ? exit_code : report(status);
+}
+
+}  // namespace
+
+void add_verify_effects(CLI::App& app, int& exit_code) {
+  const auto given = std::make_shared<VerifyOptions>();
+  CLI::App* command = app.add_subcommand(
+      "verify-effects",
+      "Effects chosen by the program against all effects on the same paths: differences, stored "
+      "bounds, times. Exit code 1: a difference is out of bound");
+  command->add_option("SWEEP", given->sweep, "Sweep file");
+  command->add_option("--views", given->views, "Viewpoints of the sweep, spread evenly")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--row", given->row, "These rows of the sweep instead, as query has them")
+      ->type_name("ROW");
+  command->add_flag("--matrix", given->matrix,
+                    "Built-in scenes: all combinations of night/day, band, surface, shape, "
+                    "temperature, sea/land and range, and hard cases");
+  command->add_flag("--small", given->small, "With --matrix: a few of them");
+  command
+      ->add_option("--relative-error", given->relative_error,
+                   "Accuracy to ask for (default: the sweep's; 0.01)")
+      ->check(CLI::Range(1e-6, 1.0));
+  command
+      ->add_option("--reference", given->reference,
+                   "A reference with all effects and so many times the paths; 0: none")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
+  command->add_option("--timed", given->timed, "Runs of each, of which the fastest counts")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--csv", given->csv, "With --matrix: every value, to a file")
+      ->type_name("FILE");
+  command->callback([given, &exit_code] { exit_code = verify(*given); });
+}
+
+}  // namespace irsig

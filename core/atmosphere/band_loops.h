@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/atmosphere/gas_table.h"
+
+namespace irsig {
+
+// The loops over bands in which the air's time goes, for the widest vectors of the processor. The
+// same bits whatever their width. Arrays are per band and of one range of neighbouring bands, `n`
+// long, unless said otherwise. Private to core/atmosphere.
+
+// t[band] *= the lines' transmittance. Amounts: per entry of the gas table.
+//   t  kAirBandCount + 1 bands
+void multiply_lines(const LineTerms& lines, const double* scaled, const double* plain, double* t);
+
+// What a stretch adds to a group's entries.
+//   warmth    T / T0 - 1
+//   kg_m2     of the gas
+void add_to_lines(const GasTable& table, std::size_t group, double ln_pressure, double warmth,
+                  double kg_m2, double* scaled, double* plain);
+
+// depth += k exp(a (ln p - ln p0)) (1 + b x + c x^2) density x length
+struct ContinuumBands {
+  const double *ln_pressure_pa, *temperature_k, *a, *b, *c, *k;
+};
+void add_to_continuum(std::size_t n, const ContinuumBands& of, double ln_pressure,
+                      double temperature_k, double density, double length_m, double* depth);
+
+// exp(-(sum of the depths))
+void grey_transmittance(std::size_t n, std::span<const double* const> depth, double* t);
+
+// Planck's function; scale: c1L / lambda^5
+void planck_bands(std::size_t n, const double* lambda_um, const double* scale, double temperature_k,
+                  double* out);
+
+// a (b / a)^fraction of some quantities of two levels; linear where one of the two is 0.
+inline constexpr std::size_t kLevelQuantities = 8;
+using LevelQuantities = std::array<double, kLevelQuantities>;
+[[nodiscard]] LevelQuantities between_levels(const LevelQuantities& a, const LevelQuantities& b,
+                                             double fraction);
+
+// exp of what lies a fraction of the way from one curve to the next.
+void blended_exp(std::size_t n, const double* from, const double* to, double fraction, double* out);
+
+// core/atmosphere/path_sums.h, add_emission.
+struct StepBands {
+  const double *aerosol_depth, *molecular_depth, *grey_depth;
+};
+void add_emission_bands(std::size_t n, const StepBands& step, const double* t_near,
+                        const double* t_far, const double* planck_near, const double* planck_far,
+                        double* out);
+// core/atmosphere/path_layers.h, mean_of_decay.
+void mean_of_decay_bands(std::size_t n, const double* a, const double* b, const double* grey_depth,
+                         double* out);
+
+}  // namespace irsig

@@ -1,0 +1,137 @@
+#include "core/effects/effects.h"
+
+#include <algorithm>
+
+namespace irsig {
+
+const std::array<EffectInfo, kEffects>& effect_table() {
+  static constexpr std::array<EffectInfo, kEffects> table{{
+      {Effect::kSelfEmission, "self_emission", "what surfaces emit towards the sensor",
+       "always: it is the lower bound that all others are compared with", "none needed",
+       "the primary rays", false},
+      {Effect::kDirectSun, "direct_sun", "sunlight reflected by the target",
+       "mid-wave by day; long-wave where mirrors catch the sun",
+       "irradiance outside the air x largest BRDF x projected area; mirrors: every facet by "
+       "itself, "
+       "nothing in the way",
+       "one ray to the sun for each reflection that it could matter to", true},
+      {Effect::kDiffuseSun, "diffuse_sun", "sunlight scattered by the sky, reflected by the target",
+       "mid-wave by day",
+       "what air scatters once is at most the irradiance outside it, on any facet; towards a "
+       "mirror "
+       "the largest phase function",
+       "24 azimuths of the sky instead of one, at every view", true, 4.3e-3},
+      {Effect::kMirroredSun, "mirrored_sun",
+       "the sun that waves mirror towards the target, reflected by it",
+       "mid-wave by day over a sea",
+       "integral of the glitter over all directions of the sea, no air; towards a mirror its "
+       "brightest direction",
+       "one ray from the sea to the sun for each path that ends there", true},
+      {Effect::kSkyReflected, "sky_reflected", "what the sky emits, reflected by the target",
+       "unless the target is much brighter than its surroundings and hardly reflects",
+       "what is reflected after the first facet (pilot, upper limit) x Planck's function at the "
+       "warmest air",
+       "all reflected rays; the sky behind the air of the line of sight", true, 1.8e-3},
+      {Effect::kLowerReflected, "lower_reflected",
+       "what sea or ground emit and reflect of the sky, reflected by the target",
+       "as sky_reflected", "as sky_reflected, at the warmest of sea, ground and air",
+       "all reflected rays; the sea behind the air of the line of sight", true, 1.8e-3},
+      {Effect::kInterReflection, "inter_reflection",
+       "light that meets the target more than once: reflections of its own parts, orders 2 to "
+       "max_reflections",
+       "cavities, corners, shiny parts beside hot ones",
+       "0 for a convex target; else what is still reflected after each order (pilot, upper limit) "
+       "x "
+       "the brightest source",
+       "rays of the second and later orders", true},
+      {Effect::kHotPartsReflected, "hot_parts_reflected",
+       "hot parts reflected by others, aimed at from every facet",
+       "parts well above the rest of the target", "with inter_reflection: it is on or off with it",
+       "one ray to a hot part for each reflection that it could matter to", false},
+      {Effect::kTransmission, "transmission", "absorption between target and sensor", "always",
+       "none needed", "one line of sight for each weather and view", false},
+      {Effect::kPathRadiance, "path_radiance", "what the air between target and sensor emits",
+       "long ranges, cold targets", "none needed", "part of transmission", false},
+      {Effect::kPathSun, "path_sun",
+       "sunlight that the air between target and sensor scatters towards the sensor",
+       "mid-wave by day, haze, towards the sun",
+       "irradiance outside the air x phase function at the angle of the line of sight x what the "
+       "line scatters",
+       "the sun's way to every layer of the line of sight", true, 0.5e-3},
+      {Effect::kBackgroundSun, "background_sun",
+       "sunlight in what would be seen in the target's place: bright sky, glitter",
+       "contrast by day; changes no other quantity",
+       "irradiance outside the air x phase function or glitter in the direction of sight",
+       "the sky and the sea under the sun", true, 0.4e-3},
+      {Effect::kJoinedLines, "joined_lines",
+       "the air's lines in reflected light, joined with those of the line of sight ring by ring of "
+       "the sky",
+       "the apparent intensity of reflecting targets at some range",
+       "what is reflected of sky and sea x the range of the rings' ratios between those computed",
+       "one line of sight for each of 16 rings of sky and sea; off: for 6", true, 2.6e-3},
+      {Effect::kAirToHorizon, "air_to_horizon",
+       "air between the target and the sea or ground that it reflects", "targets well above it",
+       "none needed", "once for each weather", false},
+      {Effect::kSunDisk, "sun_disk", "the sun's size: soft shadows, limits of glints",
+       "mirrors in the sun", "none needed", "nothing", false},
+      {Effect::kDirectionalEmissivity, "directional_emissivity",
+       "emissivity by the angle of sight, 1 - DHR", "always", "none needed", "nothing", false},
+      {Effect::kSpectralVariation, "spectral_variation",
+       "materials that vary over the band's wavelengths", "spectral materials", "none needed",
+       "weights at a few wavelengths instead of one along every path", false},
+      {Effect::kPerspective, "perspective", "rays that leave one point at a finite range",
+       "targets large against the range", "none needed", "nothing", false},
+      {Effect::kRefraction, "refraction", "lines of sight bent by the air's density",
+       "lines near the horizon", "none needed",
+       "tracing of the ray, once for each weather and view", false},
+  }};
+  return table;
+}
+
+const EffectInfo& info_of(Effect effect) {
+  return effect_table()[static_cast<std::size_t>(effect)];
+}
+
+std::optional<Effect> effect_named(std::string_view name) {
+  const auto& table = effect_table();
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const EffectInfo& e) { return e.name == name; });
+  if (found == table.end()) return std::nullopt;
+  return found->effect;
+}
+
+std::string_view name_of(EffectState state) {
+  switch (state) {
+    case EffectState::kOn:
+      return "on";
+    case EffectState::kOff:
+      return "off";
+    case EffectState::kAbsent:
+      return "absent";
+  }
+  return "?";
+}
+
+std::string_view name_of(EffectReason reason) {
+  switch (reason) {
+    case EffectReason::kAlways:
+      return "always";
+    case EffectReason::kAbsent:
+      return "not_in_scene";
+    case EffectReason::kWithinShare:
+      return "within_share";
+    case EffectReason::kAboveShare:
+      return "above_share";
+    case EffectReason::kOtherRow:
+      return "other_row";
+    case EffectReason::kNoGoal:
+      return "no_goal";
+    case EffectReason::kUnbounded:
+      return "unbounded";
+    case EffectReason::kForced:
+      return "forced";
+  }
+  return "?";
+}
+
+}  // namespace irsig

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace irsig {
+
+// What a signature is made of. The table below says of each what it is, when it matters, how what
+// it contributes is bounded without being simulated, and what it costs.
+enum class Effect : std::uint8_t {
+  kSelfEmission,
+  kDirectSun,
+  kDiffuseSun,
+  kMirroredSun,
+  kSkyReflected,
+  kLowerReflected,
+  kInterReflection,
+  kHotPartsReflected,
+  kTransmission,
+  kPathRadiance,
+  kPathSun,
+  kBackgroundSun,
+  kJoinedLines,
+  kAirToHorizon,
+  kSunDisk,
+  kDirectionalEmissivity,
+  kSpectralVariation,
+  kPerspective,
+  kRefraction,
+};
+inline constexpr std::size_t kEffects = 19;
+
+struct EffectInfo {
+  Effect effect;
+  std::string_view name;  // in files and on the command line
+  std::string_view what;
+  std::string_view when;   // it matters
+  std::string_view bound;  // of leaving it out
+  std::string_view cost;
+  // Whether it can be left out: what can not costs nothing that leaving it out would save.
+  bool switchable;
+  // Of one processor, for each view and condition under the embedded atmosphere, without rays.  [s]
+  // As measured where docs/performance.md says, with 481 wavelengths: for estimates only.
+  double view_s = 0;
+};
+// A ray and what is done where it ends: likewise.                                             [s]
+inline constexpr double kRaySeconds = 3e-7;
+
+[[nodiscard]] const std::array<EffectInfo, kEffects>& effect_table();
+[[nodiscard]] const EffectInfo& info_of(Effect effect);
+[[nodiscard]] std::optional<Effect> effect_named(std::string_view name);
+
+// What the user asks for. kAuto: what the accuracy asked for calls for.
+struct EffectChoice {
+  enum class Mode : std::uint8_t { kAuto, kAll, kOnly };
+  Mode mode = Mode::kAll;
+  std::vector<Effect> only;  // kOnly: of the switchable effects these are on, all others off
+};
+
+enum class EffectState : std::uint8_t {
+  kOn,
+  kOff,     // left out: its bound is part of the numerical error
+  kAbsent,  // nothing in this scene and condition causes it
+};
+enum class EffectReason : std::uint8_t {
+  kAlways,       // can not be left out
+  kAbsent,       // nothing causes it
+  kWithinShare,  // off: the bound fits into the share of the error that omissions may take
+  kAboveShare,   // on: it does not
+  kOtherRow,     // on: it would fit here, but another row of the view needs it
+  kNoGoal,       // on: no relative error is asked for, so that nothing says what is small
+  kUnbounded,    // on: no finite bound is known
+  kForced,       // the user's word
+};
+[[nodiscard]] std::string_view name_of(EffectState state);
+[[nodiscard]] std::string_view name_of(EffectReason reason);
+
+// One effect in one row. NaN: not known. Bounds: the most by which leaving the effect out can
+// change the quantity.                                                                     [W/sr]
+struct LedgerEntry {
+  Effect effect;
+  EffectState state;
+  EffectReason reason;
+  double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
+  double share_w_sr;  // measured: what it contributes to the intensity at the target
+  // Of one processor, for the whole view, estimated from counts: spent (on) or saved (off).    [s]
+  double time_s;
+};
+
+}  // namespace irsig

@@ -1,0 +1,134 @@
+#include "core/environment/leg.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_format.h"
+#include "core/base/constants.h"
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+
+absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um) {
+  NodeWavelengths out;
+  out.um = um;
+  std::vector<unsigned char> wanted(kAirBandCount, 0);
+  for (const double lambda_um : um) {
+    const absl::StatusOr<std::size_t> band = air_band(lambda_um);
+    if (!band.ok()) return band.status();
+    out.band.push_back(*band);
+    wanted[*band] = 1;
+    out.solar_shape.push_back(solar_irradiance_w_m2_um(lambda_um) /
+                              solar_irradiance_w_m2_um(air_band_lambda_um(*band)));
+  }
+  out.bands = BandChoice(wanted);
+  return out;
+}
+
+absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                                 double height_m, const Environment::Line& line,
+                                 const BandChoice& bands) {
+  if (!(line.range_m >= 0 && std::isfinite(line.range_m) && line.elevation_deg >= -90 &&
+        line.elevation_deg <= 90)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "a line of sight of range_m %g at elevation_deg %g", line.range_m, line.elevation_deg));
+  }
+  const AirProfile& profile = atmosphere.profile();
+  const double bottom_m = profile.level.front().height_m;
+  const double r = kEarthRadiusM + height_m, d = line.range_m;
+  const double rise_m = d * std::sin(line.elevation_deg * kRadPerDeg);
+  // r' - r without the loss of digits
+  const double r_sensor = std::sqrt(r * r + d * d + 2 * r * rise_m);
+  LegPath out;
+  out.sensor_height_m = height_m + (d * d + 2 * r * rise_m) / (r_sensor + r);
+  if (out.sensor_height_m < bottom_m) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("the sensor, %g m away at %g deg, would be %.4g m below the surface", d,
+                        line.elevation_deg, bottom_m - out.sensor_height_m));
+  }
+  absl::StatusOr<LightPath> path =
+      look_between(profile, out.sensor_height_m, height_m, d, spec.refraction);
+  if (!path.ok()) return absl::InvalidArgumentError(path.status().message());
+  out.path = *std::move(path);
+  if (!spec.imported) return out;
+
+  const absl::StatusOr<const ImportedPath*> found =
+      find_path(*spec.imported, out.sensor_height_m, height_m, d);
+  if (!found.ok()) return absl::InvalidArgumentError(found.status().message());
+  out.imported = *found;
+  const AirSpectrum& radiance = out.imported->radiance_w_m2_sr_um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    if (!chosen(bands, b)) continue;
+    if (std::isnan(out.imported->transmittance[b]) ||
+        (!radiance.empty() && std::isnan(radiance[b]))) {
+      return absl::InvalidArgumentError(absl::StrFormat("%s:%d: no value at %.4g um",
+                                                        spec.imported->file, out.imported->line,
+                                                        air_band_lambda_um(b)));
+    }
+  }
+  return out;
+}
+
+Leg::Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
+         const NodeWavelengths& wavelengths)
+    : layers(atmosphere, path.path, wavelengths.bands),
+      transmittance(layers.transmittance),
+      imported(path.imported != nullptr),
+      imported_radiance(imported && !path.imported->radiance_w_m2_sr_um.empty()),
+      lowest_m(std::min(path.sensor_height_m, height_m)),
+      highest_m(std::max(path.sensor_height_m, height_m)),
+      wavelengths_(&wavelengths),
+      import_(path.imported) {
+  for (const LightPath::Node& node : path.path.node) lowest_m = std::min(lowest_m, node.height_m);
+  for (std::size_t b = 0; imported && b < kAirBandCount; ++b) {
+    if (chosen(wavelengths.bands, b)) transmittance[b] = import_->transmittance[b];
+  }
+  const double temperature_k = air_at(atmosphere.profile(), height_m).temperature_k;
+  for (std::size_t i = 0; i < wavelengths.um.size(); ++i) {
+    const double centre_um = air_band_lambda_um(wavelengths.band[i]);
+    thermal_shape_.push_back(planck_radiance_w_m2_sr_um(wavelengths.um[i], temperature_k) /
+                             planck_radiance_w_m2_sr_um(centre_um, temperature_k));
+  }
+}
+
+AirSpectrum Leg::radiance(const AirSpectrum* surroundings) const {
+  AirSpectrum out = layers.thermal_w_m2_sr_um;
+  for (std::size_t b = 0; surroundings && b < kAirBandCount; ++b) {
+    out[b] += layers.surroundings_share[b] * (*surroundings)[b];
+  }
+  for (std::size_t b = 0; imported && b < kAirBandCount; ++b) {
+    if (!chosen(wavelengths_->bands, b)) continue;
+    if (imported_radiance) {
+      out[b] = import_->radiance_w_m2_sr_um[b];
+    } else {
+      // The air's mean radiance along the path is the embedded model's.
+      const double own = layers.transmittance[b];
+      out[b] *= own < 1 ? (1 - transmittance[b]) / (1 - own) : 0;
+    }
+  }
+  return out;
+}
+
+std::vector<double> Leg::per_wavelength(const AirSpectrum& of_band) const {
+  std::vector<double> out;
+  for (const std::size_t band : wavelengths_->band) out.push_back(of_band[band]);
+  return out;
+}
+
+std::vector<double> Leg::spread_thermal(const AirSpectrum& thermal) const {
+  std::vector<double> out(wavelengths_->um.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = thermal[wavelengths_->band[i]] * thermal_shape_[i];
+  }
+  return out;
+}
+
+std::vector<double> Leg::plus_solar(std::vector<double> thermal, const AirSpectrum& solar) const {
+  for (std::size_t i = 0; i < thermal.size(); ++i) {
+    thermal[i] += solar[wavelengths_->band[i]] * wavelengths_->solar_shape[i];
+  }
+  return thermal;
+}
+
+}  // namespace irsig

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "core/atmosphere/path_layers.h"
+#include "core/environment/environment.h"
+
+namespace irsig {
+
+// The sweep's wavelengths and the air's bands that they lie in. Private to core/environment, as all
+// of this header.
+struct NodeWavelengths {
+  std::vector<double> um;
+  std::vector<std::size_t> band;
+  BandChoice bands;
+  std::vector<double> solar_shape;  // solar spectrum there over that at the band's centre
+};
+[[nodiscard]] absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um);
+
+// Where the air of one weather lets a sensor see the target, and what was imported for it.
+struct LegPath {
+  LightPath path;  // from the sensor to the target
+  double sensor_height_m = 0;
+  const ImportedPath* imported = nullptr;
+};
+// INVALID_ARGUMENT as Environment::view has it.
+[[nodiscard]] absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec,
+                                               const Atmosphere& atmosphere, double height_m,
+                                               const Environment::Line& line,
+                                               const BandChoice& bands);
+
+// The air of one weather between sensor and target.
+class Leg {
+ public:
+  Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
+      const NodeWavelengths& wavelengths);
+
+  PathLayers layers;          // the embedded model's
+  AirSpectrum transmittance;  // that, or the imported
+  bool imported = false, imported_radiance = false;
+  double lowest_m = 0, highest_m = 0;
+
+  // What the path sends out, from its own emission and its surroundings' mean radiance.
+  [[nodiscard]] AirSpectrum radiance(const AirSpectrum* surroundings) const;
+
+  // On the sweep's wavelengths: as they are; band means, carried on inside a band by Planck's
+  // function at the target's air temperature or by the sun's spectrum.
+  [[nodiscard]] std::vector<double> per_wavelength(const AirSpectrum& of_band) const;
+  [[nodiscard]] std::vector<double> spread_thermal(const AirSpectrum& thermal) const;
+  [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,
+                                               const AirSpectrum& solar) const;
+
+ private:
+  const NodeWavelengths* wavelengths_;
+  const ImportedPath* import_;
+  std::vector<double> thermal_shape_;  // Planck's function there over that at the band's centre
+};
+
+}  // namespace irsig

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/environment/leg.h"
+#include "core/environment/weather_bounds.h"
+
+namespace irsig {
+
+// What the sun of one condition can be at most at the target, on the air's bands. Private to
+// core/environment, as all of this header.
+struct ConditionBounds {
+  ConditionBounds(const ConditionEnvironment& condition, const WeatherBounds& weather);
+
+  const WeatherBounds& weather;
+  bool shines = false;
+  Vec<Body> direction;
+  AirSpectrum outside, sun, diffuse_sun, diffuse_sun_w_m2_um, mirrored_sun, mirrored_sun_w_m2_um;
+  AirSpectrum lower_sun;               // of diffuse_sun, below the horizon
+  std::vector<AirSpectrum> sun_above;  // [WeatherBounds::above]: irradiance from there down
+
+ private:
+  void scatter(double slant);
+  void mirror();
+};
+
+[[nodiscard]] LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
+                                       const Environment::Line& line);
+
+}  // namespace irsig

@@ -1,0 +1,266 @@
+#include "core/signature/effect_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kSigmas = 4;
+// (1 / the Earth's distance at perihelion in AU)^2
+constexpr double kNearestSun = 1.035;
+
+RowBounds::Bound& at(RowBounds& row, Effect effect) {
+  return row.effect[static_cast<std::size_t>(effect)];
+}
+
+// In-band integral of a spectrum on all nodes, as it is and behind the line of sight.
+struct BandIntegral {
+  double source, apparent;
+};
+class BandOf {
+ public:
+  BandOf(const BandGrid& grid, std::size_t offset, const std::vector<double>& transmittance)
+      : grid_(grid), offset_(offset), transmittance_(transmittance) {}
+  [[nodiscard]] BandIntegral operator()(const std::vector<double>& spectrum) const {
+    BandIntegral sum{0, 0};
+    for (std::size_t i = 0; i < grid_.node_um.size(); ++i) {
+      const double w = grid_.band_weight[i] * spectrum[offset_ + i];
+      sum.source += w;
+      sum.apparent += w * transmittance_[offset_ + i];
+    }
+    return sum;
+  }
+
+ private:
+  const BandGrid& grid_;
+  std::size_t offset_;
+  const std::vector<double>& transmittance_;
+};
+
+// What the target's materials can do with light that comes from anywhere.
+struct SurfaceLimits {
+  bool narrow = false;     // a lobe as narrow as a mirror's (kBrightSlope)
+  double brdf_per_sr = 0;  // largest of the others: DHR x 1 / pi, or a lobe's peak
+  double gathered = 1;     // light on a facet, that from other facets included / from outside
+};
+SurfaceLimits surface_limits(const Simulator& simulator) {
+  const Target& target = simulator.target();
+  SurfaceLimits out;
+  double most = 0;
+  std::vector<bool> seen(simulator.carried_materials().size(), false);
+  for (const PartSpec& part : target.part) {
+    if (seen[part.material]) continue;
+    seen[part.material] = true;
+    const Material& m = simulator.carried_materials()[part.material];
+    double dhr = 0;
+    for (int k = 1; k <= 64; ++k)
+      dhr = std::max(dhr, static_cast<double>(m.dhr_max(static_cast<float>(k) / 64)));
+    most = std::max(most, dhr);
+    const double slope = m.narrowest_slope();
+    if (slope < static_cast<double>(kBrightSlope))
+      out.narrow = true;
+    else
+      out.brdf_per_sr = std::max(out.brdf_per_sr,
+                                 dhr / std::numbers::pi * std::max(1.0, 1 / (4 * slope * slope)));
+  }
+  // Radiances of facets that light each other obey L <= f E + DHR L.
+  if (!target.convex) out.gathered = most < 0.95 ? 1 / (1 - most) : kInfinite;
+  return out;
+}
+
+RowBounds::Bound times(double factor, const BandIntegral& b) {
+  // Nothing times a bound that is not known is nothing.
+  const auto product = [&](double x) { return factor == 0 || x == 0 ? 0 : factor * x; };
+  return {false, product(b.source), product(b.apparent), product(b.apparent)};
+}
+
+// The most of a bound on sunlight at the target that arrives. What the air has taken out of it on
+// its way down is in the bound as a band's mean, and lines that are gone already are not absorbed
+// again: only sunlight outside the air, a smooth spectrum, may be multiplied by mean transmittance.
+std::vector<double> arriving_sunlight(const LightBounds& light, bool atmosphere,
+                                      const std::vector<double>& node_um) {
+  if (!atmosphere) return light.transmittance;
+  std::vector<double> out(node_um.size(), 1.0);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (light.sun[i] > 0)
+      out[i] = std::min(1.0, kNearestSun * solar_irradiance_w_m2_um(node_um[i]) *
+                                 light.transmittance[i] / light.sun[i]);
+  return out;
+}
+
+RowBounds::Bound smaller(const RowBounds::Bound& a, const RowBounds::Bound& b) {
+  return {false, std::min(a.source, b.source), std::min(a.apparent, b.apparent),
+          std::min(a.contrast, b.contrast)};
+}
+
+bool dark(const std::vector<double>& spectrum) {
+  return std::all_of(spectrum.begin(), spectrum.end(), [](double x) { return x == 0; });
+}
+
+// What nothing in the scene causes; all other bounds are unknown.
+RowBounds known_absences(const Simulator& simulator, const ViewRequest& request, std::size_t c) {
+  RowBounds row;
+  for (const EffectInfo& e : effect_table())
+    at(row, e.effect) = {false, kInfinite, kInfinite, kInfinite};
+  const bool sun = sun_shines(request.condition[c]), air = request.environment != nullptr;
+  const bool homogeneous = !air && request.air.model != AirModel::kVacuum;
+  bool hot = false;
+  for (const PartSpec& part : simulator.target().part) hot |= part.hot;
+  const auto absent = [&](Effect effect, bool is) {
+    if (is) at(row, effect) = {true, 0, 0, 0};
+  };
+  absent(Effect::kDirectSun, !sun);
+  absent(Effect::kSunDisk, !sun);
+  absent(Effect::kDiffuseSun, !sun || !air);
+  absent(Effect::kMirroredSun, !sun || !(request.condition[c].sea_wind_m_s > 0));
+  absent(Effect::kPathSun, !sun || !air);
+  absent(Effect::kBackgroundSun, !sun || !air);
+  absent(Effect::kInterReflection, simulator.target().convex);
+  absent(Effect::kHotPartsReflected, !hot || simulator.target().convex);
+  absent(Effect::kTransmission, !air && !homogeneous);
+  absent(Effect::kPathRadiance, !air && !(homogeneous && request.air.path_emission));
+  absent(Effect::kJoinedLines, !air);
+  absent(Effect::kAirToHorizon, !air);
+  absent(Effect::kRefraction, !air);
+  bool spectral = false;
+  for (const Material& m : simulator.carried_materials()) spectral |= !m.grey();
+  absent(Effect::kSpectralVariation, !spectral);
+  return row;
+}
+
+}  // namespace
+
+double absolute_floor_w_m2_sr(const Band& band, const BandGrid& grid, double around_w_m2_sr,
+                              double kelvin) {
+  if (!(kelvin > 0 && around_w_m2_sr > 0)) return 0;
+  const double t = apparent_temperature_k(band, grid, around_w_m2_sr);
+  if (!(t > 0)) return 0;
+  double warmer = 0, here = 0;
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
+    here += grid.band_weight[i] * planck_radiance_w_m2_sr_um(grid.node_um[i], t);
+    warmer += grid.band_weight[i] * planck_radiance_w_m2_sr_um(grid.node_um[i], t + 1);
+  }
+  return kelvin * (warmer - here);
+}
+
+std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
+                                              const ViewRequest& request) {
+  std::vector<RowBounds> out;
+  for (std::size_t c = 0; c < request.condition.size(); ++c)
+    for (std::size_t b = 0; b < simulator.bands().size(); ++b)
+      out.push_back(known_absences(simulator, request, c));
+  return out;
+}
+
+std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewRequest& request,
+                                     const AimedView& view, ViewSurroundings& surroundings,
+                                     const Pass& emission,
+                                     const std::vector<std::size_t>& band_offset) {
+  const std::size_t bands = simulator.bands().size();
+  const SurfaceLimits surface = surface_limits(simulator);
+  const double q0 = emission.beyond_limit_m2(0);
+  std::vector<double> node_um;
+  for (const BandGrid& grid : simulator.band_grids())
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  std::vector<RowBounds> out;
+  for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
+    const ConditionSpec& condition = request.condition[c];
+    const LightBounds& light = surroundings.bounds(c);
+    const std::vector<double> sun_arrives =
+        arriving_sunlight(light, request.environment != nullptr, node_um);
+    const bool sun = sun_shines(condition);
+    UnseenSun mirrored;
+    if (sun && surface.narrow)
+      mirrored =
+          unseen_sun(simulator.target(), simulator.carried_materials(), view.frame, view.range_m,
+                     {{condition.sun_direction,
+                       condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0}})
+              .front();
+    for (std::size_t b = 0; b < bands; ++b) {
+      const BandOf band(simulator.band_grids()[b], band_offset[b], light.transmittance);
+      const BandOf sunlight(simulator.band_grids()[b], band_offset[b], sun_arrives);
+      RowBounds row = known_absences(simulator, request, c);
+      const std::size_t index = c * bands + b;
+      const ReplicateStatistics& s = emission.statistics(index);
+      const auto least = [&](std::size_t quantity) {
+        const Estimate e = s.estimate(quantity);
+        return std::max(0.0, e.value - kSigmas * e.stderr_);
+      };
+      const Estimate area = s.estimate(kAreaQuantity);
+      const double area_m2 = area.value + kSigmas * area.stderr_;
+      const double floor = emission.absolute_floor_w_sr(index);
+      row.goal_w_sr = std::max(request.accuracy.relative_error * least(0), floor);
+      double arrives = 0, width = 0;
+      for (std::size_t i = 0; i < simulator.band_grids()[b].node_um.size(); ++i) {
+        width += simulator.band_grids()[b].band_weight[i];
+        arrives +=
+            simulator.band_grids()[b].band_weight[i] * light.transmittance[band_offset[b] + i];
+      }
+      row.aperture_goal_w_sr = std::max(request.accuracy.relative_error * least(kApparentQuantity),
+                                        floor * arrives / width);
+
+      // Light of any source that is not the sun's, reflected once or more: Q0 x the brightest.
+      const BandIntegral thermal = band(light.thermal);
+      BandIntegral part{0, 0};
+      for (const double t : condition.part_temperature_k) {
+        std::vector<double> radiance(light.transmittance.size(), 0.0);
+        const BandGrid& grid = simulator.band_grids()[b];
+        for (std::size_t i = 0; i < grid.node_um.size(); ++i)
+          radiance[band_offset[b] + i] = planck_radiance_w_m2_sr_um(grid.node_um[i], t);
+        const BandIntegral of_part = band(radiance);
+        part = {std::max(part.source, of_part.source), std::max(part.apparent, of_part.apparent)};
+      }
+      const bool convex = simulator.target().convex;
+      const BandIntegral brightest{std::max(thermal.source, convex ? 0 : part.source),
+                                   std::max(thermal.apparent, convex ? 0 : part.apparent)};
+      row.reflected = times(q0, brightest);
+      at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = times(q0, thermal);
+      if (!convex) at(row, Effect::kInterReflection) = row.reflected;
+
+      if (!at(row, Effect::kDirectSun).absent) {
+        double per_irradiance = area_m2 * surface.brdf_per_sr * surface.gathered;
+        if (surface.narrow) {
+          per_irradiance += mirrored.glint;
+          if (!convex) per_irradiance += mirrored.caustic + q0 * mirrored.chain_per_sr;
+        }
+        at(row, Effect::kDirectSun) = times(per_irradiance, sunlight(light.sun));
+      }
+      const auto from_around = [&](Effect effect, const std::vector<double>& radiance,
+                                   const std::vector<double>& irradiance) {
+        RowBounds::Bound& bound = at(row, effect);
+        if (bound.absent) return;
+        if (dark(radiance)) {
+          bound = {true, 0, 0, 0};
+          return;
+        }
+        bound = times(q0, sunlight(radiance));
+        if (!surface.narrow)
+          bound = smaller(
+              bound, times(area_m2 * surface.brdf_per_sr * surface.gathered, sunlight(irradiance)));
+      };
+      from_around(Effect::kDiffuseSun, light.diffuse_sun, light.diffuse_sun_w_m2_um);
+      from_around(Effect::kMirroredSun, light.mirrored_sun, light.mirrored_sun_w_m2_um);
+      if (RowBounds::Bound& bound = at(row, Effect::kJoinedLines); !bound.absent) {
+        // Transmittances lie between 0 and 1: all of it, until the rings are known.
+        const double all =
+            at(row, Effect::kSkyReflected).source + at(row, Effect::kDiffuseSun).source;
+        bound = {false, 0, all, all};
+      }
+      if (RowBounds::Bound& bound = at(row, Effect::kPathSun); !bound.absent)
+        bound = {false, 0, area_m2 * band(light.path_sun).source, 0};
+      if (RowBounds::Bound& bound = at(row, Effect::kBackgroundSun); !bound.absent)
+        bound = {false, 0, 0, area_m2 * band(light.background_sun).source};
+      out.push_back(row);
+    }
+  }
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,168 @@
+#include "core/signature/view_environments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/signature/shading.h"
+
+namespace irsig {
+namespace {
+
+// Rings of a side on which the background of a target is wanted, from |sin(elevation)| low to high.
+// Near the horizon the way through the air changes fastest.
+std::vector<float> behind_rings(double low, double high) {
+  std::vector<float> out{static_cast<float>(low)};
+  const auto last = static_cast<float>(high);
+  while (out.back() < last)
+    out.push_back(std::min(last, std::max(1.15f * out.back(), out.back() + 0.002f)));
+  return out;
+}
+
+// A side of the horizon that lines of sight miss by less is lit nevertheless: they are rounded.
+constexpr double kGrazingRad = 1e-4;
+
+// Whether the atmosphere has a sun for this condition.
+bool has_atmospheric_sun(const ConditionSpec& c) { return c.sun && c.sun_direction.z < 0; }
+
+}  // namespace
+
+bool sun_shines(const ConditionSpec& condition) {
+  return condition.sun && condition.sun_scale > 0 &&
+         condition.sun_cos_zenith >
+             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
+}
+
+bool over_sea(const ViewRequest& request) {
+  return request.condition.front().surroundings.kind == SurroundingsKind::kSea;
+}
+
+ViewPlan plan_with_everything(const ViewRequest& request) {
+  ViewPlan plan;
+  plan.max_reflections = request.max_reflections;
+  plan.condition.resize(request.condition.size());
+  return plan;
+}
+
+ViewSurroundings::ViewSurroundings(const ViewRequest& request, double range_m,
+                                   const std::vector<double>& node_um)
+    : request_(&request),
+      range_m_(range_m),
+      node_um_(&node_um),
+      plain_bounds_(request.condition.size()) {}
+
+absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& request,
+                                                        const Target& target, double range_m,
+                                                        const std::vector<double>& node_um) {
+  ViewSurroundings out(request, range_m, node_um);
+  if (request.environment == nullptr) return out;
+  const Viewpoint& v = request.viewpoint;
+  const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+  // Lines of sight leave the target downwards where the sensor is above it: between the elevations
+  // of the target's lowest and highest point, as the sensor sees them.
+  const double elevation = v.aspect_elevation_deg * std::numbers::pi / 180,
+               reach =
+                   std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)),
+               least = elevation - reach, most = std::min(elevation + reach, std::numbers::pi / 2);
+  const auto side = [](double from, double to) {
+    return to > 0 ? behind_rings(std::sin(std::max(from, 0.0)), std::sin(to))
+                  : std::vector<float>{0.0f};
+  };
+  const double up = std::min(-least, std::numbers::pi / 2), down = most;
+  out.behind_ =
+      DirectionNodes(side(-most, up), side(least, down), 1, std::atan2(-towards.y, -towards.x));
+  auto look = request.environment->look({range_m, v.aspect_elevation_deg, towards, out.behind_,
+                                         up > -kGrazingRad, down > -kGrazingRad});
+  if (!look.ok()) return look.status();
+  out.look_.emplace(*std::move(look));
+  return out;
+}
+
+const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
+  if (look_) return look_->bounds(condition);
+  std::optional<LightBounds>& known = plain_bounds_[condition];
+  if (known) return *known;
+  const ConditionSpec& c = request_->condition[condition];
+  ViewEnvironment plain = plain_environment(c, request_->air, range_m_, sun_shines(c), *node_um_);
+  LightBounds& b = known.emplace();
+  const std::size_t n = node_um_->size();
+  b.transmittance = std::move(plain.transmittance);
+  b.path_radiance = std::move(plain.path_radiance);
+  b.sun = std::move(plain.sun);
+  b.thermal.assign(n, 0.0);
+  for (const auto& node : plain.node)
+    for (std::size_t i = 0; i < n; ++i) b.thermal[i] = std::max(b.thermal[i], node[i]);
+  for (auto* none : {&b.diffuse_sun, &b.diffuse_sun_w_m2_um, &b.mirrored_sun,
+                     &b.mirrored_sun_w_m2_um, &b.path_sun, &b.background_sun})
+    none->assign(n, 0.0);
+  return b;
+}
+
+ViewEnvironments ViewSurroundings::without_light() {
+  ViewEnvironments out;
+  const std::vector<double> dark(node_um_->size(), 0.0);
+  for (std::uint32_t c = 0; c < request_->condition.size(); ++c) {
+    const LightBounds& b = bounds(c);
+    ViewEnvironment& e = out.condition.emplace_back();
+    e.transmittance = b.transmittance;
+    e.path_radiance = b.path_radiance;
+    e.sun = e.sun_apparent = dark;
+    e.node = e.node_apparent = e.behind_apparent = {dark, dark};
+  }
+  return out;
+}
+
+absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint32_t> conditions,
+                                                       const ViewPlan& plan) {
+  ViewEnvironments out;
+  out.condition.resize(request_->condition.size());
+  if (!look_) {
+    for (const std::uint32_t c : conditions) {
+      const ConditionSpec& spec = request_->condition[c];
+      out.condition[c] =
+          plain_environment(spec, request_->air, range_m_, sun_shines(spec), *node_um_);
+    }
+    return out;
+  }
+  const bool reflections = plan.max_reflections > 0,
+             reflected = reflections && (plan.sky || plan.lower);
+  // Not so that it could depend on which conditions are asked for.
+  bool with_azimuths = false;
+  for (std::size_t c = 0; c < plan.condition.size(); ++c)
+    with_azimuths |=
+        reflected && plan.condition[c].diffuse_sun && has_atmospheric_sun(request_->condition[c]);
+  out.behind = behind_;
+  if (reflected) out.directions = request_->environment->nodes(with_azimuths);
+  for (const std::uint32_t c : conditions) {
+    const ViewPlan::Lights& lights = plan.condition[c];
+    LightUse use;
+    use.reflected = reflected;
+    use.direct_sun = reflections && (lights.direct_sun || lights.mirrored_sun);
+    use.diffuse_sun = reflected && lights.diffuse_sun && with_azimuths;
+    use.path_sun = lights.path_sun;
+    use.background_sun = lights.background_sun;
+    use.joined_lines = plan.joined_lines;
+    auto seen = look_->see(c, use, with_azimuths);
+    if (!seen.ok()) return seen.status();
+    out.condition[c] = *std::move(seen);
+    if (!reflected) {
+      const std::vector<double> dark(node_um_->size(), 0.0);
+      out.condition[c].node = out.condition[c].node_apparent = {dark, dark};
+    }
+  }
+  return out;
+}
+
+absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, const Target& target,
+                                                   double range_m,
+                                                   std::span<const std::uint32_t> conditions,
+                                                   const std::vector<double>& node_um) {
+  auto surroundings = ViewSurroundings::make(request, target, range_m, node_um);
+  if (!surroundings.ok()) return surroundings.status();
+  ViewPlan everything = plan_with_everything(request);
+  // Directions also where a request allows no reflections: profiles see the background by them.
+  everything.max_reflections = std::max(everything.max_reflections, 1u);
+  return surroundings->see(conditions, everything);
+}
+
+}  // namespace irsig

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/environment/direction_nodes.h"
+#include "core/environment/environment.h"
+#include "core/signature/signature.h"
+#include "core/transport/primary_rays.h"
+
+namespace irsig {
+
+// What the conditions of a request do to one view, and the directions to which it refers.
+struct ViewEnvironments {
+  DirectionNodes directions, behind;
+  std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
+};
+
+// All of a view that no random number decides.
+struct PreparedView {
+  AimedView aimed;
+  ViewEnvironments environments;
+};
+
+// The surroundings and the air of a request, with an atmosphere or without, seen along one line.
+class ViewSurroundings {
+ public:
+  // The request and the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
+  [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(const ViewRequest& request,
+                                                             const Target& target, double range_m,
+                                                             const std::vector<double>& node_um);
+
+  // The most that light can be, before any sky is computed.
+  [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
+  // Emission and the line's air alone: what a pilot without reflections needs.
+  [[nodiscard]] ViewEnvironments without_light();
+  // What the plan wants, of these conditions.
+  [[nodiscard]] absl::StatusOr<ViewEnvironments> see(std::span<const std::uint32_t> conditions,
+                                                     const ViewPlan& plan);
+
+ private:
+  ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);
+
+  const ViewRequest* request_;
+  double range_m_;
+  const std::vector<double>* node_um_;
+  DirectionNodes behind_;
+  std::optional<Environment::Look> look_;
+  std::vector<std::optional<LightBounds>> plain_bounds_;  // [condition], without an atmosphere
+};
+
+// Everything on, for these conditions.
+[[nodiscard]] absl::StatusOr<ViewEnvironments> view_environments(
+    const ViewRequest& request, const Target& target, double range_m,
+    std::span<const std::uint32_t> conditions, const std::vector<double>& node_um);
+
+// A plan with everything on, as many reflections as the request allows, no number of samples.
+[[nodiscard]] ViewPlan plan_with_everything(const ViewRequest& request);
+
+// The same for all conditions: plan() checks it.
+[[nodiscard]] bool over_sea(const ViewRequest& request);
+// Whether a condition's sun shines: some of its disk is above the horizon.
+[[nodiscard]] bool sun_shines(const ConditionSpec& condition);
+
+}  // namespace irsig

@@ -1,0 +1,344 @@
+#include "core/signature/view_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/constants.h"
+#include "core/signature/effect_bounds.h"
+#include "core/signature/pass.h"
+#include "core/signature/scene_hash.h"
+
+namespace irsig {
+namespace {
+
+// The sampler's coordinates have 23 bits.
+constexpr std::uint64_t kMostSamples = 1u << 23;
+// Samples per replicate of the pilots: of emission alone, then of everything.
+constexpr std::uint64_t kEmission = 64, kFirst = 128, kSecond = 1024;
+// How much of the room for omissions later reflections may take: little, since they cost little.
+constexpr double kOfLaterReflections = 0.25;
+
+std::vector<std::uint32_t> all_of(std::size_t n) {
+  std::vector<std::uint32_t> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = static_cast<std::uint32_t>(i);
+  return out;
+}
+
+// Where the user allows no reflections they are off by his word, and their bound is the
+// truncation's.
+void without_allowed_reflections(std::vector<std::vector<LedgerEntry>>& ledger) {
+  for (auto& row : ledger)
+    for (LedgerEntry& e : row)
+      for (const Effect of :
+           {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kSkyReflected,
+            Effect::kLowerReflected, Effect::kInterReflection, Effect::kHotPartsReflected,
+            Effect::kJoinedLines})
+        if (e.effect == of && e.state != EffectState::kAbsent) {
+          e.state = EffectState::kOff;
+          e.reason = EffectReason::kForced;
+        }
+}
+
+// Writes what was decided into the plan.
+void carry_out(const EffectPlanner& planner, const ViewRequest& request, const Target& target,
+               bool trust_convexity, ViewPlan& plan) {
+  plan.max_reflections = planner.reflections() ? request.max_reflections : 0;
+  plan.sky = planner.on_anywhere(Effect::kSkyReflected);
+  plan.lower = planner.on_anywhere(Effect::kLowerReflected);
+  plan.parts = planner.on_anywhere(Effect::kInterReflection);
+  plan.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
+  if (!plan.parts || (trust_convexity && target.convex))
+    plan.max_reflections = std::min(plan.max_reflections, 1u);
+  plan.no_second_hit = trust_convexity && target.convex;
+  plan.condition.resize(request.condition.size());
+  for (std::size_t c = 0; c < plan.condition.size(); ++c)
+    plan.condition[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
+                         planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
+                         planner.on(Effect::kBackgroundSun, c)};
+  plan.omitted = planner.omitted();
+  plan.ledger = planner.ledger();
+  if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
+}
+
+// The samples that all rows of a pilot ask for, from its last two stages or, with n_before = 0,
+// from one alone: the error then falls as n^-0.5 at least.
+std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
+                              const std::vector<double>& before, std::uint64_t n) {
+  std::uint64_t samples = 16;
+  for (std::size_t row = 0; row < pilot.rows(); ++row) {
+    const Estimate e = pilot.statistics(row).estimate(0);
+    if (!(e.stderr_ > 0)) continue;
+    samples =
+        std::max(samples, samples_needed(n_before, n_before > 0 ? before[row] : 0, n, e.stderr_,
+                                         pilot.stderr_wanted(row), std::uint64_t{1} << 40));
+  }
+  return samples;
+}
+
+std::vector<double> errors_of(const Pass& pilot) {
+  std::vector<double> out;
+  for (std::size_t row = 0; row < pilot.rows(); ++row)
+    out.push_back(pilot.statistics(row).estimate(0).stderr_);
+  return out;
+}
+
+// The number of samples for the asked error, after a first pilot of n_first samples. A larger one
+// follows unless little more is asked for, and a third where the second still asks for much more:
+// rare bright paths are then seen often enough to be judged.
+std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t most,
+                               std::uint64_t& pilot_rays) {
+  std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
+  if (samples <= kSecond) return samples;
+  std::uint64_t n_before = n_first, n = kSecond;
+  for (std::uint64_t stage = kSecondPilotStage;; ++stage) {
+    const std::vector<double> before = errors_of(pilot);
+    pilot.run(n, stage, Pass::Kind::kPilot);
+    pilot_rays += pilot.counts().rays;
+    samples = std::min(samples_of_rows(pilot, n_before, before, n), most + 1);
+    if (stage != kSecondPilotStage || samples < 32 * n) return samples;
+    n_before = n;
+    n = samples / 16;
+  }
+}
+
+// What reading the air's lines at fewer rings can change in each row: `relative` of what is
+// reflected of sky and sea, with the sun in them.
+template <typename Relative>
+std::vector<RowBounds::Bound> fewer_lines_bounds(const std::vector<RowBounds>& rows,
+                                                 std::size_t bands, const Relative& relative) {
+  std::vector<RowBounds::Bound> out;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const auto source = [&](Effect e) {
+      const RowBounds::Bound& b = rows[row].effect[static_cast<std::size_t>(e)];
+      return b.absent ? 0 : b.source;
+    };
+    const double share = relative(row / bands);
+    const double bound =
+        share == 0 ? 0 : share * (source(Effect::kSkyReflected) + source(Effect::kDiffuseSun));
+    out.push_back({false, 0, bound, bound});
+  }
+  return out;
+}
+
+// Sky, sea and air as the plan wants them. The air's lines at fewer rings of sky and sea, if that
+// is near enough: what it errs by is known from the rings themselves, which have to be seen first.
+absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
+                                             const std::vector<RowBounds>& rows, std::size_t bands,
+                                             ViewSurroundings& surroundings, EffectPlanner& planner,
+                                             ViewPlan& plan) {
+  const std::vector<std::uint32_t> conditions = all_of(request.condition.size());
+  if (request.environment == nullptr || plan.max_reflections == 0 || !(plan.sky || plan.lower))
+    return surroundings.see(conditions, plan);
+  const bool forced_off = !plan.joined_lines;
+  // A hundredth is about the least that comes of it.
+  EffectPlanner trial = planner;
+  const bool promising =
+      trial.take_room(fewer_lines_bounds(rows, bands, [](std::size_t) { return 0.01; }));
+  if (!forced_off && !promising) return surroundings.see(conditions, plan);
+  plan.joined_lines = false;
+  auto seen = surroundings.see(conditions, plan);
+  if (!seen.ok()) return seen.status();
+  const bool left_out =
+      planner.leave_out(Effect::kJoinedLines, fewer_lines_bounds(rows, bands, [&](std::size_t c) {
+                          return seen->condition[c].joined_lines_bound;
+                        }));
+  plan.omitted = planner.omitted();
+  plan.ledger = planner.ledger();
+  if (left_out || forced_off) return seen;
+  plan.joined_lines = true;
+  return surroundings.see(conditions, plan);
+}
+
+// The user may leave out what he likes, but not without an error that can be stated.
+absl::Status check_forced(const std::vector<RowBounds>& rows, const EffectPlanner& planner,
+                          std::size_t bands) {
+  for (const EffectInfo& e : effect_table()) {
+    if (!e.switchable || e.effect == Effect::kJoinedLines) continue;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const RowBounds::Bound& b = rows[row].effect[static_cast<std::size_t>(e.effect)];
+      if (!b.absent && !planner.on(e.effect, row / bands) &&
+          !std::isfinite(b.source + b.apparent + b.contrast))
+        return absl::FailedPreconditionError(
+            absl::StrCat("effects.only: without ", std::string(e.name),
+                         " no error can be stated, because no finite bound of it is known for "
+                         "this target"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// After the first number of reflections at which what is still under way hardly matters.
+void leave_out_late_reflections(const Pass& pilot, const EffectPlanner& planner, ViewPlan& plan) {
+  for (std::uint32_t n = 1; n < plan.max_reflections; ++n) {
+    std::vector<RowBounds::Bound> bounds;
+    for (std::size_t row = 0; row < pilot.rows(); ++row) {
+      const double bound =
+          pilot.beyond_limit_m2(n) * pilot.brightest_w_m2_sr(row) / kOfLaterReflections;
+      bounds.push_back({false, bound, bound, bound});
+    }
+    EffectPlanner trial = planner;
+    if (!trial.take_room(bounds)) continue;
+    plan.max_reflections = n;
+    return;
+  }
+}
+
+}  // namespace
+
+std::uint64_t view_seed(const Simulator& simulator, const ViewRequest& request) {
+  Hash hash;
+  hash.add(simulator.scene_hash());
+  hash.add(request.viewpoint.aspect_azimuth_deg);
+  hash.add(request.viewpoint.aspect_elevation_deg);
+  hash.add(request.viewpoint.range_m);
+  hash.add(request.seed);
+  return hash.value();
+}
+
+absl::Status check_request(const Simulator& simulator, const ViewRequest& request) {
+  const Viewpoint& viewpoint = request.viewpoint;
+  const double reach = length(simulator.target().centre) + simulator.target().radius_m;
+  if (!(viewpoint.range_m > reach))
+    return absl::InvalidArgumentError(absl::StrCat(
+        "viewpoints.range_m: a sensor at ", viewpoint.range_m,
+        " m is inside the target, which reaches ", reach, " m from its reference point"));
+  for (const ConditionSpec& c : request.condition)
+    if (c.part_temperature_k.size() != simulator.target().part.size())
+      return absl::InvalidArgumentError("a condition does not state one temperature for each part");
+  for (const ConditionSpec& c : request.condition)
+    if (c.surroundings.kind != request.condition.front().surroundings.kind)
+      return absl::InvalidArgumentError(
+          "surroundings.kind: all conditions of a sweep need the same kind, since paths are traced "
+          "once for all");
+  if (request.accuracy.max_samples_per_replicate > kMostSamples ||
+      request.accuracy.samples_per_replicate > kMostSamples)
+    return absl::InvalidArgumentError(absl::StrCat("accuracy: more than ", kMostSamples,
+                                                   " samples in a replicate; use more replicates"));
+  if (request.condition.empty() || simulator.bands().empty())
+    return absl::InvalidArgumentError("a sweep needs a condition and a band");
+  if (request.condition.front().surroundings.kind == SurroundingsKind::kSea) {
+    const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
+    const double along = viewpoint.range_m * std::cos(el);
+    const double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
+    if (height < 0)
+      return absl::InvalidArgumentError(
+          absl::StrCat("viewpoints: a sensor at ", viewpoint.range_m, " m range and ",
+                       viewpoint.aspect_elevation_deg, " deg elevation is under the sea"));
+  }
+
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
+  if (auto status = check_request(*this, request); !status.ok()) return status;
+  const AccuracySpec& accuracy = request.accuracy;
+  const bool goal = accuracy.relative_error > 0;
+  const bool automatic = request.effects.mode == EffectChoice::Mode::kAuto && goal;
+  const bool forced_off = request.effects.mode == EffectChoice::Mode::kOnly;
+  const std::vector<std::uint32_t> conditions = all_of(request.condition.size()),
+                                   bands = all_of(band_.size());
+  auto prepared = std::make_shared<PreparedView>();
+  if (goal || accuracy.target_paths > 0 || forced_off)
+    prepared->aimed = make_aimed_view(target_, request.viewpoint);
+  const AimedView& view = prepared->aimed;
+  const std::uint64_t seed = view_seed(*this, request);
+  auto surroundings = ViewSurroundings::make(request, target_, request.viewpoint.range_m, node_um_);
+  if (!surroundings.ok()) return surroundings.status();
+
+  ViewPlan plan = plan_with_everything(request);
+  plan.samples_per_replicate = accuracy.samples_per_replicate;
+  if (goal && accuracy.absolute_error_k > 0)
+    for (const std::uint32_t c : conditions)
+      for (const std::uint32_t b : bands) {
+        double around_w_m2_sr = 0;
+        const LightBounds& light = surroundings->bounds(c);
+        for (std::size_t i = 0; i < grid_[b].node_um.size(); ++i)
+          around_w_m2_sr += grid_[b].band_weight[i] * light.thermal[band_offset_[b] + i];
+        plan.absolute_floor_w_m2_sr.push_back(
+            absolute_floor_w_m2_sr(band_[b], grid_[b], around_w_m2_sr, accuracy.absolute_error_k));
+      }
+
+  // What is left out follows from a pilot of the emission alone.
+  ViewPlan emission_plan = plan;
+  emission_plan.max_reflections = 0;
+  std::optional<ViewEnvironments> emission_environments;
+  std::optional<Pass> emission;
+  std::vector<RowBounds> rows;
+  if (automatic || forced_off) {
+    emission_environments.emplace(surroundings->without_light());
+    emission.emplace(*this, request, emission_plan, view, *emission_environments, conditions, bands,
+                     node_um_, band_offset_, seed);
+    emission->run(kEmission, kEmissionStage, Pass::Kind::kPilot);
+    plan.pilot_rays += emission->counts().rays;
+    rows = effect_bounds(*this, request, view, *surroundings, *emission, band_offset_);
+  } else {
+    rows = effects_without_bounds(*this, request);
+  }
+  if (request.max_reflections == 0)
+    for (RowBounds& row : rows) {
+      row.reflected = {};
+      for (const EffectInfo& e : effect_table())
+        if (e.switchable && e.effect != Effect::kPathSun && e.effect != Effect::kBackgroundSun)
+          row.effect[static_cast<std::size_t>(e.effect)] = {
+              row.effect[static_cast<std::size_t>(e.effect)].absent, 0, 0, 0};
+    }
+  EffectPlanner planner(rows, band_.size(), request.effects);
+  planner.decide();
+  carry_out(planner, request, target_, automatic, plan);
+  if (forced_off)
+    if (auto status = check_forced(rows, planner, band_.size()); !status.ok()) return status;
+
+  if (!goal && accuracy.target_paths <= 0) {
+    if (!forced_off) return plan;
+    // With it the bound of the lines, if they are left out.
+    auto seen = see_planned(request, rows, band_.size(), *surroundings, planner, plan);
+    if (!seen.ok()) return seen.status();
+    prepared->environments = *std::move(seen);
+    plan.prepared = prepared;
+    return plan;
+  }
+  if (automatic && plan.max_reflections == 0 && request.max_reflections > 0) {
+    // The pilot of the emission was the pilot of all there is.
+    emission_plan.omitted = plan.omitted;
+    auto seen = surroundings->see(conditions, plan);
+    if (!seen.ok()) return seen.status();
+    prepared->environments = *std::move(seen);
+    plan.prepared = prepared;
+    plan.samples_per_replicate =
+        samples_for_goal(*emission, kEmission, accuracy.max_samples_per_replicate, plan.pilot_rays);
+  } else {
+    auto seen = see_planned(request, rows, band_.size(), *surroundings, planner, plan);
+    if (!seen.ok()) return seen.status();
+    prepared->environments = *std::move(seen);
+    plan.prepared = prepared;
+    Pass pilot(*this, request, plan, view, prepared->environments, conditions, bands, node_um_,
+               band_offset_, seed);
+    if (!goal) {
+      // Hits are counted with the strata in the proportion that the stored run has.
+      pilot.run(kSecond, kFirstPilotStage, Pass::Kind::kPilot);
+      plan.pilot_rays += pilot.counts().rays;
+      const double per_sample =
+          static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
+      if (per_sample == 0)
+        return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
+      const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
+      const auto most = static_cast<double>(accuracy.max_samples_per_replicate);
+      plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
+      plan.limited = wanted > most;
+      return plan;
+    }
+    pilot.run(kFirst, kFirstPilotStage, Pass::Kind::kPilot);
+    plan.pilot_rays += pilot.counts().rays;
+    if (automatic && plan.parts) leave_out_late_reflections(pilot, planner, plan);
+    plan.samples_per_replicate =
+        samples_for_goal(pilot, kFirst, accuracy.max_samples_per_replicate, plan.pilot_rays);
+  }
+  plan.limited = plan.samples_per_replicate > accuracy.max_samples_per_replicate;
+  plan.samples_per_replicate =
+      std::min(plan.samples_per_replicate, accuracy.max_samples_per_replicate);
+  return plan;
+}
+
+}  // namespace irsig

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// StoreReader::ledger.
+[[nodiscard]] absl::StatusOr<StoredLedger> find_ledger(Database& database,
+                                                       std::int64_t signature_id);
+
+}  // namespace irsig

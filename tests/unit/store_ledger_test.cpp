@@ -1,0 +1,175 @@
+// The ledger of effects and the energy of a signature: what goes in comes out, with the names of
+// the core, and what is not known stays apart from what is absent.
+
+#include <cmath>
+
+#include "core/effects/effects.h"
+#include "tests/unit/store_fixture.h"
+
+namespace irsig {
+namespace {
+
+class StoreLedger : public ::testing::Test {
+ protected:
+  void write() {
+    auto writer = StoreWriter::open(path_).value();
+    ASSERT_OK(submit(*writer, sweep_, "sweep-a").status());
+    ASSERT_OK(complete_jobs(*writer, sweep_).status());
+    ASSERT_OK(writer->finish());
+  }
+
+  ScratchFolder folder_;
+  std::string path_ = folder_.file("a.sigdb");
+  schema::ResolvedSweep sweep_ = make_sweep({});
+};
+
+void expect_same(bool known, double sent, double stored) {
+  if (known)
+    EXPECT_EQ(stored, sent);
+  else
+    EXPECT_TRUE(std::isnan(stored)) << stored;
+}
+
+TEST_F(StoreLedger, ComesBackWithWhatIsNotKnown) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  auto reader = StoreReader::open(path_).value();
+  const auto found = reader->find({}).value();
+  std::size_t n = 0;
+  for (const schema::JobSpec& job : make_jobs(sweep_, "sweep-a")) {
+    const schema::JobResult result = make_result(sweep_, job);
+    for (const schema::SignatureRow& row : result.row()) {
+      const auto ledger = reader->ledger(found[n++].signature_id);
+      ASSERT_OK(ledger.status());
+      ASSERT_EQ(ledger->effect.size(), kEffects);
+      for (std::size_t i = 0; i < kEffects; ++i) {
+        const schema::EffectEntry& sent = row.effect(static_cast<int>(i));
+        const StoredEffect& stored = ledger->effect[i];
+        EXPECT_EQ(stored.effect, sent.effect());
+        EXPECT_EQ(stored.state, sent.state() == schema::EFFECT_STATE_ON    ? "on"
+                                : sent.state() == schema::EFFECT_STATE_OFF ? "off"
+                                                                           : "absent");
+        EXPECT_EQ(stored.reason, sent.reason());
+        expect_same(sent.has_bound_w_sr(), sent.bound_w_sr(), stored.bound_w_sr);
+        expect_same(sent.has_apparent_bound_w_sr(), sent.apparent_bound_w_sr(),
+                    stored.apparent_bound_w_sr);
+        expect_same(sent.has_contrast_bound_w_sr(), sent.contrast_bound_w_sr(),
+                    stored.contrast_bound_w_sr);
+        expect_same(sent.has_share_w_sr(), sent.share_w_sr(), stored.share_w_sr);
+        expect_same(sent.has_time_s(), sent.time_s(), stored.time_s);
+      }
+      ASSERT_TRUE(ledger->energy.has_value());
+      EXPECT_EQ(ledger->energy->absorbed, row.energy().absorbed().value());
+      EXPECT_EQ(ledger->energy->escaped_to_sky_stderr, row.energy().escaped_to_sky().stderr());
+      EXPECT_EQ(ledger->energy->escaped_to_lower, row.energy().escaped_to_lower().value());
+      EXPECT_EQ(ledger->energy->cut_off_stderr, row.energy().cut_off().stderr());
+      EXPECT_EQ(ledger->energy->balance, row.energy().balance().value());
+      EXPECT_EQ(ledger->energy->balance_stderr, row.energy().balance().stderr());
+    }
+  }
+  EXPECT_EQ(n, 16U);
+  EXPECT_TRUE(absl::IsNotFound(reader->ledger(4711).status()));
+}
+
+// A new effect or reason of the core needs a migration: this is where that is noticed.
+TEST_F(StoreLedger, KnowsTheNamesOfTheCore) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  for (std::size_t i = 0; i < kEffects; ++i)
+    EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT name FROM effect WHERE effect = ", i + 1)),
+              effect_table()[i].name);
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM effect"), absl::StrCat(kEffects));
+  const auto last = static_cast<int>(EffectReason::kForced);
+  for (int reason = 0; reason <= last; ++reason)
+    EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT name FROM effect_reason WHERE reason = ",
+                                              reason + 1)),
+              name_of(static_cast<EffectReason>(reason)));
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM effect_reason"), absl::StrCat(last + 1));
+  for (int state = 0; state <= static_cast<int>(EffectState::kAbsent); ++state)
+    EXPECT_EQ(
+        sqlite_text(path_, absl::StrCat("SELECT name FROM effect_state WHERE state = ", state + 1)),
+        name_of(static_cast<EffectState>(state)));
+}
+
+TEST_F(StoreLedger, IsReadableByPeople) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT l.state || ' ' || l.reason FROM ledger_view l"
+                        " JOIN signature_view s USING (signature_id)"
+                        " WHERE s.row = 7 AND l.effect = 'direct_sun'"),
+            "off within_share");
+  EXPECT_EQ(sqlite_text(path_, "SELECT reflections FROM signature_view WHERE row = 7"), "3");
+}
+
+// The user's word needs no bound, nor what is in another's; and where nothing is seen there is no
+// energy.
+TEST_F(StoreLedger, WhatMayBeMissing) {
+  auto writer = StoreWriter::open(path_).value();
+  ASSERT_OK(submit(*writer, sweep_, "sweep-a").status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+  schema::JobResult result = make_result(sweep_, job.spec);
+  schema::SignatureRow& row = *result.mutable_row(0);
+  row.mutable_effect(1)->set_reason("forced");
+  row.mutable_effect(1)->clear_bound_w_sr();
+  row.mutable_effect(7)->set_state(schema::EFFECT_STATE_OFF);  // hot parts: with inter_reflection
+  row.clear_energy();
+  row.mutable_projected_area_m2()->set_value(0);
+  ASSERT_OK(writer->complete(job.fencing_token, result, "w"));
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
+  auto reader = StoreReader::open(path_).value();
+  const StoredLedger ledger = reader->ledger(reader->find({})->front().signature_id).value();
+  EXPECT_EQ(ledger.effect[1].reason, "forced");
+  EXPECT_TRUE(std::isnan(ledger.effect[1].bound_w_sr));
+  EXPECT_EQ(ledger.effect[7].effect, "hot_parts_reflected");
+  EXPECT_EQ(ledger.effect[7].state, "off");
+  EXPECT_TRUE(std::isnan(ledger.effect[7].bound_w_sr));
+  EXPECT_FALSE(ledger.energy.has_value());
+}
+
+TEST_F(StoreLedger, GoesWithItsRow) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM ledger"), absl::StrCat(16 * kEffects));
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM energy"), "16");
+  SweepShape warmer;
+  warmer.hull_temperature_k = 300;  // every job is stale
+  sweep_ = make_sweep(warmer);
+  auto writer = StoreWriter::open(path_).value();
+  ASSERT_OK(submit(*writer, sweep_, "sweep-b").status());
+  ASSERT_OK(complete_jobs(*writer, sweep_).status());
+  ASSERT_OK(writer->finish());
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM ledger"), absl::StrCat(16 * kEffects));
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM energy"), "16");
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT count(*) FROM ledger"
+                        " WHERE signature_id NOT IN (SELECT signature_id FROM signature)"),
+            "0");
+}
+
+TEST_F(StoreLedger, AFileOfVersion4HasNone) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  const auto before = StoreReader::open(path_).value()->find({}).value();
+  ASSERT_EQ(back_to_version_4(path_), "older");
+  ASSERT_OK(StoreWriter::open(path_).value()->finish());
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "5");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
+  auto reader = StoreReader::open(path_).value();
+  const auto after = reader->find({}).value();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    EXPECT_EQ(after[i].contrast_intensity_w_sr, before[i].contrast_intensity_w_sr);
+    EXPECT_EQ(after[i].stop_reason, before[i].stop_reason);
+    EXPECT_EQ(after[i].guarded_negative, before[i].guarded_negative);
+    for (const double number : {after[i].omitted_bound_w_sr, after[i].apparent_omitted_bound_w_sr,
+                                after[i].contrast_omitted_bound_w_sr, after[i].absolute_floor_w_sr})
+      EXPECT_TRUE(std::isnan(number));
+    EXPECT_EQ(after[i].reflections, std::nullopt);
+    const auto ledger = reader->ledger(after[i].signature_id);
+    ASSERT_OK(ledger.status());
+    EXPECT_TRUE(ledger->effect.empty());
+    EXPECT_FALSE(ledger->energy.has_value());
+  }
+  EXPECT_EQ(reader->digest()->size(), 64U);
+}
+
+}  // namespace
+}  // namespace irsig

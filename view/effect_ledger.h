@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// A reason of the ledger (StoredEffect::reason) in words.
+[[nodiscard]] std::string_view reason_in_words(std::string_view reason);
+
+// The ledger of one row, a line for each effect. `row`: whose ledger it is. Empty ledgers have no
+// table.
+[[nodiscard]] std::string ledger_table(const StoredSignature& row,
+                                       const std::vector<StoredEffect>& ledger);
+
+struct LedgerRow {
+  StoredSignature signature;
+  StoredLedger ledger;
+};
+
+// One effect over many rows.
+struct EffectSummary {
+  std::string effect;
+  std::uint64_t on = 0, off = 0, absent = 0;
+  // Of the rows where it is off: the largest bound relative to the intensity, of the source or at
+  // the aperture; kNotComputed: off nowhere, or a bound is not known.
+  double largest_bound = kNotComputed;
+  std::map<std::string, std::uint64_t> reason;  // of the rows where it is not absent
+  // Of all views together; kNotComputed: no ledger says.
+  double saved_s = kNotComputed, spent_s = kNotComputed;
+};
+
+// In the order of the ledger. Rows without a ledger are left out.
+[[nodiscard]] std::vector<EffectSummary> summarize_effects(std::span<const LedgerRow> rows);
+
+[[nodiscard]] std::string summary_table(const std::vector<EffectSummary>& summary);
+
+}  // namespace irsig

@@ -1,0 +1,265 @@
+#include "view/explain.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <vector>
+
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "view/effect_ledger.h"
+#include "view/query.h"
+#include "view/query_table.h"
+
+namespace irsig {
+namespace {
+
+struct Explained {
+  QueryRow row;
+  StoredLedger ledger;
+  std::vector<StoredPart> part;
+  schema::Accuracy accuracy;  // of the sweep
+
+  [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
+};
+
+absl::StatusOr<QueryRow> find_one(StoreReader& reader, const std::string& sweep,
+                                  std::uint64_t row) {
+  Query query;
+  query.sweep = sweep;
+  query.row = row;
+  auto rows = run_query(reader, query);
+  if (!rows.ok()) return rows.status();
+  if (rows->empty())
+    return absl::NotFoundError(sweep.empty()
+                                   ? fmt::format("no row {}: this database holds no signature", row)
+                                   : fmt::format("sweep \"{}\" has no row {}", sweep, row));
+  if (rows->size() > 1) {
+    std::vector<std::string> names;
+    for (const QueryRow& r : *rows) names.push_back(r.signature.sweep);
+    return absl::InvalidArgumentError(
+        fmt::format("{} sweeps have a row {}: choose one of {} with --sweep", names.size(), row,
+                    fmt::join(names, ", ")));
+  }
+  return rows->front();
+}
+
+absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, std::uint64_t row) {
+  auto found = find_one(reader, sweep, row);
+  if (!found.ok()) return found.status();
+  Explained out{*std::move(found), {}, {}, {}};
+  const std::int64_t id = out.signature().signature_id;
+  auto ledger = reader.ledger(id);
+  if (!ledger.ok()) return ledger.status();
+  out.ledger = *std::move(ledger);
+  auto parts = reader.parts(id);
+  if (!parts.ok()) return parts.status();
+  out.part = *std::move(parts);
+  const auto stored = reader.sweep(out.signature().sweep);
+  if (!stored.ok()) return stored.status();
+  out.accuracy = stored->resolved.sweep().accuracy();
+  return out;
+}
+
+// One line of an account: what, how much, which part of the whole.
+std::string line(std::string_view what, double value, double whole, std::string_view note = "") {
+  if (std::isnan(value)) return fmt::format("  {:<20} {:>12}\n", what, "not stored");
+  const std::string share =
+      std::abs(whole) > 0 ? fmt::format("{:>10.3g} %", 100 * value / std::abs(whole)) : "";
+  return fmt::format("  {:<20} {:>12.6g} {:>12}{}{}\n", what, value, share,
+                     note.empty() ? "" : "  ", note);
+}
+
+std::string head(std::string_view what, double value, std::string_view unit) {
+  if (std::isnan(value)) return fmt::format("{:<22} {:>12}\n", what, "not stored");
+  return fmt::format("{:<22} {:>12.6g} {}\n", what, value, unit);
+}
+
+std::string title(const Explained& e) {
+  const StoredSignature& s = e.signature();
+  std::string out =
+      fmt::format("row {} of {}: {} {}, {} ({:g} to {:g} um), aspect {:.2f},{:.2f} deg at {:g} m\n",
+                  s.row, s.sweep, s.season, s.time_utc, s.band, s.lambda_min_um, s.lambda_max_um,
+                  s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
+  if (s.superseded) out += "of an earlier version of the sweep: it waits for its replacement\n";
+  if (!s.warning.empty())
+    out += "warning: " + absl::StrReplaceAll(s.warning, {{"\n", "\nwarning: "}}) + "\n";
+  return out;
+}
+
+std::string values(const Explained& e) {
+  const StoredSignature& s = e.signature();
+  const double i = s.intensity_w_sr, a = s.apparent_intensity_w_sr, c = s.contrast_intensity_w_sr;
+  std::string out = head("intensity", i, "W/sr, at the target");
+  out += line("standard error", s.intensity_stderr_w_sr, i);
+  out += line("truncation bound", s.truncation_bound_w_sr, i, "of reflections after the last");
+  out += line("quadrature bound", s.quadrature_bound_w_sr, i, "over wavelength, basis included");
+  out += line("  basis bound", s.basis_bound_w_sr, i, "of spectra carried at a few nodes");
+  out += line("unseen bound", s.unseen_bound_w_sr, i, "of rare bright paths");
+  out += line("sky bound", s.sky_bound_w_sr, i, "between the sky's directions");
+  out += line("omitted bound", s.omitted_bound_w_sr, i, "of effects that are off");
+  out += line("numerical error", s.numerical_error_w_sr, i,
+              "sqrt(standard error^2 + (sum of bounds)^2 / 3)");
+  out += line("model error", s.model_error_w_sr, i, "sky and sea; no part of the numerical error");
+  out += head("apparent intensity", a, "W/sr, at the sensor");
+  out += line("standard error", s.apparent_intensity_stderr_w_sr, a);
+  out += line("omitted bound", s.apparent_omitted_bound_w_sr, a);
+  out += line("numerical error", s.apparent_numerical_error_w_sr, a);
+  out += line("model error", s.apparent_model_error_w_sr, a, "air, sky and sea");
+  out += head("contrast intensity", c, "W/sr, at the sensor");
+  out += line("standard error", s.contrast_intensity_stderr_w_sr, c);
+  out += line("omitted bound", s.contrast_omitted_bound_w_sr, c);
+  out += line("numerical error", s.contrast_numerical_error_w_sr, c);
+  out += head("background radiance", s.background_radiance_w_m2_sr, "W/(m2 sr), at the sensor");
+  out +=
+      line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);
+  out += head("projected area", s.projected_area_m2, "m2");
+  out += line("standard error", s.projected_area_stderr_m2, s.projected_area_m2);
+  if (s.apparent_temperature_k > 0)
+    out += head("apparent temperature", s.apparent_temperature_k, "K, at the target");
+  return out;
+}
+
+std::string effort(const Explained& e) {
+  const StoredSignature& s = e.signature();
+  std::string out;
+  if (s.superseded) {
+    out += "asked     by an earlier version of the sweep\n";
+  } else if (e.accuracy.has_relative_error()) {
+    out += fmt::format("asked     {:g} % of the intensity: {:.4g} W/sr",
+                       100 * e.accuracy.relative_error(),
+                       e.accuracy.relative_error() * std::abs(s.intensity_w_sr));
+    if (!std::isnan(s.absolute_floor_w_sr))
+      out += e.accuracy.absolute_error_k() > 0
+                 ? fmt::format(", or the floor of {:g} K: {:.4g} W/sr",
+                               e.accuracy.absolute_error_k(), s.absolute_floor_w_sr)
+                 : std::string(", without a floor");
+    out += "\n";
+  } else {
+    out += "asked     a number of samples\n";
+  }
+  out += fmt::format("stopped   {}\n", s.stop_reason);
+  out += fmt::format("samples   {} in {} replicates, {} met the target, {} rays in all\n",
+                     s.samples, s.replicates, s.target_paths, s.rays);
+  if (s.reflections) out += fmt::format("paths     of at most {} reflections\n", *s.reflections);
+  return out;
+}
+
+std::string energy(const std::optional<StoredEnergy>& energy) {
+  if (!energy) return "none: nothing of the target is seen\n";
+  std::string out;
+  const auto share = [&](std::string_view what, double value, double error) {
+    out += fmt::format("  {:<20} {:>12.6g} +- {:.2g}\n", what, value, error);
+  };
+  share("absorbed", energy->absorbed, energy->absorbed_stderr);
+  share("to the sky", energy->escaped_to_sky, energy->escaped_to_sky_stderr);
+  share("to sea or ground", energy->escaped_to_lower, energy->escaped_to_lower_stderr);
+  share("cut off", energy->cut_off, energy->cut_off_stderr);
+  share("sum", energy->balance, energy->balance_stderr);
+  return out;
+}
+
+std::string causes(const StoredSignature& s) {
+  std::string out;
+  const auto cause = [&](std::string_view what, double value, double error) {
+    out += line(what, value, s.intensity_w_sr, fmt::format("+- {:.2g}", error));
+  };
+  cause("emitted", s.emitted_w_sr, s.emitted_stderr_w_sr);
+  cause("sun reflected", s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr);
+  cause("sky reflected", s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr);
+  cause("sea reflected", s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr);
+  cause("parts reflected", s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr);
+  return out;
+}
+
+std::string text_of(const Explained& e) {
+  const StoredSignature& s = e.signature();
+  std::string out = title(e) + "\n" + values(e) + "\n" + effort(e) + "\n";
+  if (e.ledger.effect.empty()) {
+    out +=
+        "no ledger of effects: an older irsig stored this row (format version 4 or less), and "
+        "what was\nleft out is not known; run the sweep again to have it\n";
+  } else {
+    out +=
+        "effects: bounds relative to the intensity, the apparent intensity and the contrast; "
+        "share of the\nintensity; time of the whole view, estimated\n" +
+        ledger_table(s, e.ledger.effect) + "\nlight that the sensor would send out ends\n" +
+        energy(e.ledger.energy);
+  }
+  out += "\nintensity by cause\n" + causes(s) + "\nintensity by the part that the sensor sees\n";
+  for (const StoredPart& part : e.part)
+    out += line(part.part, part.intensity_w_sr, s.intensity_w_sr,
+                fmt::format("+- {:.2g}", part.intensity_stderr_w_sr));
+  return out;
+}
+
+// One array of objects in an object.
+absl::Status write_array(std::string_view name, const std::vector<std::string>& columns,
+                         const std::vector<std::vector<Cell>>& rows, std::ostream& out) {
+  out << "\"" << name << "\": ";
+  std::vector<Column> heads;
+  for (const std::string& column : columns) heads.push_back({column});
+  auto writer = make_table_writer("json", heads, out);
+  if (!writer.ok()) return writer.status();
+  for (const auto& row : rows) (*writer)->row(row);
+  return (*writer)->finish();
+}
+
+Cell known(double value) { return std::isnan(value) ? Cell() : Cell(value); }
+
+absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& out) {
+  out << "{\"signature\": ";
+  QueryContent content;
+  content.causes = true;
+  if (auto status = write_rows(reader, {e.row}, content, "json", out); !status.ok()) return status;
+  std::vector<std::vector<Cell>> effects, shares, parts;
+  for (const StoredEffect& f : e.ledger.effect)
+    effects.push_back({f.effect, f.state, f.reason, known(f.bound_w_sr),
+                       known(f.apparent_bound_w_sr), known(f.contrast_bound_w_sr),
+                       known(f.share_w_sr), known(f.time_s)});
+  if (const auto& n = e.ledger.energy)
+    shares.push_back({n->absorbed, n->absorbed_stderr, n->escaped_to_sky, n->escaped_to_sky_stderr,
+                      n->escaped_to_lower, n->escaped_to_lower_stderr, n->cut_off,
+                      n->cut_off_stderr, n->balance, n->balance_stderr});
+  for (const StoredPart& part : e.part)
+    parts.push_back({part.part, part.intensity_w_sr, part.intensity_stderr_w_sr});
+  out << ",\n";
+  if (auto status = write_array("effects",
+                                {"effect", "state", "reason", "bound_w_sr", "apparent_bound_w_sr",
+                                 "contrast_bound_w_sr", "share_w_sr", "time_s"},
+                                effects, out);
+      !status.ok())
+    return status;
+  out << ",\n";
+  if (auto status =
+          write_array("energy",
+                      {"absorbed", "absorbed_stderr", "escaped_to_sky", "escaped_to_sky_stderr",
+                       "escaped_to_lower", "escaped_to_lower_stderr", "cut_off", "cut_off_stderr",
+                       "balance", "balance_stderr"},
+                      shares, out);
+      !status.ok())
+    return status;
+  out << ",\n";
+  if (auto status = write_array(
+          "parts", {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}, parts, out);
+      !status.ok())
+    return status;
+  out << "}\n";
+  return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
+}
+
+}  // namespace
+
+absl::Status explain_row(StoreReader& reader, const std::string& sweep, std::uint64_t row,
+                         std::string_view format, std::ostream& out) {
+  if (format != "text" && format != "json")
+    return absl::InvalidArgumentError(
+        fmt::format("unknown format \"{}\": expected text or json", format));
+  const auto explained = read(reader, sweep, row);
+  if (!explained.ok()) return explained.status();
+  if (format == "json") return write_json(reader, *explained, out);
+  out << text_of(*explained);
+  return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
+}
+
+}  // namespace irsig
