@@ -20,7 +20,7 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "what air scatters once is at most the irradiance outside it, on any facet; towards a "
        "mirror "
        "the largest phase function",
-       "24 azimuths of the sky instead of one, at every view", true, 4.3e-3},
+       "24 azimuths of the sky instead of one, at every view", true, 2.0e-3},
       {Effect::kMirroredSun, "mirrored_sun",
        "the sun that waves mirror towards the target, reflected by it",
        "mid-wave by day over a sea",
@@ -31,11 +31,11 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "unless the target is much brighter than its surroundings and hardly reflects",
        "what is reflected after the first facet (pilot, upper limit) x Planck's function at the "
        "warmest air",
-       "all reflected rays; the sky behind the air of the line of sight", true, 1.8e-3},
+       "all reflected rays; the sky behind the air of the line of sight", true, 0.4e-3},
       {Effect::kLowerReflected, "lower_reflected",
        "what sea or ground emit and reflect of the sky, reflected by the target",
        "as sky_reflected", "as sky_reflected, at the warmest of sea, ground and air",
-       "all reflected rays; the sea behind the air of the line of sight", true, 1.8e-3},
+       "all reflected rays; the sea behind the air of the line of sight", true, 0.4e-3},
       {Effect::kInterReflection, "inter_reflection",
        "light that meets the target more than once: reflections of its own parts, orders 2 to "
        "max_reflections",
@@ -57,18 +57,18 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "mid-wave by day, haze, towards the sun",
        "irradiance outside the air x phase function at the angle of the line of sight x what the "
        "line scatters",
-       "the sun's way to every layer of the line of sight", true, 0.5e-3},
+       "the sun's way to every layer of the line of sight", true, 0.1e-3},
       {Effect::kBackgroundSun, "background_sun",
        "sunlight in what would be seen in the target's place: bright sky, glitter",
        "contrast by day; changes no other quantity",
        "irradiance outside the air x phase function or glitter in the direction of sight",
-       "the sky and the sea under the sun", true, 0.4e-3},
+       "the sky and the sea under the sun", true, 0.1e-3},
       {Effect::kJoinedLines, "joined_lines",
        "the air's lines in reflected light, joined with those of the line of sight ring by ring of "
        "the sky",
        "the apparent intensity of reflecting targets at some range",
        "what is reflected of sky and sea x the range of the rings' ratios between those computed",
-       "one line of sight for each of 16 rings of sky and sea; off: for 6", true, 2.6e-3},
+       "one line of sight for each of 16 rings of sky and sea; off: for 6", true, 0.4e-3},
       {Effect::kAirToHorizon, "air_to_horizon",
        "air between the target and the sea or ground that it reflects", "targets well above it",
        "none needed", "once for each weather", false},
@@ -126,6 +126,8 @@ std::string_view name_of(EffectReason reason) {
       return "other_row";
     case EffectReason::kNoGoal:
       return "no_goal";
+    case EffectReason::kNotWorth:
+      return "not_worth";
     case EffectReason::kUnbounded:
       return "unbounded";
     case EffectReason::kForced:

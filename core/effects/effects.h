@@ -73,6 +73,7 @@ enum class EffectReason : std::uint8_t {
   kAboveShare,   // on: it does not
   kOtherRow,     // on: it would fit here, but another row of the view needs it
   kNoGoal,       // on: no relative error is asked for, so that nothing says what is small
+  kNotWorth,     // on: so little else could be left out that it would not pay for finding out
   kUnbounded,    // on: no finite bound is known
   kForced,       // the user's word
 };

@@ -69,6 +69,7 @@ RowBounds::Bound EffectPlanner::all_reflected(std::size_t row) const {
 }
 
 void EffectPlanner::decide() {
+  decided_ = true;
   if (choice_.mode == EffectChoice::Mode::kAll) return;
   const std::size_t conditions = off_.size();
   if (choice_.mode == EffectChoice::Mode::kOnly) {
@@ -78,9 +79,14 @@ void EffectPlanner::decide() {
       if (!e.switchable || listed) continue;
       for (auto& condition : off_) condition[index_of(e.effect)] = true;
     }
-    for (auto& condition : off_)
+    for (auto& condition : off_) {
       condition[index_of(Effect::kHotPartsReflected)] =
           condition[index_of(Effect::kInterReflection)];
+      // What sky and sea scatter of the sun is part of their radiance.
+      if (condition[index_of(Effect::kSkyReflected)] ||
+          condition[index_of(Effect::kLowerReflected)])
+        condition[index_of(Effect::kDiffuseSun)] = true;
+    }
     without_reflections_ = std::all_of(off_.begin(), off_.end(), [&](const auto& condition) {
       return std::all_of(kReflections.begin(), kReflections.end(), [&](Effect e) {
         return e == Effect::kJoinedLines || condition[index_of(e)];
@@ -229,8 +235,10 @@ std::vector<std::vector<LedgerEntry>> EffectPlanner::ledger() const {
           entry.reason = EffectReason::kNoGoal;
         else if (!std::isfinite(b.source + b.apparent + b.contrast))
           entry.reason = EffectReason::kUnbounded;
+        else if (!fits(b, whole))
+          entry.reason = EffectReason::kAboveShare;
         else
-          entry.reason = fits(b, whole) ? EffectReason::kOtherRow : EffectReason::kAboveShare;
+          entry.reason = decided_ ? EffectReason::kOtherRow : EffectReason::kNotWorth;
       }
       entries.push_back(entry);
     }

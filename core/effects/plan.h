@@ -68,7 +68,7 @@ class EffectPlanner {
   EffectChoice choice_;
   std::vector<Room> room_;
   std::vector<std::array<bool, kEffects>> off_;  // [condition]
-  bool without_reflections_ = false;
+  bool without_reflections_ = false, decided_ = false;
 };
 
 }  // namespace irsig

@@ -37,6 +37,16 @@ class BandOf {
     }
     return sum;
   }
+  [[nodiscard]] BandIntegral blackbody(double temperature_k) const {
+    BandIntegral sum{0, 0};
+    for (std::size_t i = 0; i < grid_.node_um.size(); ++i) {
+      const double w =
+          grid_.band_weight[i] * planck_radiance_w_m2_sr_um(grid_.node_um[i], temperature_k);
+      sum.source += w;
+      sum.apparent += w * transmittance_[offset_ + i];
+    }
+    return sum;
+  }
 
  private:
   const BandGrid& grid_;
@@ -44,11 +54,17 @@ class BandOf {
   const std::vector<double>& transmittance_;
 };
 
+double hottest_k(const ConditionSpec& condition) {
+  return *std::max_element(condition.part_temperature_k.begin(),
+                           condition.part_temperature_k.end());
+}
+
 // What the target's materials can do with light that comes from anywhere.
 struct SurfaceLimits {
   bool narrow = false;     // a lobe as narrow as a mirror's (kBrightSlope)
   double brdf_per_sr = 0;  // largest of the others: DHR x 1 / pi, or a lobe's peak
   double gathered = 1;     // light on a facet, that from other facets included / from outside
+  double least_dhr = 1;
 };
 SurfaceLimits surface_limits(const Simulator& simulator) {
   const Target& target = simulator.target();
@@ -60,8 +76,11 @@ SurfaceLimits surface_limits(const Simulator& simulator) {
     seen[part.material] = true;
     const Material& m = simulator.carried_materials()[part.material];
     double dhr = 0;
-    for (int k = 1; k <= 64; ++k)
-      dhr = std::max(dhr, static_cast<double>(m.dhr_max(static_cast<float>(k) / 64)));
+    for (int k = 1; k <= 64; ++k) {
+      const double here = m.dhr_max(static_cast<float>(k) / 64);
+      dhr = std::max(dhr, here);
+      out.least_dhr = std::min(out.least_dhr, here);
+    }
     most = std::max(most, dhr);
     const double slope = m.narrowest_slope();
     if (slope < static_cast<double>(kBrightSlope))
@@ -137,17 +156,23 @@ RowBounds known_absences(const Simulator& simulator, const ViewRequest& request,
 
 }  // namespace
 
-double absolute_floor_w_m2_sr(const Band& band, const BandGrid& grid, double around_w_m2_sr,
-                              double kelvin) {
-  if (!(kelvin > 0 && around_w_m2_sr > 0)) return 0;
-  const double t = apparent_temperature_k(band, grid, around_w_m2_sr);
-  if (!(t > 0)) return 0;
-  double warmer = 0, here = 0;
-  for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
-    here += grid.band_weight[i] * planck_radiance_w_m2_sr_um(grid.node_um[i], t);
-    warmer += grid.band_weight[i] * planck_radiance_w_m2_sr_um(grid.node_um[i], t + 1);
+std::vector<double> absolute_floors(const Simulator& simulator, const ViewRequest& request,
+                                    ViewSurroundings& surroundings,
+                                    const std::vector<std::size_t>& band_offset) {
+  std::vector<double> out;
+  const double kelvin = request.accuracy.absolute_error_k;
+  if (!(kelvin > 0)) return out;
+  for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
+    const LightBounds& light = surroundings.bounds(c);
+    for (std::size_t b = 0; b < simulator.bands().size(); ++b) {
+      const BandGrid& grid = simulator.band_grids()[b];
+      const BandOf band(grid, band_offset[b], light.transmittance);
+      const double t =
+          apparent_temperature_k(simulator.bands()[b], grid, band(light.thermal).source);
+      out.push_back(t > 0 ? kelvin * (band.blackbody(t + 1).source - band.blackbody(t).source) : 0);
+    }
   }
-  return kelvin * (warmer - here);
+  return out;
 }
 
 std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
@@ -159,13 +184,49 @@ std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
   return out;
 }
 
+PilotLimits limits_of(const Pass& pilot) {
+  PilotLimits out;
+  const Estimate area = pilot.statistics(0).estimate(kAreaQuantity);
+  out.area_m2 = area.value + kSigmas * area.stderr_;
+  out.beyond_m2 = pilot.beyond_limit_m2(0);
+  for (std::size_t row = 0; row < pilot.rows(); ++row) {
+    const auto least = [&](std::size_t quantity) {
+      const Estimate e = pilot.statistics(row).estimate(quantity);
+      return std::max(0.0, e.value - kSigmas * e.stderr_);
+    };
+    out.row.push_back(
+        {least(kEmittedQuantity), least(kApparentQuantity), pilot.absolute_floor_w_sr(row)});
+  }
+  return out;
+}
+
+PilotLimits best_case(const Simulator& simulator, const ViewRequest& request, const ViewPlan& plan,
+                      ViewSurroundings& surroundings, const std::vector<std::size_t>& band_offset,
+                      std::uint64_t samples) {
+  PilotLimits out;
+  out.area_m2 = 1;
+  out.beyond_m2 = surface_limits(simulator).least_dhr + kNoneSeen / static_cast<double>(samples);
+  for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
+    const LightBounds& light = surroundings.bounds(c);
+    for (std::size_t b = 0; b < simulator.bands().size(); ++b) {
+      const BandOf band(simulator.band_grids()[b], band_offset[b], light.transmittance);
+      const double hottest = band.blackbody(hottest_k(request.condition[c])).source;
+      const std::size_t row = out.row.size();
+      out.row.push_back(
+          {hottest, std::max(hottest, band(light.thermal).source),
+           plan.absolute_floor_w_m2_sr.empty() ? 0 : plan.absolute_floor_w_m2_sr[row]});
+    }
+  }
+  return out;
+}
+
 std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewRequest& request,
-                                     const AimedView& view, ViewSurroundings& surroundings,
-                                     const Pass& emission,
+                                     const PilotLimits& pilot, const AimedView* view,
+                                     ViewSurroundings& surroundings,
                                      const std::vector<std::size_t>& band_offset) {
   const std::size_t bands = simulator.bands().size();
   const SurfaceLimits surface = surface_limits(simulator);
-  const double q0 = emission.beyond_limit_m2(0);
+  const double q0 = pilot.beyond_m2, area_m2 = pilot.area_m2;
   std::vector<double> node_um;
   for (const BandGrid& grid : simulator.band_grids())
     node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
@@ -177,9 +238,9 @@ std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewReque
         arriving_sunlight(light, request.environment != nullptr, node_um);
     const bool sun = sun_shines(condition);
     UnseenSun mirrored;
-    if (sun && surface.narrow)
+    if (sun && surface.narrow && view != nullptr)
       mirrored =
-          unseen_sun(simulator.target(), simulator.carried_materials(), view.frame, view.range_m,
+          unseen_sun(simulator.target(), simulator.carried_materials(), view->frame, view->range_m,
                      {{condition.sun_direction,
                        condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0}})
               .front();
@@ -187,41 +248,28 @@ std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewReque
       const BandOf band(simulator.band_grids()[b], band_offset[b], light.transmittance);
       const BandOf sunlight(simulator.band_grids()[b], band_offset[b], sun_arrives);
       RowBounds row = known_absences(simulator, request, c);
-      const std::size_t index = c * bands + b;
-      const ReplicateStatistics& s = emission.statistics(index);
-      const auto least = [&](std::size_t quantity) {
-        const Estimate e = s.estimate(quantity);
-        return std::max(0.0, e.value - kSigmas * e.stderr_);
-      };
-      const Estimate area = s.estimate(kAreaQuantity);
-      const double area_m2 = area.value + kSigmas * area.stderr_;
-      const double floor = emission.absolute_floor_w_sr(index);
-      row.goal_w_sr = std::max(request.accuracy.relative_error * least(0), floor);
+      const PilotLimits::Row& known = pilot.row[c * bands + b];
+      row.goal_w_sr =
+          std::max(request.accuracy.relative_error * known.emitted, known.absolute_floor);
       double arrives = 0, width = 0;
       for (std::size_t i = 0; i < simulator.band_grids()[b].node_um.size(); ++i) {
         width += simulator.band_grids()[b].band_weight[i];
         arrives +=
             simulator.band_grids()[b].band_weight[i] * light.transmittance[band_offset[b] + i];
       }
-      row.aperture_goal_w_sr = std::max(request.accuracy.relative_error * least(kApparentQuantity),
-                                        floor * arrives / width);
+      row.aperture_goal_w_sr = std::max(request.accuracy.relative_error * known.apparent,
+                                        known.absolute_floor * arrives / width);
 
       // Light of any source that is not the sun's, reflected once or more: Q0 x the brightest.
       const BandIntegral thermal = band(light.thermal);
-      BandIntegral part{0, 0};
-      for (const double t : condition.part_temperature_k) {
-        std::vector<double> radiance(light.transmittance.size(), 0.0);
-        const BandGrid& grid = simulator.band_grids()[b];
-        for (std::size_t i = 0; i < grid.node_um.size(); ++i)
-          radiance[band_offset[b] + i] = planck_radiance_w_m2_sr_um(grid.node_um[i], t);
-        const BandIntegral of_part = band(radiance);
-        part = {std::max(part.source, of_part.source), std::max(part.apparent, of_part.apparent)};
-      }
+      const BandIntegral part = band.blackbody(hottest_k(condition));
       const bool convex = simulator.target().convex;
       const BandIntegral brightest{std::max(thermal.source, convex ? 0 : part.source),
                                    std::max(thermal.apparent, convex ? 0 : part.apparent)};
       row.reflected = times(q0, brightest);
       at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = times(q0, thermal);
+      if (dark(light.thermal))
+        at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = {true, 0, 0, 0};
       if (!convex) at(row, Effect::kInterReflection) = row.reflected;
 
       if (!at(row, Effect::kDirectSun).absent) {

@@ -7,36 +7,56 @@
 
 namespace irsig {
 
+// What a pilot knows for certain, or nearly so: values widened by 4 standard errors.
+struct PilotLimits {
+  double area_m2 = 0;          // at most
+  double beyond_m2 = 0;        // throughput that is left after the first facet, at most
+  struct Row {                 // [W/sr]
+    double emitted, apparent;  // at least
+    double absolute_floor;
+  };
+  std::vector<Row> row;  // [condition x band of the simulator]
+};
+// Of a pass over all conditions and bands.
+[[nodiscard]] PilotLimits limits_of(const Pass& pilot);
+// What no pilot of a view can better, for 1 m2 of target: the hottest part behind the material that
+// reflects least, `samples` in all. What fits not even then does not need a pilot.
+[[nodiscard]] PilotLimits best_case(const Simulator& simulator, const ViewRequest& request,
+                                    const ViewPlan& plan, ViewSurroundings& surroundings,
+                                    const std::vector<std::size_t>& band_offset,
+                                    std::uint64_t samples);
+
 // The most that each effect can contribute to each row of a view, [condition x band of the
-// simulator], and the errors that the request wants of the rows.
-//
-// `emission`: a pass without reflections over all conditions and bands. It gives a lower limit of
-// what is seen whatever else happens (the emission), the area, and the throughput Q0 that is left
-// after the first facet, each widened by 4 standard errors. Then, with LightBounds:
+// simulator], and the errors that the request wants of the rows. What surfaces emit is a lower
+// limit of what is seen whatever else happens; A: the area, Q0: what is left after the first facet.
 //
 //   reflected sky, sea, parts   Q0 x the brightest of them
-//   direct sun                  area x largest BRDF x irradiance, x 1 / (1 - largest DHR) for what
+//   direct sun                  A x largest BRDF x irradiance, x 1 / (1 - largest DHR) for what
 //                               other facets send on; mirrors: UnseenSun's sums over facets
 //   diffuse and mirrored sun    the same with their irradiance, or Q0 x their largest radiance;
 //                               mirrors: the latter
-//   sun in path and background  area x radiance
+//   sun in path and background  A x radiance
 //
 // At the aperture each is multiplied, wavelength by wavelength, by the line's transmittance: that
-// is the most that arrives of light bounded by a smooth spectrum, lines or not.
+// is the most that arrives of light bounded by a smooth spectrum, lines or not. Of sunlight that is
+// the one outside the air. `view`: for the facets of mirrors; null: as if none were turned to the
+// sun.
 [[nodiscard]] std::vector<RowBounds> effect_bounds(const Simulator& simulator,
                                                    const ViewRequest& request,
-                                                   const AimedView& view,
+                                                   const PilotLimits& pilot, const AimedView* view,
                                                    ViewSurroundings& surroundings,
-                                                   const Pass& emission,
                                                    const std::vector<std::size_t>& band_offset);
 
 // The same without goals and bounds: what is absent only.
 [[nodiscard]] std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
                                                             const ViewRequest& request);
 
-// What an absolute error of `kelvin` is worth per projected area, at the temperature of the warmest
-// of what surrounds the target; 0 if all of it is dark. [W/(m2 sr)]
-[[nodiscard]] double absolute_floor_w_m2_sr(const Band& band, const BandGrid& grid,
-                                            double around_w_m2_sr, double kelvin);
+// What the request's absolute error is worth per projected area, at the temperature of the warmest
+// of what surrounds the target: [condition x band of the simulator], 0 where all of it is dark;
+// empty if the request states none. [W/(m2 sr)]
+[[nodiscard]] std::vector<double> absolute_floors(const Simulator& simulator,
+                                                  const ViewRequest& request,
+                                                  ViewSurroundings& surroundings,
+                                                  const std::vector<std::size_t>& band_offset);
 
 }  // namespace irsig

@@ -76,7 +76,7 @@ class Pass {
   [[nodiscard]] Estimate beyond_m2(std::uint32_t reflections) const;
   [[nodiscard]] double beyond_limit_m2(std::uint32_t reflections) const;
   // Of any source that a lost path may have met. [W/(m2 sr)]
-  [[nodiscard]] double brightest_w_m2_sr(std::size_t row) const;
+  [[nodiscard]] double brightest_w_m2_sr(std::size_t row) const { return brightest_[row]; }
   // Of one band, all conditions alike.
   [[nodiscard]] const EnergyLedger& energy(std::size_t row) const {
     return energy_[row % bands_.size()];
@@ -89,6 +89,8 @@ class Pass {
  private:
   [[nodiscard]] double unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
                                    std::size_t offset) const;
+  [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row) const;
+  [[nodiscard]] double unseen_rim_w_sr(std::size_t row) const;
   [[nodiscard]] ImagePlan image_plan(const PathTracer& tracer) const;
 
   void find_energy(std::span<const PathWeights> weights, std::span<const RowWeights> summed,
@@ -104,6 +106,7 @@ class Pass {
   SourceClasses classes_;
   std::vector<SunDirection> suns_;
   std::vector<UnseenSun> unseen_sun_;
+  std::vector<double> brightest_;          // [row]
   std::vector<ConditionShading> shading_;  // [condition]
   std::vector<SourceTable> in_band_;       // [row]
   std::vector<ReplicateStatistics> statistics_;

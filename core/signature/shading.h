@@ -131,7 +131,8 @@ class ConditionShading {
                                      std::span<const double> weight);
 
 // Where evaluate() puts some of them.
-inline constexpr std::size_t kApparentQuantity = 1 + kCauses, kAreaQuantity = 2 + kCauses;
+inline constexpr std::size_t kEmittedQuantity = 1, kApparentQuantity = 1 + kCauses,
+                             kAreaQuantity = 2 + kCauses;
 [[nodiscard]] constexpr std::size_t contrast_quantity(std::size_t parts) {
   return kAreaQuantity + 1 + parts;
 }

@@ -1,6 +1,7 @@
 #include "core/signature/view_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -15,10 +16,22 @@ namespace {
 
 // The sampler's coordinates have 23 bits.
 constexpr std::uint64_t kMostSamples = 1u << 23;
-// Samples per replicate of the pilots: of emission alone, then of everything.
-constexpr std::uint64_t kEmission = 64, kFirst = 128, kSecond = 1024;
+// Samples per replicate of the pilots of everything that is simulated.
+constexpr std::uint64_t kFirst = 128, kSecond = 1024;
 // How much of the room for omissions later reflections may take: little, since they cost little.
 constexpr double kOfLaterReflections = 0.25;
+
+// All that reflections bring.
+constexpr std::array kOfReflections{Effect::kDirectSun,         Effect::kDiffuseSun,
+                                    Effect::kMirroredSun,       Effect::kSkyReflected,
+                                    Effect::kLowerReflected,    Effect::kInterReflection,
+                                    Effect::kHotPartsReflected, Effect::kJoinedLines};
+
+// Samples per replicate of the pilot of the emission alone. What none of them may have met is to be
+// small against what may be left out, and the pilot against the run: loose goals make short runs.
+std::uint64_t emission_samples(double relative_error) {
+  return relative_error >= 0.01 ? 32 : relative_error >= 0.003 ? 64 : 256;
+}
 
 std::vector<std::uint32_t> all_of(std::size_t n) {
   std::vector<std::uint32_t> out(n);
@@ -28,6 +41,15 @@ std::vector<std::uint32_t> all_of(std::size_t n) {
 
 // Where the user allows no reflections they are off by his word, and their bound is the
 // truncation's.
+void take_out_reflections(std::vector<RowBounds>& rows) {
+  for (RowBounds& row : rows) {
+    row.reflected = {};
+    for (const Effect e : kOfReflections) {
+      RowBounds::Bound& bound = row.effect[static_cast<std::size_t>(e)];
+      bound = {bound.absent, 0, 0, 0};
+    }
+  }
+}
 void without_allowed_reflections(std::vector<std::vector<LedgerEntry>>& ledger) {
   for (auto& row : ledger)
     for (LedgerEntry& e : row)
@@ -84,13 +106,21 @@ std::vector<double> errors_of(const Pass& pilot) {
   return out;
 }
 
+// Whether what a pilot cannot have met is small against the errors that are wanted: a scatter of 0
+// proves nothing where all that shines is a hot spot round the corner.
+bool saw_enough(const Pass& pilot) {
+  for (std::size_t row = 0; row < pilot.rows(); ++row)
+    if (pilot.bounds(row).unseen > pilot.goal_w_sr(row)) return false;
+  return true;
+}
+
 // The number of samples for the asked error, after a first pilot of n_first samples. A larger one
 // follows unless little more is asked for, and a third where the second still asks for much more:
 // rare bright paths are then seen often enough to be judged.
 std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t most,
                                std::uint64_t& pilot_rays) {
   std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
-  if (samples <= kSecond) return samples;
+  if (samples <= kSecond && saw_enough(pilot)) return samples;
   std::uint64_t n_before = n_first, n = kSecond;
   for (std::uint64_t stage = kSecondPilotStage;; ++stage) {
     const std::vector<double> before = errors_of(pilot);
@@ -101,6 +131,21 @@ std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t
     n_before = n;
     n = samples / 16;
   }
+}
+
+// Hits are counted with the strata in the proportion that the stored run has.
+absl::Status count_target_paths(Pass& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
+  pilot.run(kSecond, kFirstPilotStage, Pass::Kind::kPilot);
+  plan.pilot_rays += pilot.counts().rays;
+  const double per_sample =
+      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
+  if (per_sample == 0)
+    return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
+  const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
+  const auto most = static_cast<double>(accuracy.max_samples_per_replicate);
+  plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
+  plan.limited = wanted > most;
+  return absl::OkStatus();
 }
 
 // What reading the air's lines at fewer rings can change in each row: `relative` of what is
@@ -122,6 +167,25 @@ std::vector<RowBounds::Bound> fewer_lines_bounds(const std::vector<RowBounds>& r
   return out;
 }
 
+// 3 % is about the least that comes of it.
+bool fewer_lines_may_fit(const std::vector<RowBounds>& rows, std::size_t bands,
+                         EffectPlanner planner) {
+  return planner.take_room(fewer_lines_bounds(rows, bands, [](std::size_t) { return 0.03; }));
+}
+
+// Whether anything that costs much could be left out if the pilot of the emission came out at its
+// best.
+bool worth_a_pilot(const std::vector<RowBounds>& best_case, std::size_t bands,
+                   const ViewRequest& request) {
+  EffectPlanner planner(best_case, bands, request.effects);
+  planner.decide();
+  if (!planner.reflections()) return true;
+  for (const Effect e : {Effect::kSkyReflected, Effect::kDirectSun, Effect::kDiffuseSun})
+    for (std::size_t c = 0; c < request.condition.size(); ++c)
+      if (!planner.on(e, c)) return true;
+  return request.environment != nullptr && fewer_lines_may_fit(best_case, bands, planner);
+}
+
 // Sky, sea and air as the plan wants them. The air's lines at fewer rings of sky and sea, if that
 // is near enough: what it errs by is known from the rings themselves, which have to be seen first.
 absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
@@ -132,11 +196,8 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
   if (request.environment == nullptr || plan.max_reflections == 0 || !(plan.sky || plan.lower))
     return surroundings.see(conditions, plan);
   const bool forced_off = !plan.joined_lines;
-  // A hundredth is about the least that comes of it.
-  EffectPlanner trial = planner;
-  const bool promising =
-      trial.take_room(fewer_lines_bounds(rows, bands, [](std::size_t) { return 0.01; }));
-  if (!forced_off && !promising) return surroundings.see(conditions, plan);
+  if (!forced_off && !fewer_lines_may_fit(rows, bands, planner))
+    return surroundings.see(conditions, plan);
   plan.joined_lines = false;
   auto seen = surroundings.see(conditions, plan);
   if (!seen.ok()) return seen.status();
@@ -249,43 +310,35 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
 
   ViewPlan plan = plan_with_everything(request);
   plan.samples_per_replicate = accuracy.samples_per_replicate;
-  if (goal && accuracy.absolute_error_k > 0)
-    for (const std::uint32_t c : conditions)
-      for (const std::uint32_t b : bands) {
-        double around_w_m2_sr = 0;
-        const LightBounds& light = surroundings->bounds(c);
-        for (std::size_t i = 0; i < grid_[b].node_um.size(); ++i)
-          around_w_m2_sr += grid_[b].band_weight[i] * light.thermal[band_offset_[b] + i];
-        plan.absolute_floor_w_m2_sr.push_back(
-            absolute_floor_w_m2_sr(band_[b], grid_[b], around_w_m2_sr, accuracy.absolute_error_k));
-      }
+  if (goal)
+    plan.absolute_floor_w_m2_sr = absolute_floors(*this, request, *surroundings, band_offset_);
 
-  // What is left out follows from a pilot of the emission alone.
+  // What is left out follows from a pilot of the emission alone, unless nothing could be.
+  const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
   ViewPlan emission_plan = plan;
   emission_plan.max_reflections = 0;
   std::optional<ViewEnvironments> emission_environments;
   std::optional<Pass> emission;
-  std::vector<RowBounds> rows;
-  if (automatic || forced_off) {
+  std::vector<RowBounds> rows = effects_without_bounds(*this, request);
+  const bool decided =
+      forced_off ||
+      (automatic &&
+       worth_a_pilot(effect_bounds(*this, request,
+                                   best_case(*this, request, plan, *surroundings, band_offset_,
+                                             emission_size * accuracy.replicates),
+                                   nullptr, *surroundings, band_offset_),
+                     band_.size(), request));
+  if (decided) {
     emission_environments.emplace(surroundings->without_light());
     emission.emplace(*this, request, emission_plan, view, *emission_environments, conditions, bands,
                      node_um_, band_offset_, seed);
-    emission->run(kEmission, kEmissionStage, Pass::Kind::kPilot);
+    emission->run(emission_size, kEmissionStage, Pass::Kind::kPilot);
     plan.pilot_rays += emission->counts().rays;
-    rows = effect_bounds(*this, request, view, *surroundings, *emission, band_offset_);
-  } else {
-    rows = effects_without_bounds(*this, request);
+    rows = effect_bounds(*this, request, limits_of(*emission), &view, *surroundings, band_offset_);
   }
-  if (request.max_reflections == 0)
-    for (RowBounds& row : rows) {
-      row.reflected = {};
-      for (const EffectInfo& e : effect_table())
-        if (e.switchable && e.effect != Effect::kPathSun && e.effect != Effect::kBackgroundSun)
-          row.effect[static_cast<std::size_t>(e.effect)] = {
-              row.effect[static_cast<std::size_t>(e.effect)].absent, 0, 0, 0};
-    }
+  if (request.max_reflections == 0) take_out_reflections(rows);
   EffectPlanner planner(rows, band_.size(), request.effects);
-  planner.decide();
+  if (decided) planner.decide();
   carry_out(planner, request, target_, automatic, plan);
   if (forced_off)
     if (auto status = check_forced(rows, planner, band_.size()); !status.ok()) return status;
@@ -306,31 +359,28 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
     if (!seen.ok()) return seen.status();
     prepared->environments = *std::move(seen);
     plan.prepared = prepared;
-    plan.samples_per_replicate =
-        samples_for_goal(*emission, kEmission, accuracy.max_samples_per_replicate, plan.pilot_rays);
+    plan.samples_per_replicate = samples_for_goal(
+        *emission, emission_size, accuracy.max_samples_per_replicate, plan.pilot_rays);
   } else {
-    auto seen = see_planned(request, rows, band_.size(), *surroundings, planner, plan);
+    auto seen = decided ? see_planned(request, rows, band_.size(), *surroundings, planner, plan)
+                        : surroundings->see(conditions, plan);
     if (!seen.ok()) return seen.status();
     prepared->environments = *std::move(seen);
     plan.prepared = prepared;
     Pass pilot(*this, request, plan, view, prepared->environments, conditions, bands, node_um_,
                band_offset_, seed);
     if (!goal) {
-      // Hits are counted with the strata in the proportion that the stored run has.
-      pilot.run(kSecond, kFirstPilotStage, Pass::Kind::kPilot);
-      plan.pilot_rays += pilot.counts().rays;
-      const double per_sample =
-          static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
-      if (per_sample == 0)
-        return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
-      const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
-      const auto most = static_cast<double>(accuracy.max_samples_per_replicate);
-      plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
-      plan.limited = wanted > most;
+      if (auto status = count_target_paths(pilot, accuracy, plan); !status.ok()) return status;
       return plan;
     }
     pilot.run(kFirst, kFirstPilotStage, Pass::Kind::kPilot);
     plan.pilot_rays += pilot.counts().rays;
+    if (automatic && !decided) {
+      // The bounds are for the ledger, and for what late reflections may take.
+      rows = effect_bounds(*this, request, limits_of(pilot), &view, *surroundings, band_offset_);
+      planner = EffectPlanner(rows, band_.size(), request.effects);
+      plan.ledger = planner.ledger();
+    }
     if (automatic && plan.parts) leave_out_late_reflections(pilot, planner, plan);
     plan.samples_per_replicate =
         samples_for_goal(pilot, kFirst, accuracy.max_samples_per_replicate, plan.pilot_rays);

@@ -132,7 +132,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       trace_stratum<true>(work, s);
     else
       trace_stratum<false>(work, s);
-    const double normalise = view_.stratum[s].area_m2() / static_cast<double>(stratum_samples(s));
+    const double normalise =
+        view_.stratum[s].area_m2() / static_cast<double>(stratum_samples(s, settings_.samples));
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
       for (std::size_t i = 0; i < work.bins; ++i)
         out[r].weight[i] += normalise * work.weight[r * work.bins + i];
@@ -153,10 +154,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
   return out;
 }
 
-std::uint64_t PathTracer::stratum_samples(std::uint32_t stratum) const {
-  // A hot part is small and bright: it gets an eighth of the main stratum's samples, whatever its
-  // area.
-  return stratum == 0 ? settings_.samples : std::max<std::uint64_t>(64, settings_.samples / 8);
+std::uint64_t stratum_samples(std::uint32_t stratum, std::uint64_t samples) {
+  return stratum == 0 ? samples : std::max<std::uint64_t>(64, samples / 8);
 }
 
 namespace {
@@ -183,7 +182,7 @@ const SeedPair* PathTracer::seeds_of(Work& work, std::uint32_t order) const {
 template <bool kSpectral>
 void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   const CoverageMask& mask = view_.stratum[stratum];
-  const std::uint64_t samples = stratum_samples(stratum);
+  const std::uint64_t samples = stratum_samples(stratum, settings_.samples);
   work.area_per_sample = static_cast<float>(mask.area_m2() / static_cast<double>(samples));
   work.stratum_seed.clear();
   std::vector<SeedPair> aim;

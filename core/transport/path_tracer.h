@@ -134,6 +134,10 @@ struct PathWeights {
   return max_reflections < 6 ? 1 : max_reflections / 3;
 }
 
+// Samples of one stratum, each replicate: of the main one (0) all; a hot part is small and bright,
+// and gets an eighth of them, whatever its area.
+[[nodiscard]] std::uint64_t stratum_samples(std::uint32_t stratum, std::uint64_t samples);
+
 // Guarded events are numbers that should not occur; nothing of them enters the result.
 struct PathCounts {
   std::uint64_t samples = 0, target_paths = 0, rays = 0;
@@ -198,7 +202,6 @@ class PathTracer {
 
  private:
   struct Work;
-  [[nodiscard]] std::uint64_t stratum_samples(std::uint32_t stratum) const;
   template <bool kSpectral>
   void trace_stratum(Work& work, std::uint32_t stratum) const;
   template <bool kSpectral>

@@ -59,6 +59,8 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
     const float qx[3] = {ax, bx, cx}, qy[3] = {ay, by, cy};
     for (int column = first; column <= last; ++column)
       for (int row = bottom; row <= top; ++row) {
+        std::uint8_t& covered = hit[static_cast<std::size_t>(column * rows + row)];
+        if (covered != 0) continue;
         bool outside = false;
         for (int e = 0; e < 3; ++e) {
           // The cell's corner (grown by the margin) that lies furthest inside this edge.
@@ -66,7 +68,7 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
           const float y = static_cast<float>(row) + (ey[e] > 0 ? 1 + kMargin : -kMargin);
           if (ex[e] * (x - qx[e]) + ey[e] * (y - qy[e]) < 0) outside = true;
         }
-        if (!outside) hit[static_cast<std::size_t>(column * rows + row)] = 1;
+        covered = outside ? 0 : 1;
       }
   }
   float running = 0;

@@ -191,7 +191,7 @@ struct StoredEffect {
   std::string
       state;  // on, off (its bound is part of the numerical error), absent (nothing causes it)
   std::string reason;  // always, not_in_scene, within_share, above_share, other_row, no_goal,
-                       // unbounded, forced
+                       // unbounded, forced, not_worth
   double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
   double share_w_sr;
   double time_s;  // of the whole view, an estimate: spent (on) or saved (off)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/atmosphere/atmosphere.h"
+#include "core/atmosphere/path_layers.h"
 
 namespace {
 
@@ -62,6 +63,22 @@ int main() {
          [&] { return total(air.radiance(low)); });
   report("transmittance of given amounts", 1,
          [&, amounts = air.amounts(up)] { return transmittance(amounts)[100]; });
+  // Only the bands of 8-12 um, as most sweeps have them.
+  std::vector<unsigned char> wanted(kAirBandCount, 0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    wanted[b] = air_band_lambda_um(b) >= 8 && air_band_lambda_um(b) <= 12;
+  }
+  const BandChoice window(wanted);
+  const AbsorberAmounts near = air.amounts(low, window);
+  const PathLayers layers(air, up, window);
+  report("8-12 um: transmittance of given amounts", 1,
+         [&] { return transmittance(near, window)[20]; });
+  report("8-12 um: ground to space in layers", up.step_m.size(),
+         [&] { return PathLayers(air, up, window).thermal_w_m2_sr_um[20]; });
+  report("8-12 um: that behind near air", up.step_m.size(),
+         [&, through = transmittance(near, window)] {
+           return layers.behind(near, through).thermal_w_m2_sr_um[20];
+         });
   report("tracing of a ray to space", up.step_m.size(),
          [&] { return look(air.profile(), 10, 60, kFar).bending_deg + 1; });
 }

@@ -307,7 +307,8 @@ TEST(Unseen, ACausticThatWasNotMetIsBounded) {
   std::printf("seldom met: %.4g +- %.2g, unseen %.2g; often met: %.4g +- %.2g, unseen %.2g\n",
               s.intensity_w_sr.value, s.intensity_w_sr.stderr_, s.unseen_bound_w_sr,
               seen.intensity_w_sr.value, seen.intensity_w_sr.stderr_, seen.unseen_bound_w_sr);
-  EXPECT_EQ(seen.unseen_bound_w_sr, 0);
+  // A rim of the mask remains: 3 / samples.
+  EXPECT_LT(seen.unseen_bound_w_sr, 1e-6 * seen.intensity_w_sr.value);
   EXPECT_LT(std::abs(seen.intensity_w_sr.value - s.intensity_w_sr.value),
             s.unseen_bound_w_sr + 5 * s.intensity_w_sr.stderr_);
 }

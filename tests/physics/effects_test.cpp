@@ -139,10 +139,10 @@ TEST(Effects, AHotTargetOutshinesItsReflections) {
 
 TEST(Effects, TheSunGoesWhereItCannotMatterAndStaysWhereItMay) {
   Scene s = by_day(generated("frigate", 3000), 0.9, 300, 0.02);
-  // The mid-wave keeps it for both bands.
+  // The mid-wave keeps it for both bands, so surely that nobody asks.
   EXPECT_EQ(state(plan_of(s), 2, Effect::kDirectSun), EffectState::kOn);
   EXPECT_EQ(plan_of(s).ledger[2][static_cast<std::size_t>(Effect::kDirectSun)].reason,
-            EffectReason::kOtherRow);
+            EffectReason::kNotWorth);
   // The long-wave alone does not.
   SceneSpec spec = scene_of(generated("frigate", 3000), grey(0.9), lwir());
   s.simulator = simulator_of(spec);

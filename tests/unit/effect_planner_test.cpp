@@ -169,6 +169,12 @@ TEST(EffectPlanner, TheUsersWordIsForced) {
   EXPECT_NEAR(only.omitted()[0].source, 5 + 5 + 7 + 9 + 11, 1e-12);
   EXPECT_NEAR(only.omitted()[0].apparent, 5 + 5 + 7 + 9 + 11 + 3 + 0.01, 1e-12);
 
+  EffectPlanner without_sea(
+      {row_with(5, 7, 9, 11)}, 1,
+      {EffectChoice::Mode::kOnly, {Effect::kSkyReflected, Effect::kDiffuseSun}});
+  without_sea.decide();
+  EXPECT_FALSE(without_sea.on(Effect::kDiffuseSun, 0)) << "the sea scatters it too";
+
   EffectPlanner none({row_with(5, 7, 9, 11)}, 1, {EffectChoice::Mode::kOnly, {}});
   none.decide();
   EXPECT_FALSE(none.reflections());

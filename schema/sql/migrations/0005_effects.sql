@@ -27,7 +27,7 @@ CREATE TABLE effect_reason (
 ) STRICT;
 INSERT INTO effect_reason VALUES
   (1, 'always'), (2, 'not_in_scene'), (3, 'within_share'), (4, 'above_share'), (5, 'other_row'), (6, 'no_goal'),
-  (7, 'unbounded'), (8, 'forced');
+  (7, 'not_worth'), (8, 'unbounded'), (9, 'forced');
 
 ALTER TABLE signature ADD COLUMN omitted_bound_w_sr REAL CHECK (omitted_bound_w_sr >= 0);
 ALTER TABLE signature ADD COLUMN apparent_omitted_bound_w_sr REAL CHECK (apparent_omitted_bound_w_sr >= 0);
