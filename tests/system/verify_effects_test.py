@@ -79,6 +79,7 @@ class VerifyEffects(unittest.TestCase):
                 ([], "expected a sweep file, or --matrix"),
                 ([self.sweep(), "--matrix"], "expected a sweep file, or --matrix"),
                 ([self.sweep(), "--small"], "need --matrix"),
+                ([self.sweep(), "--each-effect"], "need --matrix"),
                 ([self.sweep(), "--row", 43], "rows 1 to 42"),
                 ([self.sweep(SWEEP.replace("relative_error = 0.01", "target_paths = 1000"), "counted.toml")],
                  "asks for no relative error")):
