@@ -54,6 +54,12 @@ inline constexpr double kRaySeconds = 3e-7;
 [[nodiscard]] const EffectInfo& info_of(Effect effect);
 [[nodiscard]] std::optional<Effect> effect_named(std::string_view name);
 
+// All that ends with the last reflection.
+inline constexpr std::array kReflectionEffects{Effect::kDirectSun,         Effect::kDiffuseSun,
+                                               Effect::kMirroredSun,       Effect::kSkyReflected,
+                                               Effect::kLowerReflected,    Effect::kInterReflection,
+                                               Effect::kHotPartsReflected, Effect::kJoinedLines};
+
 // What the user asks for. kAuto: what the accuracy asked for calls for.
 struct EffectChoice {
   enum class Mode : std::uint8_t { kAuto, kAll, kOnly };

@@ -14,12 +14,6 @@ std::size_t index_of(Effect effect) { return static_cast<std::size_t>(effect); }
 
 // Sunlight that reflections bring to the sensor.
 constexpr std::array kReflectedSun{Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kDirectSun};
-// All that ends with the last reflection.
-constexpr std::array kReflections{Effect::kSkyReflected,    Effect::kLowerReflected,
-                                  Effect::kInterReflection, Effect::kHotPartsReflected,
-                                  Effect::kDirectSun,       Effect::kDiffuseSun,
-                                  Effect::kMirroredSun,     Effect::kJoinedLines};
-
 void add(const RowBounds::Bound& b, RowBounds::Bound& sum) {
   sum.source += b.source;
   sum.apparent += b.apparent;
@@ -88,7 +82,7 @@ void EffectPlanner::decide() {
         condition[index_of(Effect::kDiffuseSun)] = true;
     }
     without_reflections_ = std::all_of(off_.begin(), off_.end(), [&](const auto& condition) {
-      return std::all_of(kReflections.begin(), kReflections.end(), [&](Effect e) {
+      return std::all_of(kReflectionEffects.begin(), kReflectionEffects.end(), [&](Effect e) {
         return e == Effect::kJoinedLines || condition[index_of(e)];
       });
     });
@@ -101,7 +95,7 @@ void EffectPlanner::decide() {
     without_reflections_ = true;
     for (std::size_t row = 0; row < rows_.size(); ++row) take(all_reflected(row), room_[row]);
     for (auto& condition : off_)
-      for (const Effect e : kReflections) condition[index_of(e)] = true;
+      for (const Effect e : kReflectionEffects) condition[index_of(e)] = true;
   } else {
     leave_out_surroundings();
   }

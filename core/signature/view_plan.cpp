@@ -21,12 +21,6 @@ constexpr std::uint64_t kFirst = 128, kSecond = 1024;
 // How much of the room for omissions later reflections may take: little, since they cost little.
 constexpr double kOfLaterReflections = 0.25;
 
-// All that reflections bring.
-constexpr std::array kOfReflections{Effect::kDirectSun,         Effect::kDiffuseSun,
-                                    Effect::kMirroredSun,       Effect::kSkyReflected,
-                                    Effect::kLowerReflected,    Effect::kInterReflection,
-                                    Effect::kHotPartsReflected, Effect::kJoinedLines};
-
 // Samples per replicate of the pilot of the emission alone. What none of them may have met is to be
 // small against what may be left out, and the pilot against the run: loose goals make short runs.
 std::uint64_t emission_samples(double relative_error) {
@@ -44,7 +38,7 @@ std::vector<std::uint32_t> all_of(std::size_t n) {
 void take_out_reflections(std::vector<RowBounds>& rows) {
   for (RowBounds& row : rows) {
     row.reflected = {};
-    for (const Effect e : kOfReflections) {
+    for (const Effect e : kReflectionEffects) {
       RowBounds::Bound& bound = row.effect[static_cast<std::size_t>(e)];
       bound = {bound.absent, 0, 0, 0};
     }
