@@ -111,7 +111,7 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
     }
     last_.add(last);
   }
-  find_energy(weights, summed, basis);
+  if (kind != Kind::kPilot) find_energy(weights, summed, basis);
   replicate_.assign(rows(), {});
   std::vector<std::vector<double>> values;
   for (std::size_t row = 0; row < rows(); ++row) {
@@ -216,11 +216,13 @@ Estimate Pass::beyond_m2(std::uint32_t reflections) const { return beyond_.estim
 
 double Pass::beyond_limit_m2(std::uint32_t reflections) const {
   const Estimate e = beyond_m2(reflections);
-  double mask_m2 = 0;
-  for (const CoverageMask& stratum : view_.stratum)
-    if (!stratum.empty()) mask_m2 += stratum.area_m2();
-  const double n = static_cast<double>(samples_) * request_.accuracy.replicates;
-  return e.value + 4 * e.stderr_ + kNoneSeen / n * mask_m2;
+  double none_seen_m2 = 0;
+  for (std::uint32_t s = 0; s < view_.stratum.size(); ++s)
+    if (!view_.stratum[s].empty())
+      none_seen_m2 +=
+          kNoneSeen * view_.stratum[s].area_m2() /
+          (static_cast<double>(stratum_samples(s, samples_)) * request_.accuracy.replicates);
+  return e.value + 4 * e.stderr_ + none_seen_m2;
 }
 
 double Pass::absolute_floor_w_sr(std::size_t row) const {

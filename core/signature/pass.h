@@ -77,7 +77,7 @@ class Pass {
   [[nodiscard]] double beyond_limit_m2(std::uint32_t reflections) const;
   // Of any source that a lost path may have met. [W/(m2 sr)]
   [[nodiscard]] double brightest_w_m2_sr(std::size_t row) const { return brightest_[row]; }
-  // Of one band, all conditions alike.
+  // Of one band, all conditions alike. Not of pilots.
   [[nodiscard]] const EnergyLedger& energy(std::size_t row) const {
     return energy_[row % bands_.size()];
   }
