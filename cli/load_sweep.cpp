@@ -130,6 +130,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   loaded.warnings = located_warnings(loaded);
   const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
   if (!runner.ok()) return locate(loaded.file, runner.status());
+  loaded.memory = (*runner)->memory();
   return loaded;
 }
 

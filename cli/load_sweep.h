@@ -24,6 +24,7 @@ struct LoadedSweep {
   schema::ResolvedSweep resolved;
   std::string model_bytes;
   std::vector<std::string> warnings;  // what is odd in it (jobs/check_weather.h), one line each
+  JobMemory memory = {};              // of one worker
 };
 
 // The content of a file; INVALID_ARGUMENT says why it cannot be had, without the file's name.

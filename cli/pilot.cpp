@@ -1,7 +1,5 @@
 #include "cli/pilot.h"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -64,13 +62,6 @@ schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep, std::uint64_t sa
   accuracy->clear_absolute_error_k();
   accuracy->set_samples_per_replicate(samples);
   return sweep;
-}
-
-std::uint32_t usable_cores() {
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  if (sched_getaffinity(0, sizeof(cores), &cores) != 0) return 1;
-  return static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&cores)));
 }
 
 bool has_time_budget(const schema::ResolvedSweep& sweep) {

@@ -11,9 +11,6 @@ namespace irsig {
 [[nodiscard]] schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep,
                                                  std::uint64_t samples);
 
-// Cores that this process may use, which a container or a batch system may have restricted.
-[[nodiscard]] std::uint32_t usable_cores();
-
 // Whether the sweep asks for a time budget that a pilot has yet to turn into a number of samples.
 [[nodiscard]] bool has_time_budget(const schema::ResolvedSweep& sweep);
 

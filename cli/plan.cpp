@@ -4,6 +4,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/machine.h"
 #include "cli/pilot.h"
 #include "cli/prediction.h"
 #include "fmt/format.h"
@@ -85,6 +86,11 @@ absl::Status plan_sweep(PlanAsked asked) {
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
+  const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
+  if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
+                               usable_memory_bytes(asked.workers));
+      !fits.ok())
+    return fits;
   if (has_time_budget(loaded->resolved)) {
     if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
   }
@@ -107,6 +113,7 @@ absl::Status plan_sweep(PlanAsked asked) {
   fmt::print("CPU time   {}\n", seconds_text(p.cpu_s));
   fmt::print("wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
              p.workers == 1 ? "" : "s");
+  fmt::print("memory     {}\n", memory_text(loaded->memory, conditions, asked.workers));
   fmt::print("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
   if (pilot->rule.relative_error > 0)
     fmt::print("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,

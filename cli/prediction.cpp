@@ -47,7 +47,27 @@ absl::Status store_in(const std::string& db_path, const StoredPrediction& predic
   if (auto status = (*writer)->begin(); !status.ok()) return status;
   if (auto status = (*writer)->store_prediction(prediction); !status.ok()) return status;
   if (auto status = (*writer)->commit(); !status.ok()) return status;
-  return (*writer)->finish();
+  auto finished = (*writer)->finish();
+  if (!absl::IsUnavailable(finished)) return finished;
+  fmt::print(stderr, "irsig: warning: {}\n", std::string(finished.message()));
+  return absl::OkStatus();
+}
+
+schema::Prediction as_message(const StoredPrediction& p) {
+  schema::Prediction message;
+  message.set_made_unix_s(p.made_unix_s);
+  message.set_determinism_class(p.determinism_class);
+  message.set_workers(p.workers);
+  message.set_pilot_viewpoints(p.pilot_viewpoints);
+  message.set_pilot_cpu_s(p.pilot_cpu_s);
+  message.set_jobs(p.jobs);
+  message.set_cpu_s(p.cpu_s);
+  message.set_wall_s(p.wall_s);
+  message.set_job_cpu_quartile1_s(p.job_cpu_quartile1_s);
+  message.set_job_cpu_median_s(p.job_cpu_median_s);
+  message.set_job_cpu_quartile3_s(p.job_cpu_quartile3_s);
+  message.set_database_bytes(p.database_bytes);
+  return message;
 }
 
 std::string seconds_text(double seconds) {

@@ -5,6 +5,7 @@
 
 #include "absl/status/status.h"
 #include "cli/sweep_pilot.h"
+#include "schema/farm.pb.h"
 #include "schema/store/store.h"
 
 namespace irsig {
@@ -15,6 +16,9 @@ namespace irsig {
 
 // "predicted: 191 jobs, ...", one line.
 [[nodiscard]] std::string prediction_line(const StoredPrediction& prediction);
+
+// For whoever submits the sweep.
+[[nodiscard]] schema::Prediction as_message(const StoredPrediction& prediction);
 
 // Into a database that nobody else writes; made if it does not exist.
 [[nodiscard]] absl::Status store_in(const std::string& db_path, const StoredPrediction& prediction);

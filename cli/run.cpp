@@ -1,16 +1,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <thread>
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/interruption.h"
 #include "cli/load_sweep.h"
+#include "cli/machine.h"
 #include "cli/pilot.h"
 #include "cli/prediction.h"
 #include "coordinator/client/farm_client.h"
@@ -25,8 +25,6 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-std::atomic<bool> interrupted = false;
-
 struct RunAsked {
   std::string sweep_path, db_path;
   std::uint32_t workers = 0;
@@ -35,29 +33,11 @@ struct RunAsked {
   bool plan = false;
 };
 
+constexpr double kMuchMemory = 1e9;  // is said before it is taken
+
 std::uint64_t settled(const schema::SweepStatus& sweep) {
   return sweep.done() + sweep.quarantined() + sweep.cancelled();
 }
-
-// Removes the database again unless it held something before or a sweep was accepted.
-class NewDatabase {
- public:
-  explicit NewDatabase(std::string path)
-      : path_(std::move(path)), keep_(std::filesystem::exists(path_)) {}
-  ~NewDatabase() {
-    if (keep_) return;
-    std::error_code ignored;
-    for (const char* ending : {"", "-wal", "-shm", "-journal", "-lock"}) {
-      std::filesystem::remove(path_ + ending, ignored);
-    }
-  }
-  [[nodiscard]] bool existed() const { return keep_; }
-  void keep() { keep_ = true; }
-
- private:
-  std::string path_;
-  bool keep_;
-};
 
 // One line that is written over on a terminal, a line every few seconds elsewhere.
 class ProgressLine {
@@ -108,14 +88,18 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
 }
 
 absl::StatusOr<std::unique_ptr<LocalFarm>> start_farm(const RunAsked& asked) {
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
-  std::signal(SIGPIPE, SIG_IGN);
   return LocalFarm::start({.db_path = asked.db_path,
                            .workers = asked.workers,
                            .coordinator_executable = beside_this_executable("irsig-coordinator"),
                            .worker_executable = beside_this_executable("irsig-worker"),
                            .worker_arguments = {}});
+}
+
+// The database is one plain file, or complete with a journal beside it, and the user told so.
+absl::Status end(LocalFarm& farm) {
+  auto ended = farm.stop();
+  if (!farm.warning().empty()) fmt::print(stderr, "irsig: warning: {}\n", farm.warning());
+  return ended;
 }
 
 absl::Status stopped(const RunAsked& asked, const std::string& why) {
@@ -135,8 +119,8 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
   std::uint64_t jobs_settled = 0;
   auto pause = std::chrono::milliseconds(20);
   while (true) {
-    if (interrupted) {
-      (void)farm.stop();
+    if (interrupted()) {
+      (void)end(farm);
       return stopped(asked, "interrupted");
     }
     const auto status = farm_status(farm.address(), 5);
@@ -202,54 +186,55 @@ absl::Status run_sweep(RunAsked asked) {
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
-  NewDatabase database(asked.db_path);
-  if (asked.resume && !database.existed()) {
+  const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
+  if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
+                               usable_memory_bytes(asked.workers));
+      !fits.ok())
+    return fits;
+  if (loaded->memory.bytes(conditions) * asked.workers > kMuchMemory)
+    fmt::print(stderr, "irsig: memory: {}\n",
+               memory_text(loaded->memory, conditions, asked.workers));
+  if (asked.resume && !std::filesystem::exists(asked.db_path)) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
   }
-  std::unique_ptr<LocalFarm> farm;  // declared after `database`: its coordinator ends first
-  if (database.existed()) {
-    auto started = start_farm(asked);
-    if (!started.ok()) return started.status();
-    farm = *std::move(started);
-    const auto complete = is_complete_already(*farm, asked, *loaded);
-    if (!complete.ok()) return complete.status();
-    if (*complete) {
-      fmt::print("{}: complete already, nothing to compute -> {}\n",
-                 loaded->resolved.sweep().name(), asked.db_path);
-      if (auto ended = farm->stop(); !ended.ok()) return ended;
-      return print_profiles(loaded->resolved, asked.db_path);
-    }
+  // First of all the right to write the database: of two runs at once the second one is refused
+  // now, not after its pilot. A database that the coordinator made and nothing was submitted to is
+  // removed by the coordinator itself.
+  const auto started = start_farm(asked);
+  if (!started.ok()) return started.status();
+  LocalFarm& farm = **started;
+  const auto complete = is_complete_already(farm, asked, *loaded);
+  if (!complete.ok()) return complete.status();
+  if (*complete) {
+    fmt::print("{}: complete already, nothing to compute -> {}\n", loaded->resolved.sweep().name(),
+               asked.db_path);
+    if (auto ended = end(farm); !ended.ok()) return ended;
+    return print_profiles(loaded->resolved, asked.db_path);
   }
   if (has_time_budget(loaded->resolved)) {
     if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
   }
-  std::optional<StoredPrediction> prediction;
+  std::optional<schema::Prediction> prediction;
   if (asked.plan) {
     const auto pilot = pilot_sweep(*loaded);
     if (!pilot.ok()) return pilot.status();
-    prediction = prediction_of(*pilot, loaded->resolved, asked.workers);
-    fmt::print(stderr, "irsig: {}\n", prediction_line(*prediction));
+    const StoredPrediction predicted = prediction_of(*pilot, loaded->resolved, asked.workers);
+    fmt::print(stderr, "irsig: {}\n", prediction_line(predicted));
+    prediction = as_message(predicted);
   }
-  if (!farm) {
-    auto started = start_farm(asked);
-    if (!started.ok()) return started.status();
-    farm = *std::move(started);
-  }
-  const auto reply = submit(farm->address(), loaded->resolved, loaded->model_bytes,
-                            static_cast<std::uint32_t>(physics_version()));
+  hear_interruptions();
+  const auto reply =
+      submit(farm.address(), loaded->resolved, loaded->model_bytes,
+             static_cast<std::uint32_t>(physics_version()), prediction ? &*prediction : nullptr);
   if (!reply.ok()) return reply.status();
-  database.keep();
   if (reply->jobs_to_compute() < reply->jobs()) {
     fmt::print(stderr, "irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(),
                reply->jobs());
   }
-  if (auto status = farm->start_workers(); !status.ok()) return status;
-  const auto status = watch(*farm, asked, reply->sweep_sha256());
+  if (auto status = farm.start_workers(); !status.ok()) return status;
+  const auto status = watch(farm, asked, reply->sweep_sha256());
   if (!status.ok()) return status.status();
-  if (auto ended = farm->stop(); !ended.ok()) return ended;
-  if (prediction) {
-    if (auto stored = store_in(asked.db_path, *prediction); !stored.ok()) return stored;
-  }
+  if (auto ended = end(farm); !ended.ok()) return ended;
   const absl::Status summarized =
       summarize(*status, asked, std::chrono::duration<double>(Steady::now() - start).count());
   if (auto shown = print_profiles(loaded->resolved, asked.db_path); !shown.ok()) return shown;

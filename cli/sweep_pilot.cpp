@@ -1,22 +1,18 @@
 #include "cli/sweep_pilot.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <csignal>
-#include <cstring>
-#include <filesystem>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "cli/interruption.h"
 #include "cli/pilot.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
+#include "coordinator/client/scratch_folder.h"
 #include "jobs/expand.h"
 #include "schema/store/store.h"
 
@@ -25,33 +21,8 @@ namespace {
 
 using Steady = std::chrono::steady_clock;
 
-std::atomic<bool> interrupted = false;
-
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-
-// A folder of our own that goes with this object.
-class ScratchFolder {
- public:
-  static absl::StatusOr<std::unique_ptr<ScratchFolder>> make() {
-    std::error_code error;
-    std::string pattern =
-        (std::filesystem::temp_directory_path(error) / "irsig-plan-XXXXXX").string();
-    if (error || mkdtemp(pattern.data()) == nullptr)
-      return absl::InternalError(
-          absl::StrCat("cannot make a folder for the pilot: ", std::strerror(errno)));
-    return std::unique_ptr<ScratchFolder>(new ScratchFolder(pattern));
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
-
- private:
-  explicit ScratchFolder(std::string path) : path_(std::move(path)) {}
-  std::string path_;
-};
 
 // What one sweep of the pilot left in the database.
 struct Stage {
@@ -74,9 +45,7 @@ class PilotFarm {
     auto folder = ScratchFolder::make();
     if (!folder.ok()) return folder.status();
     auto pilot = std::unique_ptr<PilotFarm>(new PilotFarm(*std::move(folder), model_bytes));
-    std::signal(SIGINT, [](int) { interrupted = true; });
-    std::signal(SIGTERM, [](int) { interrupted = true; });
-    std::signal(SIGPIPE, SIG_IGN);
+    hear_interruptions();
     auto farm =
         LocalFarm::start({.db_path = pilot->database(),
                           .workers = 1,
@@ -145,7 +114,7 @@ class PilotFarm {
 
   absl::Status wait() {
     while (true) {
-      if (interrupted) return absl::AbortedError("interrupted");
+      if (interrupted()) return absl::AbortedError("interrupted");
       const auto status = farm_status(farm_->address(), 30);
       if (!status.ok()) return status.status();
       std::uint64_t settled = 0, jobs = 0;

@@ -15,6 +15,22 @@ constexpr double kIdleWait_s = 0.2;
 // As the store counts: failures on so many distinct workers quarantine a job.
 constexpr std::size_t kFailuresToQuarantine = 3;
 
+StoredPrediction as_stored(const schema::Prediction& message, const std::string& sweep_sha256) {
+  return {.sweep_sha256 = sweep_sha256,
+          .made_unix_s = message.made_unix_s(),
+          .determinism_class = message.determinism_class(),
+          .workers = message.workers(),
+          .pilot_viewpoints = message.pilot_viewpoints(),
+          .pilot_cpu_s = message.pilot_cpu_s(),
+          .jobs = message.jobs(),
+          .cpu_s = message.cpu_s(),
+          .wall_s = message.wall_s(),
+          .job_cpu_quartile1_s = message.job_cpu_quartile1_s(),
+          .job_cpu_median_s = message.job_cpu_median_s(),
+          .job_cpu_quartile3_s = message.job_cpu_quartile3_s(),
+          .database_bytes = message.database_bytes()};
+}
+
 std::string short_key(const std::string& key) { return key.substr(0, 12); }
 
 }  // namespace
@@ -354,6 +370,12 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
   const auto added = store_.add_sweep(submission.sweep, submission.sweep_sha256, submission.jobs,
                                       submission.assets);
   if (!added.ok()) return added.status();
+  if (submission.prediction) {
+    if (auto status =
+            store_.store_prediction(as_stored(*submission.prediction, submission.sweep_sha256));
+        !status.ok())
+      return status;
+  }
   all_settled_.reset();
   keys_.clear();  // a cache
   schema::SubmitReply reply;

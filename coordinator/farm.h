@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_set>
@@ -33,6 +34,7 @@ struct Submission {
   std::string sweep_sha256;
   std::vector<schema::JobSpec> jobs;
   std::vector<Asset> assets;
+  std::optional<schema::Prediction> prediction = std::nullopt;
 };
 [[nodiscard]] absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
                                                          std::uint32_t physics_version,

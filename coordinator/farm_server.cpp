@@ -74,19 +74,18 @@ class Server final : public FarmServer {
   ~Server() override { (void)stop(); }
 
   absl::Status start() {
-    if (auto status = bind(); !status.ok()) return status;
     auto store = StoreWriter::open(options_.db_path);
     if (!store.ok()) return store.status();
     store_ = *std::move(store);
-    if (auto status = store_->begin(); !status.ok()) return status;
-    if (auto status = store_->release_all(); !status.ok()) return status;
-    if (auto status = store_->commit(); !status.ok()) return status;
+    if (auto status = take_over(); !status.ok()) return status;
     farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
     loop_.start(*farm_, *store_, [this](absl::Status status) {
       failed_ = true;
       if (options_.on_failure) options_.on_failure(status);
     });
-    return absl::OkStatus();
+    auto bound = bind();
+    if (!bound.ok()) options_.remove_unused = true;
+    return bound;
   }
 
   [[nodiscard]] std::string address() const override { return address_; }
@@ -98,13 +97,28 @@ class Server final : public FarmServer {
     if (!options_.listen.unix_path.empty() && bound_) unlink(options_.listen.unix_path.c_str());
     bound_ = false;
     absl::Status status;
-    if (store_ && !failed_) status = store_->finish();
+    if (store_ && !failed_) status = finish();
     farm_.reset();
     store_.reset();
     return status;
   }
 
  private:
+  absl::Status take_over() {
+    if (auto status = store_->begin(); !status.ok()) return status;
+    if (auto status = store_->release_all(); !status.ok()) return status;
+    return store_->commit();
+  }
+
+  absl::Status finish() {
+    if (options_.remove_unused) {
+      const auto removed = store_->remove_if_unused();
+      if (!removed.ok()) return removed.status();
+      if (*removed) return absl::OkStatus();
+    }
+    return store_->finish();
+  }
+
   absl::Status bind() {
     const Address& listen = options_.listen;
     const bool is_unix = !listen.unix_path.empty();

@@ -17,19 +17,23 @@ struct FarmServerOptions {
   Clock clock, unix_clock;  // as Farm's
   std::function<void(const absl::Status&)>
       on_failure;  // the store cannot go on; called at most once
+  // A database that this coordinator made goes again when nobody submitted anything to it.
+  bool remove_unused = false;
 };
 
 // A coordinator in this process: one database, one address. Belongs to one thread.
 class FarmServer {
  public:
-  // Binds the address first, so that a port in use (ALREADY_EXISTS) leaves no database behind, then
-  // opens the database and takes back every lease of an earlier coordinator.
+  // Opens the database, takes back every lease of an earlier coordinator, and only then listens:
+  // whoever reaches the address is answered. A port in use (ALREADY_EXISTS) leaves no new database
+  // behind.
   static absl::StatusOr<std::unique_ptr<FarmServer>> start(FarmServerOptions options);
   virtual ~FarmServer() = default;
 
   // Where it listens: with the port that the system chose, if port 0 was asked for.
   [[nodiscard]] virtual std::string address() const = 0;
-  // No more calls; what is waiting is committed; the database becomes one plain file.
+  // No more calls; what is waiting is committed; the database becomes one plain file. UNAVAILABLE:
+  // somebody reads it; it is complete, but its journal stays beside it.
   virtual absl::Status stop() = 0;
 };
 

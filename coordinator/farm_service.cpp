@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -114,6 +115,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
       case schema::SubmitChunk::kSweep:
         sweep_ = std::move(*chunk.mutable_sweep());
         physics_version_ = chunk.physics_version();
+        if (chunk.has_prediction()) prediction_ = std::move(*chunk.mutable_prediction());
         return absl::OkStatus();
       case schema::SubmitChunk::kAsset:
         if (chunk.asset().size_bytes() > kMaxStreamBytes) {
@@ -139,6 +141,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   void finish_reading() override {
     auto made = make_submission(std::move(sweep_), physics_version_, std::move(assets_));
     if (!made.ok()) return Finish(to_grpc(made.status()));
+    made->prediction = std::move(prediction_);
     loop_.post(
         CommitLoop::Kind::kWrites,
         [this, submission = *std::move(made)](Farm& farm) -> absl::Status {
@@ -154,6 +157,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   schema::SubmitReply* reply_;
   schema::ResolvedSweep sweep_;
   std::uint32_t physics_version_ = 0;
+  std::optional<schema::Prediction> prediction_;
   std::vector<Asset> assets_;
   std::vector<std::uint64_t> sizes_;
 };

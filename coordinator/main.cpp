@@ -37,6 +37,7 @@ int report(const absl::Status& status) {
 int main(int argc, char** argv) {
   CLI::App app{"hands out the jobs of a signature database to workers and stores their results"};
   std::string db_path, listen;
+  bool remove_unused = false;
   irsig::FarmRules rules;
   app.add_option("--db", db_path, "the database; made if it does not exist")->required();
   app.add_option("--listen", listen, "unix:PATH or 127.0.0.1:PORT (0: any free port)")->required();
@@ -46,6 +47,8 @@ int main(int argc, char** argv) {
   app.add_option("--lost-after-s", rules.lost_after_s, "silence after which a worker is lost")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 86400.0));
+  app.add_flag("--remove-unused", remove_unused,
+               "a database that it made and nobody used is removed at the end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -60,27 +63,38 @@ int main(int argc, char** argv) {
 
   spdlog::set_default_logger(spdlog::stderr_logger_mt("coordinator"));
   sem_init(&end_asked, 0, 0);
-  std::signal(SIGTERM, ask_to_end);
-  std::signal(SIGINT, ask_to_end);
   std::signal(SIGPIPE, SIG_IGN);
 
   std::mutex mutex;
   absl::Status failure;
-  auto server = irsig::FarmServer::start(
-      {db_path, *address, rules, seconds<std::chrono::steady_clock>,
-       seconds<std::chrono::system_clock>, [&](const absl::Status& status) {
-         const std::lock_guard lock(mutex);
-         failure = status;
-         sem_post(&end_asked);
-       }});
+  auto server =
+      irsig::FarmServer::start({db_path, *address, rules, seconds<std::chrono::steady_clock>,
+                                seconds<std::chrono::system_clock>,
+                                [&](const absl::Status& status) {
+                                  const std::lock_guard lock(mutex);
+                                  failure = status;
+                                  sem_post(&end_asked);
+                                },
+                                remove_unused});
   if (!server.ok()) return report(server.status());
+  // Until here a signal ends it at once: what opening a database leaves half done is undone by the
+  // next one who opens it.
+  std::signal(SIGTERM, ask_to_end);
+  std::signal(SIGINT, ask_to_end);
   std::printf("irsig-coordinator: listening on %s\n", (*server)->address().c_str());
   std::fflush(stdout);
   while (sem_wait(&end_asked) != 0) {
   }
+  std::signal(SIGTERM, SIG_DFL);  // asked a second time, it ends as it is
+  std::signal(SIGINT, SIG_DFL);
   const auto stopped = (*server)->stop();
   const std::lock_guard lock(mutex);
   if (!failure.ok()) return report(failure);
+  if (absl::IsUnavailable(stopped)) {
+    std::fprintf(stderr, "irsig-coordinator: warning: %s\n",
+                 std::string(stopped.message()).c_str());
+    return 0;
+  }
   if (!stopped.ok()) return report(stopped);
   return 0;
 }

@@ -58,6 +58,10 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
+  [[nodiscard]] JobMemory memory() const override {
+    return job_memory(sweep_, *simulator_, environment_.get());
+  }
+
  private:
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;

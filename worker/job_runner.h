@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
+#include "worker/job_memory.h"
 #include "worker/thumbnail_encoder.h"
 
 namespace irsig {
@@ -29,6 +30,8 @@ class JobRunner {
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
+  // Of a worker with this runner; nothing for runners that compute nothing.
+  [[nodiscard]] virtual JobMemory memory() const { return {}; }
 };
 
 // build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and

@@ -44,10 +44,9 @@ absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
 
 }  // namespace
 
-absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
-                                           const schema::ResolvedSweep& sweep,
-                                           std::string_view model_bytes,
-                                           std::uint32_t physics_version, double patience_s) {
+absl::StatusOr<schema::SubmitReply> submit(
+    const Address& coordinator, const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    std::uint32_t physics_version, const schema::Prediction* prediction, double patience_s) {
   const auto farm = stub_for(coordinator);
   grpc::ClientContext context;
   context.set_deadline(after(patience_s));
@@ -57,6 +56,7 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
   schema::SubmitChunk chunk;
   *chunk.mutable_sweep() = sweep;
   chunk.set_physics_version(physics_version);
+  if (prediction != nullptr) *chunk.mutable_prediction() = *prediction;
   bool open = stream->Write(chunk);
   if (open && !sweep.model_sha256().empty()) {
     schema::SubmitChunk header;

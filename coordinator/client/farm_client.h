@@ -14,12 +14,12 @@ namespace irsig {
 // What a user asks of a coordinator. Each call connects, waits at most `patience_s` for an answer
 // and returns UNAVAILABLE, naming the address, when there is none.
 
-// Sends the sweep and its model (empty for a generated one). Sending it again changes nothing.
-[[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
-                                                         const schema::ResolvedSweep& sweep,
-                                                         std::string_view model_bytes,
-                                                         std::uint32_t physics_version,
-                                                         double patience_s = 120);
+// Sends the sweep, its model (empty for a generated one) and what a pilot predicted of it (null:
+// nothing did). Sending it again changes nothing.
+[[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(
+    const Address& coordinator, const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    std::uint32_t physics_version, const schema::Prediction* prediction = nullptr,
+    double patience_s = 120);
 
 [[nodiscard]] absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator,
                                                               double patience_s = 10);

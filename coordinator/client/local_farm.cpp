@@ -2,10 +2,8 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <thread>
@@ -20,21 +18,11 @@ namespace {
 // A worker that dies this often while no job gets settled will die again.
 constexpr int kDeathsWithoutProgress = 10;
 constexpr int kCoordinatorDeaths = 5;
-constexpr double kCoordinatorStart_s = 30;  // migrations of a large database included
-constexpr double kCoordinatorStop_s = 60;   // the checkpoint of a large journal
+constexpr double kCoordinatorStart_s = 600;  // migrations of a large database included
+constexpr std::size_t kLongestFolder = 80;   // the path of a Unix socket has at most 107 letters
+constexpr double kCoordinatorStop_s = 60;    // the checkpoint of a large journal
 
-absl::StatusOr<std::string> private_folder() {
-  const char* chosen = std::getenv("TMPDIR");
-  // The path of a Unix socket is short: a long TMPDIR does not serve.
-  std::string pattern = chosen != nullptr && std::strlen(chosen) > 0 && std::strlen(chosen) < 60
-                            ? absl::StrCat(chosen, "/irsig-XXXXXX")
-                            : "/tmp/irsig-XXXXXX";
-  if (mkdtemp(pattern.data()) == nullptr) {  // mode 0700
-    return absl::InternalError(
-        absl::StrCat("cannot make a private folder ", pattern, ": ", std::strerror(errno)));
-  }
-  return pattern;
-}
+constexpr const char* kWarning = "warning: ";
 
 // What a program of ours said last under its own name: the message, without the lines of its log.
 std::string last_message(const std::string& words, const std::string& program) {
@@ -62,10 +50,10 @@ std::string beside_this_executable(const std::string& name) {
 
 absl::StatusOr<std::unique_ptr<LocalFarm>> LocalFarm::start(const LocalFarmPlan& plan) {
   std::unique_ptr<LocalFarm> farm(new LocalFarm(plan));
-  auto folder = private_folder();
+  auto folder = ScratchFolder::make(kLongestFolder);
   if (!folder.ok()) return folder.status();
   farm->folder_ = *std::move(folder);
-  auto address = parse_address(absl::StrCat("unix:", farm->folder_, "/farm"));
+  auto address = parse_address("unix:" + farm->folder_->file("farm"));
   if (!address.ok()) return address.status();
   farm->address_ = *std::move(address);
   if (auto status = farm->start_coordinator(); !status.ok()) return status;
@@ -74,15 +62,13 @@ absl::StatusOr<std::unique_ptr<LocalFarm>> LocalFarm::start(const LocalFarmPlan&
 
 LocalFarm::~LocalFarm() {
   if (coordinator_ && !coordinator_->ended()) (void)stop();
-  std::error_code ignored;  // a leftover in /tmp is no reason to fail
-  std::filesystem::remove_all(folder_, ignored);
 }
 
 absl::Status LocalFarm::start_coordinator() {
-  const std::string log = absl::StrCat(folder_, "/coordinator-", coordinator_deaths_, ".log");
-  auto child = ChildProcess::start(
-      {plan_.coordinator_executable, "--db", plan_.db_path, "--listen", address_.text}, log,
-      SIGTERM);
+  const std::string log = folder_->file(absl::StrCat("coordinator-", coordinator_deaths_, ".log"));
+  auto child = ChildProcess::start({plan_.coordinator_executable, "--db", plan_.db_path, "--listen",
+                                    address_.text, "--remove-unused"},
+                                   log, SIGTERM);
   if (!child.ok()) return child.status();
   coordinator_ = std::make_unique<ChildProcess>(*std::move(child));
   const auto deadline =
@@ -109,8 +95,8 @@ absl::Status LocalFarm::start_worker(std::size_t slot) {
       plan_.worker_executable, "--coordinator", address_.text, "--name", name,
       "--exit-when-finished"};
   arguments.insert(arguments.end(), plan_.worker_arguments.begin(), plan_.worker_arguments.end());
-  auto child =
-      ChildProcess::start(arguments, absl::StrCat(folder_, "/worker-", slot + 1, ".log"), SIGKILL);
+  auto child = ChildProcess::start(
+      arguments, folder_->file(absl::StrCat("worker-", slot + 1, ".log")), SIGKILL);
   if (!child.ok()) return child.status();
   workers_[slot] = std::make_unique<ChildProcess>(*std::move(child));
   return absl::OkStatus();
@@ -162,6 +148,8 @@ absl::Status LocalFarm::stop() {
   if (!coordinator_->succeeded()) {
     return as_status(coordinator_->ended().value_or(""), coordinator_->last_words());
   }
+  const std::string words = last_message(coordinator_->last_words(), "irsig-coordinator");
+  if (words.starts_with(kWarning)) warning_ = words.substr(std::strlen(kWarning));
   return absl::OkStatus();
 }
 

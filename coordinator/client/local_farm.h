@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "coordinator/client/address.h"
 #include "coordinator/client/child_process.h"
+#include "coordinator/client/scratch_folder.h"
 
 namespace irsig {
 
@@ -33,9 +34,11 @@ class LocalFarm {
   // Starts again what died. jobs_settled: so far; a process that keeps dying without any job being
   // settled in between is not started for ever: an error, with its last words.
   absl::Status keep_alive(std::uint64_t jobs_settled);
-  // Workers end at once, the coordinator after it has made the database one plain file. OK if it
-  // did.
+  // Workers end at once, the coordinator after it has made the database one plain file, or after a
+  // second or two in which a reader kept it from that (warning() says so; everything is stored).
   absl::Status stop();
+  // What the coordinator warned of at its end; empty: nothing.
+  [[nodiscard]] const std::string& warning() const { return warning_; }
 
  private:
   explicit LocalFarm(LocalFarmPlan plan) : plan_(std::move(plan)) {}
@@ -43,13 +46,14 @@ class LocalFarm {
   absl::Status start_worker(std::size_t slot);
 
   LocalFarmPlan plan_;
-  std::string folder_;
+  std::unique_ptr<ScratchFolder> folder_;  // goes after those who write into it
   Address address_;
   std::unique_ptr<ChildProcess> coordinator_;
   std::vector<std::unique_ptr<ChildProcess>> workers_;
   std::uint64_t settled_at_last_death_ = 0;
   int deaths_without_progress_ = 0;
   int coordinator_deaths_ = 0;
+  std::string warning_;
 };
 
 // The executable of this name in the folder of the running one.

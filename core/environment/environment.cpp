@@ -211,6 +211,16 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
   return std::unique_ptr<const Environment>(new Environment(std::move(parts)));
 }
 
+double Environment::bytes_per_condition() const {
+  // ViewEnvironment's nodes, at the target and behind the line's air; SunLight's sky, and its air
+  // and surface below the horizon.
+  const DirectionNodes& nodes = parts_->nodes;
+  const double seen = 2.0 * nodes.count() * static_cast<double>(parts_->wavelengths.um.size());
+  const double kept =
+      nodes.azimuths() > 1 ? (nodes.sky() + 2.0 * nodes.lower()) * kAirBandCount : 0;
+  return (seen + kept) * sizeof(double);
+}
+
 absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {
   auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
   for (const Parts::Condition& c : parts_->condition) {

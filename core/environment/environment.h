@@ -166,6 +166,9 @@ class Environment {
   [[nodiscard]] absl::StatusOr<Look> look(const Line& line) const;
 
   [[nodiscard]] std::size_t conditions() const;
+  // What a condition takes of memory while a view is computed, what is kept from view to view
+  // included: an upper limit without small change, from counts.                           [bytes]
+  [[nodiscard]] double bytes_per_condition() const;
 
  private:
   struct Parts;

@@ -170,6 +170,8 @@ bool Database::bind(sqlite3_stmt* statement, int parameter, std::nullopt_t) {
   return sqlite3_bind_null(statement, parameter) == SQLITE_OK;
 }
 
+void Database::wait_for_locks_ms(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }
+
 std::int64_t Database::last_insert_rowid() const { return sqlite3_last_insert_rowid(handle_); }
 
 std::uint64_t Database::changes() const {

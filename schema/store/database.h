@@ -99,6 +99,9 @@ class Database {
     return rows->integer();
   }
 
+  // How long statements wait for a lock that another connection holds (as opened: 5 s).
+  void wait_for_locks_ms(int milliseconds);
+
   [[nodiscard]] std::int64_t last_insert_rowid() const;
   [[nodiscard]] std::uint64_t changes() const;  // rows changed by the last statement
   [[nodiscard]] bool in_transaction() const;

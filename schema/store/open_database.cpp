@@ -57,6 +57,13 @@ absl::Status check_pragmas(const std::string& path, Database& database) {
   return refuse(path, static_cast<std::uint32_t>(*id), *version);
 }
 
+absl::Status no_lock_file(const std::string& path) {
+  return absl::InvalidArgumentError(
+      absl::StrCat(path,
+                   ": is no regular file, but irsig locks the database by a file of this "
+                   "name: remove it"));
+}
+
 bool exists(const std::string& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
@@ -73,6 +80,24 @@ absl::Status check_regular(const std::string& path) {
   return absl::OkStatus();
 }
 
+// Nobody else writes: who keeps the writer waiting is a reader.
+absl::Status name_the_reader(const std::string& path, const absl::Status& status) {
+  if (!absl::IsUnavailable(status)) return status;
+  return absl::UnavailableError(absl::StrCat(
+      path,
+      ": another program is reading it (a query, a viewer, a copy): try again when it is done"));
+}
+
+absl::Status write_ahead(const std::string& path, Database& database) {
+  absl::StatusOr<Rows> rows = database.query("PRAGMA journal_mode = WAL");
+  if (!rows.ok()) return rows.status();
+  const absl::StatusOr<bool> changed = rows->next();
+  if (!changed.ok()) return changed.status();
+  if (*changed && rows->text() == "wal") return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      path, ": its file system cannot share memory between processes: use a local disk"));
+}
+
 absl::Status create(Database& database) {
   // 16 kB pages: a spectrum (2-5 kB) lies in one page, an image of 20 kB in two. CPU seconds of
   // 2000 completions (tests/benchmark/store_bench.cpp) with pages of 4, 8, 16, 32 kB: 1.09, 0.96,
@@ -86,6 +111,10 @@ absl::Status create(Database& database) {
 
 }  // namespace
 
+void remove_database(const std::string& path) {
+  for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink((path + suffix).c_str());
+}
+
 absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::string& database_path) {
   std::error_code ignored;
   const fs::path resolved = fs::weakly_canonical(database_path, ignored);
@@ -93,9 +122,12 @@ absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::strin
   // The file may be removed by its last holder between open and flock; then the lock is on a file
   // without a name, and the next round opens the new one.
   for (;;) {
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    // Through no link: what it names might be somebody else's. O_NONBLOCK: a FIFO does not wait.
+    const int descriptor =
+        ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
     if (descriptor < 0) {
       const int code = errno;
+      if (code == ELOOP || code == ENXIO || code == EISDIR) return no_lock_file(path);
       const std::string message =
           absl::StrCat(database_path, ": cannot be written: ", std::strerror(code));
       if (code == ENOENT || code == ENOTDIR) return absl::NotFoundError(message);
@@ -103,22 +135,30 @@ absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::strin
       return absl::PermissionDeniedError(message);
     }
     std::unique_ptr<WriterLock> lock(new WriterLock(descriptor, path));
+    struct stat opened {};
+    if (::fstat(descriptor, &opened) != 0 || !S_ISREG(opened.st_mode)) {
+      lock->path_.clear();
+      return no_lock_file(path);
+    }
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       lock->path_.clear();  // the holder's to remove
       return absl::FailedPreconditionError(absl::StrCat(
           database_path, ": another irsig is writing this database (one writer at a time)"));
     }
-    struct stat ours {};
-    struct stat named {};
-    const bool same = ::fstat(descriptor, &ours) == 0 && ::stat(path.c_str(), &named) == 0 &&
-                      ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
-    if (same) return lock;
+    if (lock->holds()) return lock;
     lock->path_.clear();
   }
 }
 
+bool WriterLock::holds() const {
+  struct stat ours {};
+  struct stat named {};
+  return ::fstat(descriptor_, &ours) == 0 && ::lstat(path_.c_str(), &named) == 0 &&
+         ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
+}
+
 WriterLock::~WriterLock() {
-  if (!path_.empty()) ::unlink(path_.c_str());
+  if (!path_.empty() && holds()) ::unlink(path_.c_str());
   ::close(descriptor_);
 }
 
@@ -130,6 +170,7 @@ absl::Status migrate(Database& database, std::span<const MigrationStep> steps) {
     return absl::InvalidArgumentError(absl::StrCat("the database has format version ", *from,
                                                    "; known are versions up to ", newest));
   }
+  if (*from == newest) return absl::OkStatus();
   const bool own_transaction = !database.in_transaction();
   if (own_transaction) IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
   const auto run = [&]() -> absl::Status {
@@ -168,7 +209,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   const absl::Cleanup remove_new_file = [&out, &path, &keep_file] {
     if (keep_file) return;
     out.database.reset();
-    for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink((path + suffix).c_str());
+    remove_database(path);
   };
 
   absl::StatusOr<std::unique_ptr<Database>> database =
@@ -181,17 +222,20 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     const absl::StatusOr<std::int64_t> tables =
         opened.integer("SELECT count(*) FROM sqlite_schema");
     if (!tables.ok()) return tables.status();
-    is_new = *tables == 0 && *opened.integer("PRAGMA application_id") == 0;
+    const absl::StatusOr<std::int64_t> id = opened.integer("PRAGMA application_id");
+    if (!id.ok()) return id.status();
+    is_new = *tables == 0 && *id == 0;
   }
   if (is_new) {
     IRSIG_STORE_TRY(create(opened));
   } else {
     IRSIG_STORE_TRY(check_pragmas(path, opened));
-    IRSIG_STORE_TRY(migrate(opened, all_steps()));
+    IRSIG_STORE_TRY(name_the_reader(path, migrate(opened, all_steps())));
   }
-  IRSIG_STORE_TRY(opened.script("PRAGMA journal_mode = WAL"));
+  IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, opened)));
   IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL"));
   keep_file = true;
+  out.created = !existed;
   return out;
 }
 

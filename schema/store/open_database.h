@@ -30,6 +30,9 @@ class WriterLock {
   WriterLock& operator=(const WriterLock&) = delete;
   ~WriterLock();
 
+  // The lock file still lies where it was made: nobody else can hold a lock of this name.
+  [[nodiscard]] bool holds() const;
+
  private:
   WriterLock(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
   int descriptor_;
@@ -39,12 +42,17 @@ class WriterLock {
 struct WritableDatabase {
   std::unique_ptr<WriterLock> lock;  // outlives the connection
   std::unique_ptr<Database> database;
+  bool created = false;  // there was no such file
 };
 
 // Creates or opens for writing, brings to the newest version, switches to write-ahead logging.
 // Files that it refuses stay as they are; a file that it began to create does not stay behind when
 // it fails.
 [[nodiscard]] absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path);
+
+// Removes a database and what SQLite keeps beside it. Only for who created it, holds its lock and
+// has closed it.
+void remove_database(const std::string& path);
 
 // Never creates or changes anything.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path);

@@ -133,6 +133,9 @@ class StoreWriter {
   // open; everything is stored, the journal stays beside the file, and finish() may be called
   // again.
   virtual absl::Status finish() = 0;
+  // Removes the file again if this writer made it and nothing was committed to it; true if it did,
+  // and then this object is good for nothing but its destructor.
+  virtual absl::StatusOr<bool> remove_if_unused() = 0;
 };
 
 // A number that the version which stored the row did not compute. It is NaN: test with std::isnan.

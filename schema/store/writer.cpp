@@ -12,6 +12,8 @@
 namespace irsig {
 namespace {
 
+constexpr int kPatienceAtTheEnd_ms = 1000;
+
 absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
                                      const std::string& sha256) {
   absl::StatusOr<Rows> row = database.query(statement, sha256);
@@ -24,11 +26,17 @@ absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
 
 class SqliteWriter final : public StoreWriter {
  public:
-  explicit SqliteWriter(WritableDatabase opened)
-      : lock_(std::move(opened.lock)), owned_(std::move(opened.database)), database_(*owned_) {}
+  SqliteWriter(WritableDatabase opened, std::string path)
+      : lock_(std::move(opened.lock)),
+        owned_(std::move(opened.database)),
+        database_(*owned_),
+        path_(std::move(path)),
+        created_(opened.created) {}
 
   // Without finish() the journal stays; the next writer, and every reader, goes on from it.
-  ~SqliteWriter() override { rollback(); }
+  ~SqliteWriter() override {
+    if (owned_) rollback();
+  }
 
   absl::Status begin() override { return database_.run("BEGIN IMMEDIATE"); }
 
@@ -113,8 +121,25 @@ class SqliteWriter final : public StoreWriter {
   absl::Status finish() override {
     if (database_.in_transaction())
       return absl::FailedPreconditionError("finish() inside a transaction");
+    // A reader between two queries is waited for, one that stays is not.
+    database_.wait_for_locks_ms(kPatienceAtTheEnd_ms);
     IRSIG_STORE_TRY(database_.script("PRAGMA wal_checkpoint(TRUNCATE)"));
-    return database_.script("PRAGMA journal_mode = DELETE");
+    const absl::Status ended = database_.script("PRAGMA journal_mode = DELETE");
+    if (!absl::IsUnavailable(ended)) return ended;
+    return absl::UnavailableError(absl::StrCat(
+        path_, ": another program is reading it; everything is stored, but part of it may lie in ",
+        path_, "-wal, which belongs to the database until the next run folds it in"));
+  }
+
+  absl::StatusOr<bool> remove_if_unused() override {
+    if (!created_) return false;
+    rollback();
+    const absl::StatusOr<std::int64_t> content = database_.integer(sql::content_count);
+    if (!content.ok()) return content.status();
+    if (*content > 0 || !lock_->holds()) return false;
+    owned_.reset();
+    remove_database(path_);
+    return true;
   }
 
  private:
@@ -126,6 +151,8 @@ class SqliteWriter final : public StoreWriter {
   std::unique_ptr<WriterLock> lock_;  // given back after the connection is closed
   std::unique_ptr<Database> owned_;
   Database& database_;
+  std::string path_;
+  bool created_;
 };
 
 }  // namespace
@@ -133,7 +160,7 @@ class SqliteWriter final : public StoreWriter {
 absl::StatusOr<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::string& path) {
   absl::StatusOr<WritableDatabase> opened = open_for_writing(path);
   if (!opened.ok()) return opened.status();
-  return std::make_unique<SqliteWriter>(*std::move(opened));
+  return std::make_unique<SqliteWriter>(*std::move(opened), path);
 }
 
 }  // namespace irsig

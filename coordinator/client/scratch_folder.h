@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// A private folder (mode 0700) below TMPDIR or /tmp that goes with this object. Those of processes
+// that were killed are removed by the next one that makes one: each holds a lock on its folder,
+// which the kernel releases in whatever way it ends.
+class ScratchFolder {
+ public:
+  // longest_path: where TMPDIR is longer than that, /tmp serves (the path of a Unix socket is
+  // short).
+  static absl::StatusOr<std::unique_ptr<ScratchFolder>> make(
+      std::size_t longest_path = std::numeric_limits<std::size_t>::max());
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  ScratchFolder(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+  std::string path_;
+  int lock_;
+};
+
+}  // namespace irsig
