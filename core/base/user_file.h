@@ -7,8 +7,10 @@
 
 namespace irsig {
 
-// The most bytes of a file, by what it is for. Above them it is refused before it is read.
-inline constexpr std::uint64_t kMostSpecBytes = 16'000'000;      // a sweep or goniometer file
+// The most bytes of a file, by what it is for. Above them it is refused before it is read. A sweep
+// file takes up to 180 times its size in memory (a line for each key), the others a few times
+// theirs.
+inline constexpr std::uint64_t kMostSpecBytes = 8'000'000;       // a sweep or goniometer file
 inline constexpr std::uint64_t kMostTableBytes = 64'000'000;     // optical data, weather, spectra
 inline constexpr std::uint64_t kMostModelBytes = 1'000'000'000;  // what a coordinator takes
 
