@@ -66,6 +66,9 @@ TEST(ImportApart, AFileThatCrashesTheLibraryIsRefused) {
 
 // Each node is twice the child of the one before: 2^39 of them from 1.2 kB.
 TEST(ImportApart, AFileThatAsksForGigabytesIsRefused) {
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "built with the thread sanitizer, the importer has no limit of memory";
+#endif
   std::string nodes;
   for (int i = 1; i < 40; ++i)
     nodes += R"({"children":[)" + std::to_string(i) + "," + std::to_string(i) + "]},";
@@ -73,7 +76,11 @@ TEST(ImportApart, AFileThatAsksForGigabytesIsRefused) {
   const std::size_t begin = gltf.find(R"("nodes":[{)"), end = gltf.find(R"("materials")");
   const std::string deep =
       gltf.substr(0, begin) + R"("nodes":[)" + nodes + R"({"mesh":0}],)" + gltf.substr(end);
-  EXPECT_THAT(refusal("a.gltf", deep), HasSubstr("MB of memory: the file is damaged"));
+  const std::string message = refusal("a.gltf", deep);
+  EXPECT_THAT(message, HasSubstr("the file is damaged, or made to do harm"));
+#if !defined(__SANITIZE_ADDRESS__)  // which ends the process itself
+  EXPECT_THAT(message, HasSubstr("MB of memory"));
+#endif
 }
 
 // Its JSON is broken: then Assimp tries its other readers, of which one takes 3.9 GB for this.
