@@ -1,22 +1,20 @@
 #include "cli/accuracy_source.h"
 
-#include <array>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/user_file.h"
 
 namespace irsig {
 namespace {
 
 bool is_database(const std::string& path) {
   constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  std::array<char, 16> first{};
-  std::ifstream in(path, std::ios::binary);
-  in.read(first.data(), first.size());
-  return in && std::string_view(first.data(), first.size()) == kMagic;
+  // What cannot be read is for whoever reads it as a sweep to say.
+  const absl::StatusOr<std::string> front = front_of_user_file(path, kMagic.size());
+  return front.ok() && *front == kMagic;
 }
 
 // The one sweep of the database, or the one that is asked for.

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "cli/load_sweep.h"
+#include "core/base/user_file.h"
 #include "jobs/environment/weather_from_message.h"
 #include "jobs/sweep_file.h"
 
@@ -85,7 +86,7 @@ absl::StatusOr<AirProfile> AirOptions::profile() const {
   }
   AirProfile out = afgl_profile(*base);
   if (!profile_file_.empty()) {
-    const auto text = read_file(profile_file_);
+    const auto text = read_user_file(profile_file_, kMostTableBytes);
     if (!text.ok()) {
       return absl::NotFoundError(absl::StrCat(profile_file_, ": ", text.status().message()));
     }
@@ -149,7 +150,7 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   if (file->sweep.model().has_file()) {
     const auto model =
         (std::filesystem::path(sweep_).parent_path() / file->sweep.model().file()).string();
-    auto bytes = read_file(model);
+    auto bytes = read_user_file(model, kMostModelBytes);
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(model, ": ", bytes.status().message()));
     }

@@ -15,7 +15,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
-#include "cli/load_sweep.h"
+#include "core/base/user_file.h"
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
 #include "core/scene/generate_particles.h"
@@ -147,19 +147,22 @@ class GoniometerCommand {
   std::uint32_t threads = 0;
 
   [[nodiscard]] absl::Status run() {
-    const auto text = read_file(spec_path);
+    const auto text = read_user_file(spec_path, kMostSpecBytes);
     if (!text.ok())
       return absl::InvalidArgumentError(absl::StrCat(spec_path, ": ", text.status().message()));
     auto file = parse_goniometer(*text, spec_path);
     if (!file.ok()) return file.status();
-    const auto read_beside = [&](const std::string& name) {
-      return read_file((fs::path(spec_path).parent_path() / name).string());
+    const auto beside = [&](const std::string& name) {
+      return (fs::path(spec_path).parent_path() / name).string();
     };
-    if (const auto status = read_material_files(file->scene, read_beside); !status.ok())
+    const auto read_table = [&](const std::string& name) {
+      return read_user_file(beside(name), kMostTableBytes);
+    };
+    if (const auto status = read_material_files(file->scene, read_table); !status.ok())
       return status;
     std::string model_bytes;
     if (file->spec.model().has_file()) {
-      auto bytes = read_beside(file->spec.model().file());
+      auto bytes = read_user_file(beside(file->spec.model().file()), kMostModelBytes);
       if (!bytes.ok())
         return absl::InvalidArgumentError(absl::StrCat(file->scene.location("model.file"),
                                                        ": model.file \"", file->spec.model().file(),

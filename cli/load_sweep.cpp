@@ -1,14 +1,11 @@
 #include "cli/load_sweep.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "core/base/user_file.h"
 #include "jobs/material_files.h"
 #include "jobs/weather_files.h"
 
@@ -66,28 +63,16 @@ absl::Status replace_effects(const std::string& asked, SweepFile& file) {
 
 }  // namespace
 
-absl::StatusOr<std::string> read_file(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return absl::InvalidArgumentError("is a folder, expected a file");
-  }
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return absl::InvalidArgumentError(std::strerror(errno));
-  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) return absl::InvalidArgumentError("cannot be read");
-  return bytes;
-}
-
 absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
-  const auto text = read_file(path);
+  const auto text = read_user_file(path, kMostSpecBytes);
   if (!text.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));
   }
   auto file = parse_sweep(*text, path);
   if (!file.ok()) return file.status();
   const auto read_beside = [&](const std::string& name) {
-    return read_file((std::filesystem::path(path).parent_path() / name).string());
+    return read_user_file((std::filesystem::path(path).parent_path() / name).string(),
+                          kMostTableBytes);
   };
   for (const auto read : {read_material_files, read_weather_files}) {
     if (const absl::Status status = read(*file, read_beside); !status.ok()) return status;
@@ -116,7 +101,8 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   }
   if (loaded.file.sweep.model().has_file()) {
     const std::filesystem::path model = loaded.file.sweep.model().file();
-    auto bytes = read_file((std::filesystem::path(path).parent_path() / model).string());
+    auto bytes = read_user_file((std::filesystem::path(path).parent_path() / model).string(),
+                                kMostModelBytes);
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
                                                      ": model.file \"", model.string(),

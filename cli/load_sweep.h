@@ -27,9 +27,6 @@ struct LoadedSweep {
   JobMemory memory = {};              // of one worker
 };
 
-// The content of a file; INVALID_ARGUMENT says why it cannot be had, without the file's name.
-[[nodiscard]] absl::StatusOr<std::string> read_file(const std::string& path);
-
 // A sweep file with the content of the files that it names, not yet resolved.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "cli/load_sweep.h"
+#include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
 #include "fmt/format.h"
 #include "view/atomic_file.h"
@@ -84,7 +84,7 @@ struct CheckCommand {
 
   // The exit code, when nothing failed: 2 when the model has errors.
   [[nodiscard]] absl::StatusOr<int> run() const {
-    const absl::StatusOr<std::string> bytes = read_file(how.file_name);
+    const absl::StatusOr<std::string> bytes = read_user_file(how.file_name, kMostModelBytes);
     if (!bytes.ok())
       return absl::InvalidArgumentError(
           fmt::format("{}: {}", how.file_name, std::string(bytes.status().message())));

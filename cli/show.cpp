@@ -1,14 +1,10 @@
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -17,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
+#include "core/base/user_file.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
@@ -186,16 +183,10 @@ std::vector<std::string> seasons_of(const schema::Sweep& sweep, PrecomputeTable&
 }
 
 absl::Status precompute(const std::string& file_name) {
-  std::error_code unknown;
-  if (std::filesystem::is_directory(file_name, unknown)) {
-    return absl::InvalidArgumentError(absl::StrCat(file_name, ": is a directory"));
-  }
-  std::ifstream stream(file_name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad()) {
-    return absl::NotFoundError(absl::StrCat(file_name, ": cannot be read"));
-  }
-  const absl::StatusOr<SweepFile> file = parse_sweep(text, file_name);
+  const absl::StatusOr<std::string> text = read_user_file(file_name, kMostSpecBytes);
+  if (!text.ok())
+    return absl::InvalidArgumentError(absl::StrCat(file_name, ": ", text.status().message()));
+  const absl::StatusOr<SweepFile> file = parse_sweep(*text, file_name);
   if (!file.ok()) return file.status();
   if (!file->sweep.has_precompute()) {
     return absl::InvalidArgumentError(absl::StrCat(file_name, ": it has no [precompute] table"));

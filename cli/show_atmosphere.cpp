@@ -11,8 +11,8 @@
 #include "absl/strings/str_format.h"
 #include "cli/air_options.h"
 #include "cli/commands.h"
-#include "cli/load_sweep.h"
 #include "core/atmosphere/imported_path.h"
+#include "core/base/user_file.h"
 #include "core/geo/sun.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
@@ -230,7 +230,7 @@ struct AtmosphereCommand {
   // What the other code has for this line of sight.
   [[nodiscard]] absl::StatusOr<std::optional<ImportedPath>> imported() const {
     if (modtran_file.empty()) return std::optional<ImportedPath>();
-    const auto text = read_file(modtran_file);
+    const auto text = read_user_file(modtran_file, kMostTableBytes);
     if (!text.ok()) {
       return absl::NotFoundError(absl::StrCat(modtran_file, ": ", text.status().message()));
     }

@@ -77,6 +77,7 @@ function(irsig_test name)
   target_link_libraries(${target} PRIVATE ${arg_DEPENDS} GTest::gmock_main irsig_warnings)
   irsig_precompile(${target} REUSE_FROM irsig_test_headers)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  add_dependencies(${target} irsig-import)  # looked for beside the executable
   gtest_discover_tests(${target} TEST_PREFIX ${folder}.${name}. DISCOVERY_MODE PRE_TEST
                        PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT 600)
 endfunction()

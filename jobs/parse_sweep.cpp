@@ -12,6 +12,7 @@
 #include "jobs/nearest_name.h"
 #include "jobs/section_check.h"
 #include "jobs/sweep_file.h"
+#include "jobs/toml_nesting.h"
 
 namespace irsig {
 namespace {
@@ -249,6 +250,8 @@ class Filler {
 }  // namespace
 
 absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& message) {
+  if (const absl::Status status = check_toml_nesting(text, file.file_name); !status.ok())
+    return status;
   toml::table table;
   try {
     table = toml::parse(text, file.file_name);

@@ -25,7 +25,7 @@ struct SweepFile {
 
 // TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each
 // file:line:column: what is wrong, what was expected): a syntax error alone (a key given twice is
-// one); else every unknown key, wrong type, nan and inf.
+// one, and so are more than 32 levels of tables); else every unknown key, wrong type, nan and inf.
 [[nodiscard]] absl::StatusOr<SweepFile> parse_sweep(std::string_view text,
                                                     std::string_view file_name);
 

@@ -174,6 +174,23 @@ TEST(SweepFileFuzz, EveryMutationIsReadOrRefusedWithAPlace) {
 }
 
 TEST(SweepFileFuzz, DeepAndLongFilesEnd) {
+  const auto repeated = [](int count, const std::string& piece) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += piece;
+    return text;
+  };
+  // The parser alone overflows the stack on these keys.
+  for (const std::string& text :
+       {repeated(100000, "a.") + "a = 1", repeated(100000, "a . ") + "a = 1",
+        "[" + repeated(100000, "a.") + "a]", "[[" + repeated(100000, "\"a\".") + "a]]",
+        "x = {" + repeated(100000, "a.") + "a = 1}", "x = " + repeated(100000, "{ a = "),
+        "x = " + repeated(100000, "[") + repeated(100000, "]"),
+        "x = \"\"\"\"\"\"\n" + repeated(100000, "'a'.") + "a = 1",
+        "x = '''a'''''\n" + repeated(100000, "a.") + "a = 1"}) {
+    const absl::StatusOr<SweepFile> file = parse_sweep(text, "fuzz.toml");
+    ASSERT_FALSE(file.ok());
+    expect_located(file.status(), text.substr(0, 100));
+  }
   for (const std::string& piece : {std::string("["), std::string("{a="), std::string("a."),
                                    std::string("[[a]]\n"), std::string("\"")}) {
     std::string text = "name = ";

@@ -2,7 +2,7 @@
 
 usage: bad_input_test.py <irsig> <irsig-coordinator> <repository>
 """
-import pathlib, socket, sqlite3, subprocess, sys, tempfile, unittest
+import os, pathlib, socket, sqlite3, subprocess, sys, tempfile, unittest
 
 IRSIG, COORDINATOR, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
 DISK = (ROOT / "jobs/examples/disk.toml").read_text()
@@ -121,6 +121,47 @@ class BadInput(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn(address, done.stderr)
         self.assertEqual([], list(self.path.glob("*.sigdb")))
+
+    def refused_call(self, *arguments):
+        """A call that must end by itself, without reading what has no end; what it said."""
+        done = subprocess.run([IRSIG, *arguments], cwd=self.path, capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 2, (arguments, done.stderr))
+        return done.stderr
+
+    def test_files_that_are_no_files(self):
+        os.mkfifo(self.path / "fifo")
+        os.mkfifo(self.path / "fifo.obj")
+        os.mkfifo(self.path / "fifo.csv")
+        (self.path / "zero.obj").symlink_to("/dev/zero")
+        sweeps = {"model": filed("fifo.obj"), "zero": filed("zero.obj"),
+                  "material": DISK.replace("emissivity = ", 'emissivity_file = "fifo.csv" # '),
+                  "weather": DISK.replace("[[season]]", '[[season]]\nmodtran_file = "fifo.csv"', 1)}
+        self.assertEqual(len(set(sweeps.values()) - {DISK}), 4)
+        for name, sweep in sweeps.items():
+            (self.path / f"{name}.toml").write_text(sweep)
+            with self.subTest(sweep=name):
+                said = self.refused_call("run", f"{name}.toml", "--db", "out.sigdb")
+                self.assertRegex(said, name + r"\.toml:\d+:\d+: .*is a (FIFO|device), expected a regular file")
+        atmosphere = ("show", "atmosphere", "--profile", "tropical", "--aerosol", "none",
+                      "--observer-height-m", "10", "--target-height-m", "10", "--range-m", "1000")
+        for call in (("run", "fifo", "--db", "out.sigdb"), ("run", "/dev/zero", "--db", "out.sigdb"), ("plan", "fifo"),
+                     ("accuracy", "fifo", "--out", "out"),
+                     ("goniometer", "fifo", "--out", "out"), ("model", "check", "fifo.obj"), ("model", "check", "zero.obj"),
+                     ("material", "check", "--sweep", "fifo"), ("material", "show", "fifo:paint"),
+                     ("show", "precompute", "fifo"),
+                     (*atmosphere, "--profile-file", "fifo.csv"), (*atmosphere, "--modtran", "fifo.csv"),
+                     ("query", "fifo"), ("verify-effects", "fifo")):
+            with self.subTest(call=call):
+                self.assertRegex(self.refused_call(*call), "is (a FIFO, expected|a device, expected|not) a regular file")
+        self.assertEqual([], list(self.path.glob("out*")))
+
+    def test_model_that_crashes_the_import_library(self):
+        (self.path / "ship.gltf").write_text(
+            '{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],'
+            '"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],'
+            '"accessors":[{"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1}}]}')
+        self.refused(filed("ship.gltf"), "sweep.toml:", "ship.gltf: ", "the file is damaged")
+        self.assertIn("the file is damaged", self.refused_call("model", "check", "ship.gltf"))
 
 
 if __name__ == "__main__":

@@ -147,6 +147,20 @@ TEST(OpticalConstantsFile, RefusesWhatIsNoSuchFile) {
             "a.yml:2:5: no table, expected \"data: |\" and its rows");
 }
 
+TEST(OpticalConstantsFile, RefusesWhatIsTooDeepOrTooLarge) {
+  const auto message = [](const std::string& text) {
+    return std::string(read_optical_constants(text, "a.yml").status().message());
+  };
+  std::string dashes;
+  for (int i = 0; i < 100000; ++i) dashes += "- ";
+  for (const std::string& text : {std::string(100000, '['), std::string(100000, '{'), dashes}) {
+    EXPECT_THAT(message(text), ::testing::StartsWith("a.yml:1:"));
+    EXPECT_THAT(message(text), ::testing::HasSubstr("more than 500 lists or tables in each other"));
+  }
+  EXPECT_EQ(message("DATA: [" + std::string(4000000, '1') + "]"),
+            "a.yml:1:1: the file has 4000008 bytes, expected at most 4000000");
+}
+
 TEST(SpectrumFile, ReadsWhatItsHeaderSays) {
   const auto plain =
       read_spectrum("# paint 7\nlambda_um,emissivity\n3,0.9\n5,0.95\n", "a.csv", "emissivity");

@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/store.h"
 #include "tests/fault/synthetic_ledger.h"
+#include "tests/unit/scratch_folder.h"
 
 namespace irsig {
 
@@ -26,29 +27,6 @@ namespace irsig {
     const auto ok_status = (expression);                             \
     ASSERT_TRUE(ok_status.ok()) << #expression << ": " << ok_status; \
   } while (false)
-
-// A folder that goes when the test ends.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "irsig-store-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder: " + name);
-    path_ = name;
-  }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-  std::vector<std::string> names() const {
-    std::vector<std::string> out;
-    for (const auto& entry : std::filesystem::directory_iterator(path_))
-      out.push_back(entry.path().filename());
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 struct SweepShape {
   std::string name = "ship";

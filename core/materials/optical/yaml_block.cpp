@@ -1,5 +1,7 @@
 #include "core/materials/optical/yaml_block.h"
 
+#include <yaml-cpp/depthguard.h>
+
 #include <algorithm>
 #include <string>
 
@@ -12,8 +14,20 @@
 namespace irsig {
 
 std::optional<YAML::Node> load_yaml(std::string_view text, TableErrors& errors) {
+  // A list of short numbers takes 240 times its bytes in memory (measured); a table of 100 000 rows
+  // of n and k has 3 MB.
+  constexpr std::size_t kMostBytes = 4'000'000;
+  if (text.size() > kMostBytes) {
+    errors.add(1, 1,
+               absl::StrCat("the file has ", text.size(), " bytes, expected at most ", kMostBytes));
+    return std::nullopt;
+  }
   try {
     return YAML::Load(std::string(text));
+  } catch (const YAML::DeepRecursion& error) {  // "bad file", says the library
+    errors.add(std::max(error.mark.line, 0) + 1, std::max(error.mark.column, 0) + 1,
+               absl::StrCat("more than ", error.depth(), " lists or tables in each other"));
+    return std::nullopt;
   } catch (const YAML::Exception& error) {  // the library's way to say it; goes no further
     errors.add(std::max(error.mark.line, 0) + 1, std::max(error.mark.column, 0) + 1,
                absl::StrReplaceAll(error.msg, {{"\n", " "}}));
