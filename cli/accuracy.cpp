@@ -9,11 +9,11 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "cli/accuracy_check.h"
-#include "cli/accuracy_source.h"
-#include "cli/accuracy_study.h"
 #include "cli/commands.h"
 #include "fmt/format.h"
+#include "planning/accuracy_check.h"
+#include "planning/accuracy_source.h"
+#include "planning/accuracy_study.h"
 #include "view/atomic_file.h"
 
 namespace irsig {

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 
-#include "cli/load_sweep.h"
+#include "planning/load_sweep.h"
 
 namespace irsig {
 

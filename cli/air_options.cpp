@@ -6,10 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "cli/load_sweep.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/base/user_file.h"
-#include "jobs/environment/weather_from_message.h"
 #include "jobs/sweep_file.h"
+#include "planning/load_sweep.h"
 
 namespace irsig {
 namespace {

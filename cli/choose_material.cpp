@@ -4,11 +4,11 @@
 #include <array>
 
 #include "absl/strings/str_cat.h"
-#include "cli/load_sweep.h"
+#include "bridge/material_from_message.h"
 #include "core/materials/material.h"
 #include "jobs/nearest_name.h"
 #include "jobs/sweep_materials.h"
-#include "worker/material_from_message.h"
+#include "planning/load_sweep.h"
 
 namespace irsig {
 namespace {

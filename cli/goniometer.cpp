@@ -14,6 +14,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "bridge/goniometer_from_message.h"
+#include "bridge/job_runner.h"
+#include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
 #include "core/goniometer/coverage_trend.h"
@@ -26,53 +29,11 @@
 #include "view/atomic_file.h"
 #include "view/plot_curves.h"
 #include "view/plot_hemisphere.h"
-#include "worker/job_runner.h"
-#include "worker/spec_to_request.h"
 
 namespace irsig {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The grains of a file at one coverage; nullopt: a bed of stated layers.
-ParticleBed bed_of(const schema::Goniometer& spec, std::optional<double> coverage) {
-  const schema::Particles& p = spec.particles();
-  ParticleBed bed;
-  for (const schema::GrainSize& s : p.size()) bed.size.push_back({s.diameter_m(), s.fraction()});
-  bed.fractions_by_mass = p.fractions_by() == "mass";
-  bed.width_m = p.width_m();
-  bed.tiles = p.tiles();
-  if (coverage)
-    bed.coverage = *coverage;
-  else
-    bed.layers = p.layers();
-  bed.shape = p.shape() == "sphere" ? GrainShape::kSphere : GrainShape::kIrregular;
-  bed.irregularity = p.irregularity();
-  bed.subdivisions = p.subdivisions();
-  bed.seed = spec.seed();
-  return bed;
-}
-
-GoniometerSpec instrument_of(const schema::Goniometer& s, std::uint32_t threads) {
-  GoniometerSpec out;
-  out.view_zenith_deg.assign(s.view().zenith_deg().begin(), s.view().zenith_deg().end());
-  out.view_azimuth_deg.assign(s.view().azimuth_deg().begin(), s.view().azimuth_deg().end());
-  out.source_zenith_deg.assign(s.source().zenith_deg().begin(), s.source().zenith_deg().end());
-  out.source_distance_m = s.source().distance_m();
-  out.source_angular_radius_deg = s.source().angular_radius_deg();
-  out.sensor_range_m = s.sensor().range_m();
-  out.field =
-      s.sensor().field() == "across_view" ? FieldOfView::kAcrossView : FieldOfView::kOnPlate;
-  out.field_width_m = s.sensor().field_width_m();
-  out.field_height_m = s.sensor().field_height_m();
-  out.reference_height_m = s.sensor().reference_height_m();
-  out.samples_per_replicate = s.accuracy().samples_per_replicate();
-  out.replicates = s.accuracy().replicates();
-  out.max_reflections = s.accuracy().max_reflections();
-  out.seed = s.seed();
-  out.threads = threads;
-  return out;
-}
 
 std::string channel_name(const GoniometerChannel& c) {
   return c.spectral ? fmt::format("{} {:.4g} um", c.band, c.lambda_um) : c.band;
@@ -225,7 +186,9 @@ class GoniometerCommand {
     std::string about;
     double covered = coverage.value_or(0);
     if (spec_.has_particles()) {
-      auto model = generate_particles(bed_of(spec_, coverage));
+      const auto bed = bed_of(spec_, coverage);
+      if (!bed.ok()) return bed.status();
+      auto model = generate_particles(*bed);
       if (!model.ok())
         return absl::InvalidArgumentError(absl::StrCat("particles: ", model.status().message()));
       const ParticleReport& p = model->report;
@@ -239,7 +202,9 @@ class GoniometerCommand {
     }
     const auto start = std::chrono::steady_clock::now();
     const std::uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
-    auto result = run_goniometer(under, instrument_of(spec_, threads > 0 ? threads : cores));
+    const auto instrument = instrument_of(spec_, threads > 0 ? threads : cores);
+    if (!instrument.ok()) return instrument.status();
+    auto result = run_goniometer(under, *instrument);
     if (!result.ok()) return result.status();
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

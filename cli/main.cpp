@@ -2,8 +2,8 @@
 #include <exception>
 #include <string>
 
+#include "bridge/job_runner.h"
 #include "cli/commands.h"
-#include "worker/job_runner.h"
 
 namespace {
 

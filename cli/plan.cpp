@@ -4,10 +4,10 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
-#include "cli/machine.h"
-#include "cli/pilot.h"
-#include "cli/prediction.h"
 #include "fmt/format.h"
+#include "planning/machine.h"
+#include "planning/prediction.h"
+#include "planning/time_budget.h"
 
 namespace irsig {
 namespace {

@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "view/query_table.h"
 #include "view/range_change.h"
 #include "view/thumbnail.h"
-#include "worker/spec_to_request.h"
 
 namespace irsig {
 namespace {

@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "cli/commands.h"
-#include "cli/prediction.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
+#include "planning/prediction.h"
 
 namespace irsig {
 namespace {

@@ -8,16 +8,16 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
-#include "cli/interruption.h"
-#include "cli/load_sweep.h"
-#include "cli/machine.h"
-#include "cli/pilot.h"
-#include "cli/prediction.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
+#include "planning/interruption.h"
+#include "planning/load_sweep.h"
+#include "planning/machine.h"
+#include "planning/prediction.h"
+#include "planning/time_budget.h"
 #include "view/profile.h"
 
 namespace irsig {

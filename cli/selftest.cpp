@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/job_runner.h"
 #include "cli/commands.h"
-#include "worker/job_runner.h"
 
 namespace irsig {
 namespace {

@@ -2,10 +2,10 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
-#include "cli/load_sweep.h"
-#include "cli/pilot.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
+#include "planning/load_sweep.h"
+#include "planning/time_budget.h"
 
 namespace irsig {
 namespace {

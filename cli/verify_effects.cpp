@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/spec_to_request.h"
 #include "cli/commands.h"
-#include "cli/effects_tables.h"
-#include "cli/load_sweep.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
+#include "planning/load_sweep.h"
 #include "view/atomic_file.h"
-#include "worker/spec_to_request.h"
+#include "view/effects_tables.h"
 
 namespace irsig {
 namespace {

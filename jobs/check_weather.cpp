@@ -6,8 +6,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
-#include "jobs/environment/weather_from_message.h"
 
 namespace irsig {
 namespace {

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
-#include "jobs/environment/weather_from_message.h"
 #include "jobs/resolve.h"
 
 namespace irsig {

@@ -8,9 +8,10 @@
 #include <numeric>
 #include <tuple>
 
+#include "bridge/environment/sweep_environment.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/environment/air.h"
 #include "core/geo/viewpoint.h"
-#include "jobs/environment/sweep_environment.h"
 #include "view/moved_row.h"
 #include "view/sight_line.h"
 
@@ -20,14 +21,8 @@ namespace {
 constexpr double kFewestLengths = 20;
 
 // The air of homogeneous surroundings and of none does the same to whatever comes through it.
-ViewEnvironment plain_view(const schema::Air& message, double air_temperature_k, double range_m,
+ViewEnvironment plain_view(const Air& air, double air_temperature_k, double range_m,
                            const std::vector<double>& node_um) {
-  Air air;
-  air.model = message.model() == "homogeneous" ? AirModel::kHomogeneous : AirModel::kVacuum;
-  air.absorption_m2_kg = message.absorption_m2_kg();
-  air.pressure_pa = message.pressure_pa();
-  air.gas_constant_j_kg_k = message.gas_constant_j_kg_k();
-  air.path_emission = message.path_emission();
   AirPath path = air_path(air, air_temperature_k, range_m, node_um);
   const std::vector<double> all(node_um.size(), 1.0);
   ViewEnvironment out;
@@ -87,11 +82,12 @@ class SweepAir {
       double aspect_azimuth_deg, double aspect_elevation_deg, double range_m,
       const std::vector<std::uint32_t>& conditions) const {
     if (environment_ == nullptr) {
+      const auto air = air_from_message(sweep_.resolved.sweep().air());
+      if (!air.ok()) return air.status();
       std::vector<ViewEnvironment> out;
       for (const std::uint32_t c : conditions) {
         const schema::Condition& condition = sweep_.resolved.condition(static_cast<int>(c));
-        out.push_back(plain_view(sweep_.resolved.sweep().air(), condition.air_temperature_k(),
-                                 range_m, node_um_));
+        out.push_back(plain_view(*air, condition.air_temperature_k(), range_m, node_um_));
       }
       return out;
     }

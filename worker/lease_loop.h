@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
-#include "worker/job_runner.h"
 
 namespace irsig {
 

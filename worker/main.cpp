@@ -8,11 +8,11 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
 #include "core/image/image.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
-#include "worker/job_runner.h"
 #include "worker/lease_loop.h"
 
 namespace {

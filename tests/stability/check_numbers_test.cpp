@@ -1,4 +1,4 @@
-#include "worker/check_numbers.h"
+#include "bridge/check_numbers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

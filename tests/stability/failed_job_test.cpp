@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "bridge/job_runner.h"
 #include "jobs/expand.h"
 #include "tests/unit/sweep_text.h"
-#include "worker/job_runner.h"
 
 namespace irsig {
 namespace {

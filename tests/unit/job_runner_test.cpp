@@ -1,4 +1,4 @@
-#include "worker/job_runner.h"
+#include "bridge/job_runner.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
+
+namespace irsig {
+
+// The value that a message's name stands for. What it does not know is an error: "KEY: there is no
+// "given"; expected one of ...", never the last of the values.
+template <typename Value>
+[[nodiscard]] absl::StatusOr<Value> named(
+    std::string_view key, std::string_view given,
+    std::initializer_list<std::pair<std::string_view, Value>> known) {
+  std::string names;
+  for (const auto& [name, value] : known) {
+    if (name == given) return value;
+    names.append(names.empty() ? "" : ", ").append(name);
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      std::string(key), ": there is no \"", std::string(given), "\"; expected one of ", names));
+}
+
+}  // namespace irsig

@@ -1,0 +1,61 @@
+#include "bridge/environment/sweep_environment.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
+
+namespace irsig {
+
+absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
+    const schema::ResolvedSweep& resolved, std::span<const double> node_um) {
+  const schema::Sweep& sweep = resolved.sweep();
+  std::vector<WeatherSpec> weathers(static_cast<std::size_t>(sweep.season_size()));
+  std::vector<bool> known(weathers.size());
+  std::vector<ConditionEnvironment> conditions;
+  for (const schema::Condition& c : resolved.condition()) {
+    const std::size_t season = c.season_index();
+    if (season >= weathers.size() || !c.has_weather()) {
+      return absl::InvalidArgumentError("a condition has no weather: the sweep is not resolved");
+    }
+    if (!known[season]) {
+      auto weather = weather_from_message(c.weather(), c.surroundings());
+      if (!weather.ok()) {
+        return absl::Status(weather.status().code(),
+                            absl::StrCat("season[", season, "]: ", weather.status().message()));
+      }
+      weathers[season] = *std::move(weather);
+      known[season] = true;
+    }
+    ConditionEnvironment& condition = conditions.emplace_back();
+    condition.weather = c.season_index();
+    if (!sweep.transport().sun()) continue;
+    const auto time = parse_rfc3339(c.time_utc());
+    if (!time.ok()) return time.status();
+    const schema::Place& place = sweep.place();
+    const auto sun =
+        sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+    if (!sun.ok()) return sun.status();
+    condition.sun = true;
+    condition.sun_direction = body_from_enu(sun->direction, place.heading_deg());
+    condition.sun_distance_au = sun->distance_au;
+  }
+  return Environment::make(std::move(weathers), std::move(conditions), target_height_m(resolved),
+                           {node_um.begin(), node_um.end()});
+}
+
+std::vector<double> spectral_breaks_um(const schema::ResolvedSweep& sweep) {
+  std::vector<double> breaks_um;
+  if (!has_atmosphere(sweep)) return breaks_um;
+  for (const schema::Band& band : sweep.sweep().band()) {
+    const auto edges = air_band_edges_um(band.lambda_min_um() - band.step_um(),
+                                         band.lambda_max_um() + band.step_um());
+    breaks_um.insert(breaks_um.end(), edges.begin(), edges.end());
+  }
+  std::sort(breaks_um.begin(), breaks_um.end());
+  breaks_um.erase(std::unique(breaks_um.begin(), breaks_um.end()), breaks_um.end());
+  return breaks_um;
+}
+
+}  // namespace irsig

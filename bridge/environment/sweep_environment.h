@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "bridge/environment/weather_from_message.h"
+#include "core/environment/environment.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// From a resolved sweep to its air, sky and sea: for the worker, and for whoever evaluates a line
+// of sight of a stored sweep anew (another range, a printed sky). Pure: a resolved sweep names no
+// file. For sweeps that has_atmosphere() is true of (weather_from_message.h).
+
+// All conditions of the sweep, in its order; seasons are the environment's weathers.
+//   node_um  the wavelengths: OUT_OF_RANGE outside the atmosphere's table
+[[nodiscard]] absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
+    const schema::ResolvedSweep& sweep, std::span<const double> node_um);
+
+// Where the air's spectrum jumps inside the sweep's bands and a bin beyond them (SceneSpec);
+// empty without the embedded atmosphere.
+[[nodiscard]] std::vector<double> spectral_breaks_um(const schema::ResolvedSweep& sweep);
+
+}  // namespace irsig

@@ -1,0 +1,129 @@
+#include "bridge/environment/weather_from_message.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/environment/named.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::array<const char*, 8> kAerosolNames = {
+    "none",         "rural",         "urban",         "maritime",
+    "tropospheric", "navy_maritime", "advection_fog", "radiation_fog"};
+
+absl::StatusOr<LowerSpec> lower_from_message(const schema::Surroundings& s, double wind_speed_m_s) {
+  using Kind = LowerSpec::Kind;
+  const auto is_ground =
+      named<bool>("surroundings.kind", s.kind(), {{"sea", false}, {"ground", true}});
+  if (!is_ground.ok()) return is_ground.status();
+  LowerSpec lower;
+  if (*is_ground) {
+    lower.kind = Kind::kGround;
+    lower.temperature_k = s.ground_temperature_k();
+    lower.emissivity = s.ground_emissivity();
+    return lower;
+  }
+  const auto kind = named<Kind>(
+      "surroundings.sea_model", s.sea_model(),
+      {{"cox_munk", Kind::kRoughSea}, {"flat", Kind::kFlatSea}, {"grey", Kind::kGreySea}});
+  if (!kind.ok()) return kind.status();
+  lower.kind = *kind;
+  lower.temperature_k = s.sea_temperature_k();
+  if (lower.kind == Kind::kRoughSea) lower.wind_speed_m_s = wind_speed_m_s;
+  if (lower.kind == Kind::kGreySea) lower.emissivity = s.sea_emissivity();
+  return lower;
+}
+
+}  // namespace
+
+bool has_atmosphere(const schema::ResolvedSweep& sweep) {
+  return sweep.sweep().air().model() == "atmosphere";
+}
+
+bool is_rough_sea(const schema::Surroundings& surroundings) {
+  return surroundings.sea_model() == "cox_munk";
+}
+
+double target_height_m(const schema::ResolvedSweep& sweep) {
+  constexpr double kModelFromFileM = 5;
+  const schema::Model& model = sweep.sweep().model();
+  if (!model.has_generate()) return kModelFromFileM;
+  // The frigate's mast rises as high above its deck as that above the water, and more.
+  const bool ship = model.generate() == "frigate";
+  return std::max(1.0, ship ? model.height_m() : model.height_m() / 2);
+}
+
+absl::StatusOr<Air> air_from_message(const schema::Air& message) {
+  // Behind the embedded atmosphere there is no other air.
+  const auto model = named<AirModel>("air.model", message.model(),
+                                     {{"vacuum", AirModel::kVacuum},
+                                      {"homogeneous", AirModel::kHomogeneous},
+                                      {"atmosphere", AirModel::kVacuum}});
+  if (!model.ok()) return model.status();
+  Air air;
+  air.model = *model;
+  air.absorption_m2_kg = message.absorption_m2_kg();
+  air.pressure_pa = message.pressure_pa();
+  air.gas_constant_j_kg_k = message.gas_constant_j_kg_k();
+  air.path_emission = message.path_emission();
+  return air;
+}
+
+std::span<const char* const> aerosol_names() { return kAerosolNames; }
+
+absl::StatusOr<AerosolKind> aerosol_named(std::string_view name) {
+  for (std::size_t i = 0; i < kAerosolNames.size(); ++i) {
+    if (name == kAerosolNames[i]) return static_cast<AerosolKind>(i);
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("air.aerosol: there is no \"", std::string(name), "\""));
+}
+
+absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) {
+  const auto base = afgl_profile_named(weather.profile());
+  if (!base.ok()) return base.status();
+  AirProfile profile = afgl_profile(*base);
+  if (!weather.profile_csv().empty()) {
+    auto stated = parse_profile_csv(weather.profile_csv(), weather.profile_file_name(), profile);
+    if (!stated.ok()) return stated.status();
+    profile = *std::move(stated);
+  }
+  if (!weather.surface_stated()) return profile;
+  return bend_to_surface(profile, {.air_temperature_k = weather.air_temperature_k(),
+                                   .relative_humidity_percent = weather.relative_humidity_percent(),
+                                   .pressure_pa = weather.pressure_pa()});
+}
+
+absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
+                                                 const schema::Surroundings& surroundings) {
+  WeatherSpec spec;
+  auto profile = profile_from_message(weather);
+  if (!profile.ok()) return profile.status();
+  spec.air.profile = *std::move(profile);
+  const auto kind = aerosol_named(weather.aerosol());
+  if (!kind.ok()) return kind.status();
+  spec.air.aerosol = {.kind = *kind,
+                      .visibility_m = weather.visibility_m(),
+                      .air_mass = weather.air_mass(),
+                      .wind_speed_m_s = weather.wind_speed_m_s(),
+                      .wind_speed_24h_m_s = weather.wind_speed_24h_m_s(),
+                      .summer_troposphere = weather.summer_troposphere()};
+  if (const absl::Status status = check_aerosol(spec.air.aerosol); !status.ok()) return status;
+  spec.air.co2_ppmv = weather.co2_ppmv();
+  spec.refraction = weather.refraction();
+  auto lower = lower_from_message(surroundings, weather.wind_speed_m_s());
+  if (!lower.ok()) return lower.status();
+  spec.lower = *lower;
+  if (!weather.modtran_text().empty()) {
+    auto imported = parse_imported_paths(weather.modtran_text(), weather.modtran_file_name());
+    if (!imported.ok()) return imported.status();
+    spec.imported = std::make_shared<const ImportedPaths>(*std::move(imported));
+  }
+  return spec;
+}
+
+}  // namespace irsig

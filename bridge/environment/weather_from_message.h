@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "core/environment/air.h"
+#include "core/environment/environment.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Whether the sweep's air is the embedded atmosphere.
+[[nodiscard]] bool has_atmosphere(const schema::ResolvedSweep& sweep);
+
+// Whether a condition's sea has slopes that mirror the sun.
+[[nodiscard]] bool is_rough_sea(const schema::Surroundings& surroundings);
+
+// The air of homogeneous surroundings and of none; beside the embedded atmosphere: none.
+[[nodiscard]] absl::StatusOr<Air> air_from_message(const schema::Air& message);
+
+// Height of the point that stands for the target, above the sea or ground: half the height of a
+// generated model, 5 m for one from a file, at least 1 m. A function of the resolved sweep alone,
+// so that whoever evaluates a stored sweep anew finds the same air. 10 m more or less change the
+// amounts of a path that stays below 2 km by 0.5 % at most (water vapour halves in 1.5-2 km).
+[[nodiscard]] double target_height_m(const schema::ResolvedSweep& sweep);
+
+// The names that air.aerosol may have, in the order of AerosolKind.
+[[nodiscard]] std::span<const char* const> aerosol_names();
+[[nodiscard]] absl::StatusOr<AerosolKind> aerosol_named(std::string_view name);
+
+// The profile of a condition's weather: an AFGL profile or the file's, bent to the surface weather
+// if there is any. INVALID_ARGUMENT: what is wrong in the file, as file:line:column: ..., or a
+// surface that no air can have.
+[[nodiscard]] absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather);
+
+// A condition's air and what lies below it, imported paths included. Both messages complete, as
+// resolve_sweep writes them.
+[[nodiscard]] absl::StatusOr<WeatherSpec> weather_from_message(
+    const schema::Weather& weather, const schema::Surroundings& surroundings);
+
+}  // namespace irsig

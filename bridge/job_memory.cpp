@@ -1,0 +1,48 @@
+#include "bridge/job_memory.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace irsig {
+namespace {
+
+// Measured as tests/system/memory_test.py does: a worker with the quickstart; the mesh with its ray
+// tracer (5000 and 200 000 triangles); a season's air and sky; what allocation and small tables add
+// to the large ones.
+constexpr double kProgramBytes = 150e6, kBytesPerFacet = 300, kBytesPerSeason = 30e6;
+constexpr double kAllocation = 1.2;
+constexpr double kNumber = sizeof(double);
+
+}  // namespace
+
+std::uint64_t JobMemory::conditions_in(double bytes) const {
+  if (!(bytes > fixed_bytes)) return 0;
+  return static_cast<std::uint64_t>((bytes - fixed_bytes) / bytes_per_condition);
+}
+
+JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
+                     const Environment* environment) {
+  double wavelengths = 0;
+  for (const BandGrid& grid : simulator.band_grids())
+    wavelengths += static_cast<double>(grid.node_um.size());
+  const std::vector<Material>& materials = simulator.carried_materials();
+  const bool grey = std::all_of(materials.begin(), materials.end(),
+                                [](const Material& material) { return material.grey(); });
+  const double carried = grey ? 1 : static_cast<double>(simulator.basis().columns());
+  const double parts = sweep.sweep().part_size();
+  const double directions = environment == nullptr ? 2 : environment->nodes().count();
+  const double of_condition = environment == nullptr ? 2 * directions * wavelengths * kNumber
+                                                     : environment->bytes_per_condition();
+  // Weights of paths, by replicate, first part, source and carried wavelength: summed, and as
+  // means.
+  const double row = 2 * sweep.sweep().accuracy().replicates() * parts * carried * kNumber;
+  JobMemory memory;
+  memory.bytes_per_condition = kAllocation * of_condition + row;
+  memory.fixed_bytes =
+      kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
+      (environment == nullptr ? 0 : kBytesPerSeason * sweep.sweep().season_size()) +
+      row * (parts + directions);
+  return memory;
+}
+
+}  // namespace irsig

@@ -1,0 +1,114 @@
+#include "bridge/job_runner.h"
+
+#include <gnu/libc-version.h>
+
+#include <ctime>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/check_numbers.h"
+#include "bridge/profile_rows.h"
+#include "bridge/result_to_proto.h"
+#include "bridge/spec_to_request.h"
+#include "core/base/arithmetic_fingerprint.h"
+#include "core/signature/signature.h"
+
+namespace irsig {
+namespace {
+
+double cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+class CoreJobRunner final : public JobRunner {
+ public:
+  CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
+                std::shared_ptr<const Environment> environment,
+                std::optional<ThumbnailEncoder> encoder)
+      : sweep_(std::move(sweep)),
+        simulator_(std::move(simulator)),
+        environment_(std::move(environment)),
+        encoder_(std::move(encoder)) {}
+
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
+    const double start_s = cpu_seconds();
+    const auto request = request_from_job(sweep_, job, environment_);
+    if (!request.ok()) return request.status();
+    if (request->thumbnail_px > 0 && !encoder_)
+      return absl::FailedPreconditionError(
+          "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
+    auto plan = simulator_->plan(*request);
+    if (!plan.ok()) return plan.status();
+    const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
+    if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
+      plan->samples_per_replicate = accuracy.samples_per_replicate();
+    const auto view = simulator_->measure(*request, *plan);
+    if (!view.ok()) return view.status();
+    if (auto status = check_numbers(*view); !status.ok()) return status;
+    auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
+    if (!result.ok()) return result.status();
+    if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
+      return status;
+    result->set_job_key(job.job_key());
+    result->set_seconds(cpu_seconds() - start_s);
+    result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
+    result->set_determinism_class(determinism_class());
+    result->set_build_id(build_id());
+    return result;
+  }
+
+  [[nodiscard]] JobMemory memory() const override {
+    return job_memory(sweep_, *simulator_, environment_.get());
+  }
+
+ private:
+  schema::ResolvedSweep sweep_;
+  std::unique_ptr<Simulator> simulator_;
+  std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
+  std::optional<ThumbnailEncoder> encoder_;
+};
+
+std::string cpu_vendor() {
+  if (__builtin_cpu_is("amd")) return "amd";
+  if (__builtin_cpu_is("intel")) return "intel";
+  return "other";
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
+    const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    std::optional<ThumbnailEncoder> encoder) {
+  auto scene = scene_from_sweep(sweep, model_bytes);
+  if (!scene.ok()) return scene.status();
+  auto simulator = Simulator::create(*scene);
+  if (!simulator.ok()) return simulator.status();
+  if (const absl::Status status = check_energy(sweep.sweep(), (*simulator)->materials());
+      !status.ok())
+    return status;
+  const Target& target = (*simulator)->target();
+  const double reach = length(target.centre) + target.radius_m;
+  for (const schema::Viewpoint& v : sweep.viewpoint())
+    if (!(v.range_m() > reach))
+      return absl::InvalidArgumentError(absl::StrCat(
+          "viewpoints.range_m: a sensor at ", v.range_m(),
+          " m is inside the target, which reaches ", reach, " m from its reference point"));
+  auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
+  if (!environment.ok()) return environment.status();
+  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
+                                         std::move(encoder));
+}
+
+std::string build_id() { return IRSIG_BUILD_ID; }
+
+std::string determinism_class() {
+  static const std::string name = absl::StrCat(
+      build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-", gnu_get_libc_version(),
+      "/arithmetic-", absl::Hex(arithmetic_fingerprint(), absl::kZeroPad8));
+  return name;
+}
+
+int physics_version() { return kPhysicsVersion; }
+
+}  // namespace irsig

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "bridge/job_memory.h"
+#include "bridge/thumbnail_encoder.h"
+#include "schema/job.pb.h"
+#include "schema/result.pb.h"
+
+namespace irsig {
+
+// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. One object belongs
+// to one thread.
+class JobRunner {
+ public:
+  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT and
+  // names the key's path in the sweep ("part[2].name: no group of the model matches \"funel\"").
+  // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
+  // run() refuses the others with FAILED_PRECONDITION.
+  static absl::StatusOr<std::unique_ptr<JobRunner>> create(
+      const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+      std::optional<ThumbnailEncoder> encoder = {});
+  virtual ~JobRunner() = default;
+
+  // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
+  // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
+  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
+  // Of a worker with this runner; nothing for runners that compute nothing.
+  [[nodiscard]] virtual JobMemory memory() const { return {}; }
+};
+
+// build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and
+// the processor's approximate reciprocals really return here (libm chooses its code by the
+// processor, with or without fused multiply-add): results are bit-equal within one class.
+[[nodiscard]] std::string determinism_class();
+[[nodiscard]] std::string build_id();
+[[nodiscard]] int physics_version();
+
+}  // namespace irsig

@@ -1,0 +1,228 @@
+#include "bridge/spec_to_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/environment/named.h"
+#include "bridge/environment/sweep_environment.h"
+#include "bridge/material_from_message.h"
+#include "core/geo/sun.h"
+#include "core/spectral/solar.h"
+
+namespace irsig {
+namespace {
+
+absl::Status at(const std::string& path, const absl::Status& status) {
+  return {status.code(), absl::StrCat(path, ": ", status.message())};
+}
+
+absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+  const schema::Model& model = sweep.sweep().model();
+  if (model.has_generate()) {
+    MeshGenerator generator;
+    generator.kind = model.generate();
+    generator.triangles = model.triangles();
+    generator.radius_m = model.radius_m();
+    generator.length_m = model.length_m();
+    generator.width_m = model.width_m();
+    generator.height_m = model.height_m();
+    auto mesh = generate_mesh(generator);
+    return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.generate", mesh.status()));
+  }
+  MeshImport how;
+  how.file_name = sweep.model_file_name();
+  how.unit_m = model.unit_m();
+  how.forward_axis = model.forward_axis();
+  how.up_axis = model.up_axis();
+  how.reference = model.reference();
+  auto mesh = import_mesh(model_bytes, how);
+  return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
+}
+
+absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
+                                   const schema::Condition& condition) {
+  const auto time = parse_rfc3339(condition.time_utc());
+  if (!time.ok()) return time.status();
+  const schema::Place& place = sweep.sweep().place();
+  return sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+}
+
+absl::StatusOr<Surroundings> surroundings_of(const schema::Surroundings& s) {
+  // The target stands on the ground as it floats on the sea.
+  const auto kind = named<SurroundingsKind>("surroundings.kind", s.kind(),
+                                            {{"none", SurroundingsKind::kNone},
+                                             {"sea", SurroundingsKind::kSea},
+                                             {"ground", SurroundingsKind::kSea}});
+  if (!kind.ok()) return kind.status();
+  Surroundings out;
+  out.kind = *kind;
+  out.sky_temperature_k = s.has_sky_temperature_k() ? s.sky_temperature_k() : -1;
+  out.sky_radiance_w_m2_sr_um = s.sky_radiance_w_m2_sr_um();
+  out.sea_temperature_k = s.sea_temperature_k();
+  out.sea_emissivity = s.sea_emissivity();
+  out.lower_radiance_w_m2_sr_um = s.lower_radiance_w_m2_sr_um();
+  return out;
+}
+
+absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
+  using Mode = EffectChoice::Mode;
+  const auto mode =
+      named<Mode>("effects.mode", effects.mode(),
+                  {{"auto", Mode::kAuto}, {"all", Mode::kAll}, {"only", Mode::kOnly}});
+  if (!mode.ok()) return mode.status();
+  EffectChoice choice;
+  choice.mode = *mode;
+  for (const std::string& name : effects.only()) {
+    const auto effect = effect_named(name);
+    if (!effect || !info_of(*effect).switchable)
+      return absl::InvalidArgumentError(
+          absl::StrCat("effects.only: \"", name, "\" is no effect that can be left out"));
+    choice.only.push_back(*effect);
+  }
+  return choice;
+}
+
+}  // namespace
+
+absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved,
+                                           std::string_view model_bytes) {
+  const schema::Sweep& sweep = resolved.sweep();
+  SceneSpec scene;
+  auto mesh = mesh_of(resolved, model_bytes);
+  if (!mesh.ok()) return mesh.status();
+  scene.mesh = *std::move(mesh);
+  for (int i = 0; i < sweep.material_size(); ++i) {
+    auto material = material_from_message(sweep.material(i));
+    if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
+    scene.material.push_back(*std::move(material));
+  }
+  for (int i = 0; i < sweep.part_size(); ++i) {
+    const schema::Part& p = sweep.part(i);
+    PartSpec part;
+    part.name = p.name();
+    part.match.assign(p.match().begin(), p.match().end());
+    part.two_sided = p.two_sided();
+    part.hot = p.hot();
+    bool found = false;
+    for (int m = 0; m < sweep.material_size(); ++m)
+      if (sweep.material(m).name() == p.material()) {
+        part.material = static_cast<std::uint32_t>(m);
+        found = true;
+      }
+    if (!found)
+      return absl::InvalidArgumentError(
+          absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
+    scene.part.push_back(std::move(part));
+  }
+  for (const schema::Band& b : sweep.band()) {
+    Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
+    for (const schema::SpectralPoint& p : b.response())
+      band.response.push_back({p.lambda_um(), p.value()});
+    scene.band.push_back(std::move(band));
+  }
+  scene.spectral_breaks_um = spectral_breaks_um(resolved);
+  return scene;
+}
+
+absl::Status check_energy(const schema::Sweep& sweep, const std::vector<Material>& materials) {
+  std::string wrong;
+  for (int i = 0; i < sweep.material_size(); ++i) {
+    const schema::Material& m = sweep.material(i);
+    if (m.allow_energy_gain() || !materials[static_cast<std::size_t>(i)].creates_energy()) continue;
+    absl::StrAppend(&wrong, wrong.empty() ? "" : "\n", "material[", i,
+                    "].allow_energy_gain: is not true, but \"", m.name(), "\" (", m.kind(),
+                    ") emits and reflects more than it receives in these bands, expected "
+                    "allow_energy_gain = true or another material");
+  }
+  return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
+}
+
+absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
+    const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids) {
+  if (!has_atmosphere(sweep)) return nullptr;
+  std::vector<double> node_um;
+  for (const BandGrid& grid : grids)
+    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
+  auto environment = environment_of(sweep, node_um);
+  if (!environment.ok()) return at("air.model", environment.status());
+  return std::shared_ptr<const Environment>(*std::move(environment));
+}
+
+absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
+                                             const schema::JobSpec& job,
+                                             std::shared_ptr<const Environment> environment) {
+  const schema::Sweep& sweep = resolved.sweep();
+  if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));
+  ViewRequest request;
+  const schema::Viewpoint& v = resolved.viewpoint(static_cast<int>(job.viewpoint_index()));
+  request.viewpoint = {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()};
+  for (const schema::Condition& c : resolved.condition()) {
+    ConditionSpec condition;
+    condition.part_temperature_k.assign(c.part_temperature_k().begin(),
+                                        c.part_temperature_k().end());
+    auto surroundings = surroundings_of(c.surroundings());
+    if (!surroundings.ok()) return surroundings.status();
+    condition.surroundings = *surroundings;
+    condition.air_temperature_k = c.air_temperature_k();
+    // A calm sea has slopes too (sea_slope_variance).
+    constexpr double kCalmMS = 1e-6;
+    if (c.has_weather() && is_rough_sea(c.surroundings()))
+      condition.sea_wind_m_s = std::max(c.weather().wind_speed_m_s(), kCalmMS);
+    if (sweep.transport().sun()) {
+      const auto sun = sun_of(resolved, c);
+      if (!sun.ok()) return sun.status();
+      condition.sun = true;
+      condition.sun_direction = body_from_enu(sun->direction, sweep.place().heading_deg());
+      condition.sun_cos_zenith = std::cos(sun->zenith_deg * std::numbers::pi / 180);
+      condition.sun_angular_radius_deg = sun->angular_radius_deg;
+      condition.sun_scale = c.sun_irradiance_from_distance()
+                                ? 1 / (sun->distance_au * sun->distance_au)
+                                : c.sun_irradiance_w_m2() / kSolarConstantWM2;
+    }
+    request.condition.push_back(std::move(condition));
+  }
+  if (has_atmosphere(resolved) && environment == nullptr)
+    return absl::InternalError("a job of a sweep with the embedded atmosphere has no environment");
+  request.environment = std::move(environment);
+  auto air = air_from_message(sweep.air());
+  if (!air.ok()) return air.status();
+  request.air = *std::move(air);
+  request.selected_condition.assign(job.condition_index().begin(), job.condition_index().end());
+  request.selected_band.assign(job.band_index().begin(), job.band_index().end());
+  const schema::Accuracy& accuracy = sweep.accuracy();
+  if (accuracy.has_relative_error()) {
+    request.accuracy.relative_error = accuracy.relative_error();
+    request.accuracy.absolute_error_k = accuracy.absolute_error_k();
+  }
+  if (accuracy.has_target_paths()) request.accuracy.target_paths = accuracy.target_paths();
+  if (accuracy.has_samples_per_replicate() && !accuracy.has_relative_error())
+    request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
+  if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 &&
+      request.accuracy.samples_per_replicate == 0)
+    return absl::InvalidArgumentError(
+        "accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
+  request.accuracy.replicates = accuracy.replicates();
+  request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
+  auto effects = effects_of(sweep.effects());
+  if (!effects.ok()) return effects.status();
+  request.effects = *std::move(effects);
+  request.max_reflections = sweep.transport().max_reflections();
+  request.seed = sweep.seed();
+  request.thumbnail_px = sweep.output().thumbnail_px();
+  return request;
+}
+
+absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep,
+                                     const schema::Condition& condition) {
+  const auto sun = sun_of(sweep, condition);
+  if (!sun.ok()) return sun.status();
+  return SunAngles{sun->azimuth_deg, sun->zenith_deg};
+}
+
+}  // namespace irsig

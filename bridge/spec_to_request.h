@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/signature/signature.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Messages -> core: with result_to_proto (and bridge/environment for the air) the only bridge
+// between the two. Errors name the key's path in the sweep.
+
+// Geometry, parts, materials and bands. model_bytes: the model file's content; ignored for a
+// generated model.
+[[nodiscard]] absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& sweep,
+                                                         std::string_view model_bytes);
+
+// INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
+// with allow_energy_gain = true. `materials`: of the scene above, prepared.
+[[nodiscard]] absl::Status check_energy(const schema::Sweep& sweep,
+                                        const std::vector<Material>& materials);
+
+// The air of a sweep with the embedded atmosphere, for all its jobs, at the wavelengths that the
+// scene is computed at; null for other sweeps.
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
+    const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
+
+// Everything of one job but the scene: the sun's position is computed here. `environment`: of
+// environment_from_sweep.
+[[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
+    const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
+    std::shared_ptr<const Environment> environment);
+
+// Where the sun stands in one condition.
+struct SunAngles {
+  double azimuth_deg, zenith_deg;
+};
+[[nodiscard]] absl::StatusOr<SunAngles> sun_angles(const schema::ResolvedSweep& sweep,
+                                                   const schema::Condition& condition);
+
+}  // namespace irsig

@@ -1,0 +1,223 @@
+#include "planning/accuracy_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/spec_to_request.h"
+#include "core/accuracy/cost_model.h"
+#include "core/study/effects_check.h"
+#include "core/study/stated_errors.h"
+#include "fmt/format.h"
+
+namespace irsig {
+namespace {
+
+constexpr const char* kStatedName[kStated] = {"intensity_w_sr", "apparent_intensity_w_sr",
+                                              "contrast_intensity_w_sr", "projected_area_m2",
+                                              "spectral_intensity_w_sr_um"};
+
+struct ViewRows {
+  std::uint32_t viewpoint = 0;
+  std::vector<StatedRow> row;
+};
+
+absl::StatusOr<StatedRow> stated_row(StoreReader& reader, const StoredSignature& s,
+                                     std::uint64_t in_view, std::uint64_t bands) {
+  if (s.physics_version != kPhysicsVersion || !s.reflections)
+    return absl::FailedPreconditionError(
+        absl::StrCat("row ", s.row, " was computed with physics version ", s.physics_version,
+                     "; this program has ", kPhysicsVersion, ": run the sweep again first"));
+  StatedRow out;
+  out.condition = static_cast<std::uint32_t>(in_view / bands);
+  out.band = static_cast<std::uint32_t>(in_view % bands);
+  out.reflections = static_cast<std::uint32_t>(*s.reflections);
+  const auto set = [&](Stated what, double value, double stderr_, double scale) -> StatedValue& {
+    StatedValue& v = out.in_band[static_cast<std::size_t>(what)];
+    v.value = value;
+    v.stderr_ = stderr_;
+    v.rounding = kRoundingRelative * std::abs(scale);
+    return v;
+  };
+  const double behind_w_sr = s.apparent_intensity_w_sr - s.contrast_intensity_w_sr;
+  set(Stated::kIntensity, s.intensity_w_sr, s.intensity_stderr_w_sr, s.intensity_w_sr)
+      .numerical_error = s.numerical_error_w_sr;
+  set(Stated::kApparent, s.apparent_intensity_w_sr, s.apparent_intensity_stderr_w_sr,
+      s.apparent_intensity_w_sr)
+      .numerical_error = s.apparent_numerical_error_w_sr;
+  set(Stated::kContrast, s.contrast_intensity_w_sr, s.contrast_intensity_stderr_w_sr,
+      std::max(std::abs(s.apparent_intensity_w_sr), std::abs(behind_w_sr)))
+      .numerical_error = s.contrast_numerical_error_w_sr;
+  set(Stated::kArea, s.projected_area_m2, s.projected_area_stderr_m2, s.projected_area_m2);
+  const auto spectrum = reader.spectrum(s.signature_id);
+  if (!spectrum.ok()) return spectrum.status();
+  for (int k = 0; k < spectrum->spectral_intensity_w_sr_um_size(); ++k) {
+    StatedValue& v = out.spectrum.emplace_back();
+    v.value = static_cast<double>(spectrum->spectral_intensity_w_sr_um(k));
+    v.stderr_ = static_cast<double>(spectrum->spectral_intensity_stderr_w_sr_um(k));
+    v.rounding = kRoundingRelative * std::abs(v.value);
+  }
+  return out;
+}
+
+// The rows of the current version of the sweep, view by view; `count` of the views, spread evenly.
+absl::StatusOr<std::vector<ViewRows>> stored_views(StoreReader& reader,
+                                                   const schema::ResolvedSweep& sweep,
+                                                   std::uint64_t count) {
+  SignatureFilter filter;
+  filter.sweep = sweep.sweep().name();
+  const auto rows = reader.find(filter);
+  if (!rows.ok()) return rows.status();
+  const auto bands = static_cast<std::uint64_t>(sweep.sweep().band_size()),
+             of_view = bands * static_cast<std::uint64_t>(sweep.condition_size());
+  std::map<std::uint64_t, std::vector<const StoredSignature*>> views;
+  for (const StoredSignature& s : *rows)
+    if (!s.superseded) views[(s.row - 1) / of_view].push_back(&s);
+  if (views.empty())
+    return absl::InvalidArgumentError(
+        absl::StrCat("the sweep ", sweep.sweep().name(), " has no rows yet"));
+  std::vector<std::uint64_t> chosen = spread_views(views.size(), count == 0 ? views.size() : count);
+  std::sort(chosen.begin(), chosen.end());
+  std::vector<ViewRows> out;
+  for (const std::uint64_t i : chosen) {
+    const auto& [view, stored] = *std::next(views.begin(), static_cast<std::ptrdiff_t>(i));
+    ViewRows& v = out.emplace_back();
+    v.viewpoint = static_cast<std::uint32_t>(view);
+    for (const StoredSignature* s : stored) {
+      auto row = stated_row(reader, *s, (s->row - 1) % of_view, bands);
+      if (!row.ok()) return row.status();
+      v.row.push_back(*std::move(row));
+    }
+  }
+  return out;
+}
+
+class Checker {
+ public:
+  Checker(const schema::ResolvedSweep& sweep, const Simulator& simulator,
+          std::shared_ptr<const Environment> environment, std::vector<ViewRows> views, double times)
+      : sweep_(sweep),
+        simulator_(simulator),
+        environment_(std::move(environment)),
+        views_(std::move(views)),
+        times_(times),
+        least_times_(times) {}
+
+  absl::Status run(std::uint32_t workers) {
+    std::vector<std::thread> threads;
+    for (std::uint32_t i = 0; i < workers; ++i) threads.emplace_back([this] { work(); });
+    for (std::thread& thread : threads) thread.join();
+    return status_;
+  }
+
+  [[nodiscard]] std::vector<StatedRow> rows() const {
+    std::vector<StatedRow> out;
+    for (const ViewRows& view : views_) out.insert(out.end(), view.row.begin(), view.row.end());
+    return out;
+  }
+  [[nodiscard]] double least_times() const { return least_times_; }
+  [[nodiscard]] std::size_t views() const { return views_.size(); }
+
+ private:
+  void work() {
+    for (;;) {
+      const std::size_t i = next_++;
+      if (i >= views_.size()) return;
+      auto checked = check(views_[i]);
+      const std::lock_guard lock(mutex_);
+      if (!status_.ok()) return;
+      if (!checked.ok()) {
+        status_ = {checked.status().code(), absl::StrCat("viewpoint ", views_[i].viewpoint, ": ",
+                                                         checked.status().message())};
+        return;
+      }
+      least_times_ = std::min(least_times_, checked->times);
+      const StatedErrorSummary s = summary_of(checked->row, Stated::kIntensity);
+      fmt::print(stderr, "{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
+                 ++done_, views_.size(), views_[i].viewpoint, static_cast<double>(checked->samples),
+                 s.values, s.largest);
+      views_[i].row = std::move(checked->row);
+    }
+  }
+
+  [[nodiscard]] absl::StatusOr<CheckedErrors> check(const ViewRows& view) const {
+    schema::JobSpec job;
+    job.set_viewpoint_index(view.viewpoint);
+    auto request = request_from_job(sweep_, job, environment_);
+    if (!request.ok()) return request.status();
+    LongerRun longer;
+    longer.times = times_;
+    // As the worker has it (worker/job_runner.cpp).
+    const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
+    if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
+      longer.row_samples = accuracy.samples_per_replicate();
+    return check_stated_errors(simulator_, *std::move(request), view.row, longer);
+  }
+
+  const schema::ResolvedSweep& sweep_;
+  const Simulator& simulator_;
+  std::shared_ptr<const Environment> environment_;
+  std::vector<ViewRows> views_;
+  double times_;
+  std::atomic<std::size_t> next_ = 0;
+  std::mutex mutex_;  // of what follows, and of each view's rows
+  double least_times_;
+  std::size_t done_ = 0;
+  absl::Status status_;
+};
+
+}  // namespace
+
+absl::Status check_database_errors(AccuracySource& source, const ErrorCheckAsked& asked,
+                                   bool& within) {
+  const schema::ResolvedSweep& sweep = source.loaded.resolved;
+  auto views = stored_views(*source.database, sweep, asked.views);
+  if (!views.ok()) return views.status();
+  const auto scene = scene_from_sweep(sweep, source.loaded.model_bytes);
+  if (!scene.ok()) return scene.status();
+  const auto simulator = Simulator::create(*scene);
+  if (!simulator.ok()) return simulator.status();
+  const auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
+  if (!environment.ok()) return environment.status();
+  Checker checker(sweep, **simulator, *environment, *std::move(views), asked.times);
+  const std::uint32_t workers =
+      asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);
+  if (auto status = checker.run(workers); !status.ok()) return status;
+
+  const std::vector<StatedRow> rows = checker.rows();
+  fmt::print(
+      "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
+      "\n"
+      "|stored - longer run| / stored standard error (true errors: 0.67, 2.0), and / numerical "
+      "error\n"
+      "| value | values | median | 95th percentile | largest | beyond 2 numerical errors | beyond "
+      "5 | largest |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
+      sweep.sweep().name(), rows.size(), checker.views(), checker.least_times());
+  within = true;
+  for (std::size_t q = 0; q < kStated; ++q) {
+    const StatedErrorSummary s = summary_of(rows, static_cast<Stated>(q));
+    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | ", kStatedName[q], s.values, s.median,
+               s.percentile_95, s.largest);
+    if (s.with_numerical_error == 0) {
+      fmt::print("- | - | - |\n");
+      continue;
+    }
+    const auto share = [&](std::size_t n) {
+      return 100.0 * static_cast<double>(n) / static_cast<double>(s.with_numerical_error);
+    };
+    fmt::print("{} ({:.2g} %) | {} ({:.2g} %) | {:.2f} |\n", s.beyond_2, share(s.beyond_2),
+               s.beyond_5, share(s.beyond_5), s.largest_of_numerical_error);
+    within &= s.beyond_5 == 0;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace irsig

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "planning/load_sweep.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// A sweep file, or a sweep as it stands in a database.
+struct AccuracySource {
+  LoadedSweep loaded;
+  std::unique_ptr<StoreReader> database;  // null: a file
+};
+
+// sweep_name: which one, where a database holds several. INVALID_ARGUMENT: it holds none, or
+// several and no name is given.
+[[nodiscard]] absl::StatusOr<AccuracySource> load_accuracy_source(const std::string& path,
+                                                                  const std::string& sweep_name);
+
+}  // namespace irsig

@@ -1,0 +1,123 @@
+#include "planning/load_sweep.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "core/base/user_file.h"
+#include "jobs/material_files.h"
+#include "jobs/weather_files.h"
+
+namespace irsig {
+namespace {
+
+// The runner names keys ("part[2].name: no group ..."); the file knows where they stand.
+absl::Status locate(const SweepFile& file, const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  std::string located;
+  for (const auto line : absl::StrSplit(std::string(status.message()), '\n', absl::SkipEmpty())) {
+    const std::string text(line);
+    const std::string path = text.substr(0, text.find(':'));
+    const bool is_path = path.find(' ') == std::string::npos && path.size() < text.size();
+    absl::StrAppend(&located, located.empty() ? "" : "\n",
+                    file.location(is_path ? std::string_view(path) : std::string_view()), ": ",
+                    text);
+  }
+  return absl::InvalidArgumentError(located);
+}
+
+// Each once, in the order of the conditions.
+std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
+  std::vector<std::string> lines;
+  for (const schema::Condition& condition : loaded.resolved.condition()) {
+    for (const std::string& warning : condition.warning()) {
+      const std::string line = absl::StrCat(
+          loaded.file.location(warning.substr(0, warning.find(' '))), ": warning: ", warning);
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
+// Errors about what the command line said name its option as their place.
+absl::Status replace_effects(const std::string& asked, SweepFile& file) {
+  constexpr const char* kOption = "--effects";
+  std::erase_if(file.where, [](const auto& entry) { return entry.first.rfind("effects", 0) == 0; });
+  schema::Effects& effects = *file.sweep.mutable_effects();
+  effects.Clear();
+  file.where["effects"] = file.where["effects.mode"] = kOption;
+  const std::size_t equals = asked.find('=');
+  effects.set_mode(asked.substr(0, equals));
+  if (equals == std::string::npos) return absl::OkStatus();
+  if (effects.mode() != "only")
+    return absl::InvalidArgumentError(
+        absl::StrCat(kOption, " ", asked, ": expected auto, all or only=NAME,NAME"));
+  file.where["effects.only"] = kOption;
+  for (const auto name : absl::StrSplit(asked.substr(equals + 1), ',', absl::SkipEmpty())) {
+    file.where[absl::StrCat("effects.only[", effects.only_size(), "]")] = kOption;
+    effects.add_only(std::string(name));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
+  const auto text = read_user_file(path, kMostSpecBytes);
+  if (!text.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));
+  }
+  auto file = parse_sweep(*text, path);
+  if (!file.ok()) return file.status();
+  const auto read_beside = [&](const std::string& name) {
+    return read_user_file((std::filesystem::path(path).parent_path() / name).string(),
+                          kMostTableBytes);
+  };
+  for (const auto read : {read_material_files, read_weather_files}) {
+    if (const absl::Status status = read(*file, read_beside); !status.ok()) return status;
+  }
+  return file;
+}
+
+absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
+  auto file = load_sweep_file(path);
+  if (!file.ok()) return file.status();
+  LoadedSweep loaded;
+  loaded.file = *std::move(file);
+  auto* accuracy = loaded.file.sweep.mutable_accuracy();
+  if (asked.relative_error || asked.time_budget_s) {
+    accuracy->clear_relative_error();
+    accuracy->clear_target_paths();
+    accuracy->clear_samples_per_replicate();
+    accuracy->clear_time_budget_s();
+    if (asked.time_budget_s) accuracy->clear_absolute_error_k();
+    if (asked.relative_error) accuracy->set_relative_error(*asked.relative_error);
+    if (asked.time_budget_s) accuracy->set_time_budget_s(*asked.time_budget_s);
+  }
+  if (asked.effects) {
+    if (absl::Status status = replace_effects(*asked.effects, loaded.file); !status.ok())
+      return status;
+  }
+  if (loaded.file.sweep.model().has_file()) {
+    const std::filesystem::path model = loaded.file.sweep.model().file();
+    auto bytes = read_user_file((std::filesystem::path(path).parent_path() / model).string(),
+                                kMostModelBytes);
+    if (!bytes.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
+                                                     ": model.file \"", model.string(),
+                                                     "\": ", bytes.status().message()));
+    }
+    loaded.model_bytes = *std::move(bytes);
+  }
+  auto resolved = resolve_sweep(loaded.file, loaded.model_bytes);
+  if (!resolved.ok()) return resolved.status();
+  loaded.resolved = *std::move(resolved);
+  loaded.warnings = located_warnings(loaded);
+  const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
+  if (!runner.ok()) return locate(loaded.file, runner.status());
+  loaded.memory = (*runner)->memory();
+  return loaded;
+}
+
+}  // namespace irsig

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "bridge/job_runner.h"
+#include "jobs/sweep_file.h"
+
+namespace irsig {
+
+// What the command line says instead of the sweep file's [accuracy], at most one; and instead of
+// its [effects]: "auto", "all" or "only=direct_sun,path_sun".
+struct AccuracyAsked {
+  std::optional<double> relative_error, time_budget_s;
+  std::optional<std::string> effects = std::nullopt;
+};
+
+// A sweep that can be computed: its file is right, and its scene could be built.
+struct LoadedSweep {
+  SweepFile file;
+  schema::ResolvedSweep resolved;
+  std::string model_bytes;
+  std::vector<std::string> warnings;  // what is odd in it (jobs/check_weather.h), one line each
+  JobMemory memory = {};              // of one worker
+};
+
+// A sweep file with the content of the files that it names, not yet resolved.
+[[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
+
+// Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as
+// file:line:column: ..., those of the model and of the scene included.
+[[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,
+                                                     const AccuracyAsked& asked);
+
+}  // namespace irsig

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "planning/sweep_pilot.h"
+#include "schema/farm.pb.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+[[nodiscard]] StoredPrediction prediction_of(const SweepPilot& pilot,
+                                             const schema::ResolvedSweep& sweep,
+                                             std::uint32_t workers);
+
+// "predicted: 191 jobs, ...", one line.
+[[nodiscard]] std::string prediction_line(const StoredPrediction& prediction);
+
+// For whoever submits the sweep.
+[[nodiscard]] schema::Prediction as_message(const StoredPrediction& prediction);
+
+// Into a database that nobody else writes; made if it does not exist.
+[[nodiscard]] absl::Status store_in(const std::string& db_path, const StoredPrediction& prediction);
+
+// "43 ms", "8.31 s", "1:02:03".
+[[nodiscard]] std::string seconds_text(double seconds);
+// "38.2 MB"
+[[nodiscard]] std::string bytes_text(double bytes);
+
+}  // namespace irsig

@@ -1,0 +1,440 @@
+#include "planning/sweep_pilot.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/client/local_farm.h"
+#include "coordinator/client/scratch_folder.h"
+#include "jobs/expand.h"
+#include "planning/interruption.h"
+#include "planning/time_budget.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
+constexpr double kScatter = 0.1;
+
+// What one sweep of the pilot left in the database.
+struct Stage {
+  std::vector<StoredSignature> rows;
+  std::vector<StoredLedger> ledgers;  // [row]
+  std::vector<StoredJobCost> jobs;
+  std::vector<StoredProfileRow> profile;
+
+  [[nodiscard]] double cpu_s(std::uint64_t viewpoint) const {
+    double sum = 0;
+    for (const StoredJobCost& job : jobs) sum += job.viewpoint_index == viewpoint ? job.cpu_s : 0;
+    return sum;
+  }
+};
+
+// A coordinator and one worker: jobs that share the machine with nothing but the plan itself.
+class PilotFarm {
+ public:
+  static absl::StatusOr<std::unique_ptr<PilotFarm>> start(const std::string& model_bytes) {
+    auto folder = ScratchFolder::make();
+    if (!folder.ok()) return folder.status();
+    auto pilot = std::unique_ptr<PilotFarm>(new PilotFarm(*std::move(folder), model_bytes));
+    hear_interruptions();
+    auto farm =
+        LocalFarm::start({.db_path = pilot->database(),
+                          .workers = 1,
+                          .coordinator_executable = beside_this_executable("irsig-coordinator"),
+                          .worker_executable = beside_this_executable("irsig-worker"),
+                          .worker_arguments = {}});
+    if (!farm.ok()) return farm.status();
+    pilot->farm_ = *std::move(farm);
+    return pilot;
+  }
+
+  // Computes these sweeps; their names are made different here.
+  absl::StatusOr<std::vector<Stage>> run(std::vector<schema::ResolvedSweep> sweeps) {
+    for (schema::ResolvedSweep& sweep : sweeps) {
+      sweep.mutable_sweep()->set_name(absl::StrCat("pilot ", ++sweeps_));
+      const auto sent = submit(farm_->address(), sweep, model_bytes_,
+                               static_cast<std::uint32_t>(physics_version()));
+      if (!sent.ok()) return sent.status();
+    }
+    const auto start = Steady::now();
+    if (auto status = farm_->start_workers(); !status.ok()) return status;
+    if (auto status = wait(); !status.ok()) return status;
+    wall_s_ = std::chrono::duration<double>(Steady::now() - start).count();
+    auto reader = StoreReader::open(database());
+    if (!reader.ok()) return reader.status();
+    std::vector<Stage> stages;
+    for (const schema::ResolvedSweep& sweep : sweeps) {
+      Stage& stage = stages.emplace_back();
+      SignatureFilter filter;
+      filter.sweep = sweep.sweep().name();
+      auto rows = (*reader)->find(filter);
+      if (!rows.ok()) return rows.status();
+      stage.rows = *std::move(rows);
+      for (const StoredSignature& row : stage.rows) {
+        auto ledger = (*reader)->ledger(row.signature_id);
+        if (!ledger.ok()) return ledger.status();
+        stage.ledgers.push_back(*std::move(ledger));
+      }
+      auto jobs = (*reader)->job_costs(filter.sweep);
+      if (!jobs.ok()) return jobs.status();
+      stage.jobs = *std::move(jobs);
+      auto profile =
+          (*reader)->profiles({.sweep = filter.sweep, .season = "", .band = "", .profile = ""});
+      if (!profile.ok()) return profile.status();
+      stage.profile = *std::move(profile);
+      for (const StoredJobCost& job : stage.jobs) cpu_s_ += job.cpu_s;
+    }
+    return stages;
+  }
+
+  [[nodiscard]] absl::StatusOr<double> bytes() const {
+    auto reader = StoreReader::open(database());
+    if (!reader.ok()) return reader.status();
+    const auto bytes = (*reader)->bytes();
+    if (!bytes.ok()) return bytes.status();
+    return static_cast<double>(*bytes);
+  }
+  [[nodiscard]] double cpu_s() const { return cpu_s_; }    // of all jobs so far
+  [[nodiscard]] double wall_s() const { return wall_s_; }  // of the last run
+
+ private:
+  PilotFarm(std::unique_ptr<ScratchFolder> folder, const std::string& model_bytes)
+      : folder_(std::move(folder)), model_bytes_(model_bytes) {}
+
+  [[nodiscard]] std::string database() const { return folder_->file("pilot.sigdb"); }
+
+  absl::Status wait() {
+    while (true) {
+      if (interrupted()) return absl::AbortedError("interrupted");
+      const auto status = farm_status(farm_->address(), 30);
+      if (!status.ok()) return status.status();
+      std::uint64_t settled = 0, jobs = 0;
+      for (const auto& sweep : status->sweep()) {
+        if (sweep.quarantined() > 0)
+          return absl::AbortedError("a job of the pilot failed: " +
+                                    absl::StrJoin(sweep.failure(), "\n  "));
+        settled += sweep.done();
+        jobs += sweep.jobs();
+      }
+      if (settled == jobs) return absl::OkStatus();
+      if (auto alive = farm_->keep_alive(settled); !alive.ok()) return alive;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  std::unique_ptr<ScratchFolder> folder_;
+  const std::string& model_bytes_;
+  std::unique_ptr<LocalFarm> farm_;  // ends before its folder goes
+  int sweeps_ = 0;
+  double cpu_s_ = 0, wall_s_ = 0;
+};
+
+std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
+  while (sweep.viewpoint_size() > 1) sweep.mutable_viewpoint()->RemoveLast();
+  return expand_jobs(sweep, physics_version()).size();
+}
+
+// The job size at which a sweep's views are cut into so many jobs: what is cut depends on the
+// accuracy, and the pilot's is another.
+void cut_into(schema::ResolvedSweep& sweep, std::uint64_t pieces) {
+  double low = 0, high = 300;  // powers of ten
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(std::pow(10, middle));
+    const std::uint64_t cut = jobs_per_view(sweep);
+    if (cut == pieces) return;
+    (cut > pieces ? low : high) = middle;
+  }
+}
+
+class Planner {
+ public:
+  Planner(const LoadedSweep& loaded, PilotFarm& farm) : loaded_(loaded), farm_(farm) {
+    const auto& accuracy = loaded.resolved.sweep().accuracy();
+    pilot_.rule = {.relative_error = accuracy.relative_error(),
+                   .target_paths = accuracy.target_paths(),
+                   .samples_per_replicate = accuracy.samples_per_replicate(),
+                   .max_samples_per_replicate = accuracy.max_samples_per_replicate()};
+    pilot_.views = static_cast<std::uint64_t>(loaded.resolved.viewpoint_size());
+    pilot_.jobs_per_view = jobs_per_view(loaded.resolved);
+    rows_ = static_cast<std::size_t>(loaded.resolved.condition_size()) *
+            static_cast<std::size_t>(loaded.resolved.sweep().band_size());
+  }
+
+  absl::StatusOr<SweepPilot> run() {
+    const auto before = farm_.bytes();
+    if (!before.ok()) return before.status();
+    const auto model = static_cast<double>(loaded_.model_bytes.size());
+    pilot_.database_fixed_bytes = *before + model + stored_sweep_bytes(loaded_.resolved);
+    std::uint64_t wanted = kViewsAtFirst;
+    do {
+      if (auto status = add_views(wanted); !status.ok()) return status;
+      wanted += kViewsMore;
+    } while (wanted <= kViewsAtMost &&
+             relative_scatter(view_costs(pilot_, pilot_.rule), pilot_.views) > kScatter);
+    const auto after = farm_.bytes();
+    if (!after.ok()) return after.status();
+    pilot_.database_bytes_per_view =
+        (*after - *before - model - sweep_bytes_) / static_cast<double>(computed_views_);
+    if (loaded_.resolved.sweep().profile_size() > 0) {
+      if (auto status = add_profiles(*after); !status.ok()) return status;
+    }
+    pilot_.cpu_s = farm_.cpu_s();
+    return pilot_;
+  }
+
+ private:
+  static double stored_sweep_bytes(const schema::ResolvedSweep& sweep) {
+    return static_cast<double>(sweep.ByteSizeLong());
+  }
+
+  // The sweep with these views, so many samples and no profiles.
+  schema::ResolvedSweep with_count(const std::vector<std::uint64_t>& views, std::uint64_t samples) {
+    schema::ResolvedSweep sweep = loaded_.resolved;
+    sweep.clear_viewpoint();
+    for (const std::uint64_t view : views)
+      *sweep.add_viewpoint() = loaded_.resolved.viewpoint(static_cast<int>(view));
+    sweep.mutable_sweep()->clear_profile();
+    sweep.mutable_sweep()->clear_published();
+    if (pilot_.rule.relative_error > 0) {
+      // With the effects that the error calls for, and so many samples.
+      auto* accuracy = sweep.mutable_sweep()->mutable_accuracy();
+      accuracy->set_samples_per_replicate(samples);
+      accuracy->set_max_samples_per_replicate(samples);
+    } else {
+      sweep = with_samples(std::move(sweep), samples);
+    }
+    cut_into(sweep, pilot_.jobs_per_view);
+    sweep_bytes_ += stored_sweep_bytes(sweep);
+    computed_views_ += views.size();
+    return sweep;
+  }
+
+  // The next views, at all stages; the first that each worker computes pays for cold caches, and is
+  // left out where there are enough.
+  absl::Status add_views(std::uint64_t wanted) {
+    const auto chosen = spread_views(pilot_.views, wanted);
+    std::vector<std::uint64_t> views(
+        chosen.begin() + static_cast<std::ptrdiff_t>(pilot_.view.size()), chosen.end());
+    if (views.empty()) return absl::OkStatus();
+    const bool warm_up = pilot_.views > wanted;
+    if (warm_up) views.insert(views.begin(), spread_views(pilot_.views, wanted + 1).back());
+    const std::size_t first = pilot_.view.size();
+    pilot_.view.resize(chosen.size());
+    std::vector<std::uint64_t> counts = {kFirstPilotSamples, kSecondPilotSamples};
+    for (std::uint64_t& n : counts) n = std::min(n, pilot_.rule.max_samples_per_replicate);
+    if (further_ > 0) counts.push_back(further_);
+    if (auto status = run_stages(views, counts, first, warm_up); !status.ok()) return status;
+    if (first > 0) return absl::OkStatus();
+    // Far beyond the second pilot, another stage: where the job's own third pilot will be, or a
+    // quarter of what is needed.
+    std::vector<double> needed;
+    for (const ViewCost& cost : view_costs(pilot_, pilot_.rule))
+      needed.push_back(static_cast<double>(cost.samples));
+    const auto n = static_cast<std::uint64_t>(quantile(needed, 0.5));
+    if (n <= 4 * kSecondPilotSamples) return absl::OkStatus();
+    further_ = std::bit_floor(n >= 32 * kSecondPilotSamples ? n / 16 : n / 4);
+    return run_stages(views, {further_}, first, warm_up);
+  }
+
+  absl::Status run_stages(const std::vector<std::uint64_t>& views,
+                          const std::vector<std::uint64_t>& counts, std::size_t first,
+                          bool warm_up) {
+    // Without a view to warm up with, each stage has a worker of its own: all are equally cold, as
+    // the run's own first job is.
+    std::vector<std::vector<schema::ResolvedSweep>> runs(warm_up ? 1 : counts.size());
+    for (std::size_t s = 0; s < counts.size(); ++s)
+      runs[warm_up ? 0 : s].push_back(with_count(views, counts[s]));
+    std::vector<Stage> stages;
+    for (auto& sweeps : runs) {
+      const double cpu_before = farm_.cpu_s();
+      const auto count = static_cast<double>(sweeps.size());
+      auto done = farm_.run(std::move(sweeps));
+      if (!done.ok()) return done.status();
+      if (pilot_.start_s == 0)
+        pilot_.start_s = std::max(0.0, farm_.wall_s() - (farm_.cpu_s() - cpu_before)) / count;
+      for (Stage& stage : *done) stages.push_back(std::move(stage));
+    }
+    for (std::size_t s = 0; s < counts.size(); ++s) {
+      const Stage& stage = stages[s];
+      for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at) {
+        ViewPilot& view = pilot_.view[first + at - (warm_up ? 1 : 0)];
+        view.samples.push_back(counts[s]);
+        view.cpu_s.push_back(stage.cpu_s(at));
+        view.row.resize(rows_);
+      }
+      for (const StoredSignature& row : stage.rows) {
+        const std::size_t at = (row.row - 1) / rows_;
+        if (warm_up && at == 0) continue;
+        RowPilot& out = pilot_.view[first + at - (warm_up ? 1 : 0)].row[(row.row - 1) % rows_];
+        out.stderr_w_sr.push_back(row.intensity_stderr_w_sr);
+        out.value_w_sr = std::abs(row.intensity_w_sr);
+        out.bias_w_sr = row.truncation_bound_w_sr + row.quadrature_bound_w_sr + row.sky_bound_w_sr +
+                        row.omitted_bound_w_sr;
+        out.floor_w_sr = row.absolute_floor_w_sr;
+        out.unseen_w_sr = row.unseen_bound_w_sr;
+      }
+      if (s + 1 == counts.size()) keep_ledgers(stage, warm_up);
+      double paths = 0, jobs = 0;
+      for (const StoredJobCost& job : stage.jobs) {
+        paths += static_cast<double>(job.target_paths);
+        ++jobs;
+      }
+      pilot_.target_paths_per_sample = paths / jobs / static_cast<double>(counts[s]);
+    }
+    const double exponent = time_exponent(pilot_.view);
+    for (ViewPilot& view : pilot_.view) view.time_exponent = exponent;
+    return absl::OkStatus();
+  }
+
+  void keep_ledgers(const Stage& stage, bool warm_up) {
+    for (std::size_t i = 0; i < stage.rows.size(); ++i) {
+      const StoredSignature& row = stage.rows[i];
+      if (warm_up && (row.row - 1) / rows_ == 0) continue;
+      // A later stage of the same views takes their place.
+      const auto same =
+          std::find_if(pilot_.ledger.begin(), pilot_.ledger.end(), [&](const LedgerRow& known) {
+            const StoredSignature& s = known.signature;
+            return s.season == row.season && s.time_utc == row.time_utc && s.band == row.band &&
+                   s.aspect_azimuth_deg == row.aspect_azimuth_deg &&
+                   s.aspect_elevation_deg == row.aspect_elevation_deg && s.range_m == row.range_m;
+          });
+      LedgerRow kept{row, stage.ledgers[i]};
+      kept.signature.sweep = loaded_.resolved.sweep().name();
+      if (same == pilot_.ledger.end())
+        pilot_.ledger.push_back(std::move(kept));
+      else
+        *same = std::move(kept);
+    }
+  }
+
+  // Profiles of the same views at two sample counts, and at an eighth of what these say.
+  absl::Status add_profiles(double bytes_before) {
+    const auto views = spread_views(pilot_.views, pilot_.view.size());
+    const auto& asked = loaded_.resolved.sweep();
+    const double replicates = asked.accuracy().replicates();
+    const double sweep_bytes_before = sweep_bytes_;
+    const std::uint64_t computed_before = computed_views_;
+    const auto with_profiles = [&](const std::vector<double>& samples) {
+      schema::ResolvedSweep sweep =
+          with_count(views, std::min(kFirstPilotSamples, pilot_.rule.max_samples_per_replicate));
+      for (int p = 0; p < asked.profile_size(); ++p) {
+        schema::Profile& profile = *sweep.mutable_sweep()->add_profile();
+        profile = asked.profile(p);
+        profile.clear_apparent_temperature_stderr_k();
+        profile.set_samples(samples[static_cast<std::size_t>(p)] * replicates);
+      }
+      cut_into(sweep, pilot_.jobs_per_view);
+      return sweep;
+    };
+    std::vector<std::uint64_t> points;
+    double all_points = 0;
+    for (const schema::Profile& profile : asked.profile()) {
+      points.push_back(profile.at_m_size() > 0 ? 1 : profile.points());
+      all_points += static_cast<double>(points.back());
+    }
+    const auto first_samples = static_cast<double>(kFirstProfileSamples),
+               second_samples = static_cast<double>(kSecondProfileSamples);
+    auto stages = farm_.run({with_profiles(std::vector<double>(points.size(), first_samples)),
+                             with_profiles(std::vector<double>(points.size(), second_samples))});
+    if (!stages.ok()) return stages.status();
+    for (std::size_t v = 0; v < views.size(); ++v) set_points(v, points, replicates, *stages);
+    // Rows of different profiles take different times: the last stage has them in proportion.
+    std::vector<double> share(points.size(), second_samples);
+    double largest = all_points * second_samples;
+    for (std::size_t p = 0, at = 0; p < points.size(); at += points[p++]) {
+      double needed = 0;
+      for (const ViewPilot& view : pilot_.view)
+        for (std::size_t i = 0; i < points[p]; ++i)
+          needed += static_cast<double>(
+              profile_samples(view.point[at + i], pilot_.rule.max_samples_per_replicate));
+      needed /= static_cast<double>(points[p] * pilot_.view.size());
+      share[p] = std::max(16.0, std::floor(needed / 8 / 16) * 16);
+    }
+    double proportional = 0;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      proportional += share[p] * static_cast<double>(points[p]);
+    if (proportional > 2 * all_points * first_samples) {
+      auto last = farm_.run({with_profiles(share)});
+      if (!last.ok()) return last.status();
+      stages->push_back(last->front());
+      largest = proportional;
+    }
+    const double fewest = all_points * first_samples;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      ViewPilot& view = pilot_.view[v];
+      const double fast = stages->front().cpu_s(v), slow = stages->back().cpu_s(v);
+      view.profile_cpu_s_per_sample = std::max(0.0, (slow - fast) / (largest - fewest));
+      view.profile_cpu_s =
+          std::max(0.0, fast - view.cpu_s.front() - view.profile_cpu_s_per_sample * fewest);
+    }
+    const auto after = farm_.bytes();
+    if (!after.ok()) return after.status();
+    pilot_.database_bytes_per_view = (*after - bytes_before - (sweep_bytes_ - sweep_bytes_before)) /
+                                     static_cast<double>(computed_views_ - computed_before);
+    return absl::OkStatus();
+  }
+
+  void set_points(std::size_t v, const std::vector<std::uint64_t>& points, double replicates,
+                  const std::vector<Stage>& stages) {
+    std::vector<ProfilePointPilot>& out = pilot_.view[v].point;
+    std::vector<std::size_t> first;
+    const auto& asked = loaded_.resolved.sweep();
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      first.push_back(out.size());
+      ProfilePointPilot point;
+      const schema::Profile& profile = asked.profile(static_cast<int>(p));
+      if (profile.samples() > 0)
+        point.fixed_samples =
+            static_cast<std::uint64_t>(std::ceil(profile.samples() / replicates / 16) * 16);
+      else
+        point.stderr_wanted_k = profile.apparent_temperature_stderr_k();
+      out.insert(out.end(), points[p], point);
+    }
+    // Both stages list the same rows in the same order.
+    for (std::size_t i = 0; i < stages[0].profile.size(); ++i) {
+      const StoredProfileRow &few = stages[0].profile[i], &many = stages[1].profile[i];
+      if ((few.row - 1) / rows_ != v) continue;
+      ProfilePointPilot& point = out[first[few.profile_index] + few.point_index];
+      if (point.fixed_samples == 0)
+        point.stderr_k.push_back(
+            {few.apparent_temperature_stderr_k, many.apparent_temperature_stderr_k});
+    }
+  }
+
+  const LoadedSweep& loaded_;
+  PilotFarm& farm_;
+  SweepPilot pilot_;
+  std::size_t rows_ = 0;
+  std::uint64_t further_ = 0;  // a third stage; 0: none
+  double sweep_bytes_ = 0;     // what the database keeps of the pilot's sweeps themselves
+  std::uint64_t computed_views_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded) {
+  if (has_time_budget(loaded.resolved))
+    return absl::FailedPreconditionError("a time budget has yet to be turned into samples");
+  auto farm = PilotFarm::start(loaded.model_bytes);
+  if (!farm.ok()) return farm.status();
+  return Planner(loaded, **farm).run();
+}
+
+std::vector<ViewCost> view_costs(const SweepPilot& pilot, const CountRule& rule) {
+  std::vector<ViewCost> costs;
+  for (const ViewPilot& view : pilot.view)
+    costs.push_back(view_cost(view, rule, pilot.target_paths_per_sample));
+  return costs;
+}
+
+}  // namespace irsig

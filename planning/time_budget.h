@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/status.h"
+#include "planning/load_sweep.h"
+
+namespace irsig {
+
+// The sweep with this number of samples in place of whatever accuracy it asks for.
+[[nodiscard]] schema::ResolvedSweep with_samples(schema::ResolvedSweep sweep,
+                                                 std::uint64_t samples);
+
+// Whether the sweep asks for a time budget that a pilot has yet to turn into a number of samples.
+[[nodiscard]] bool has_time_budget(const schema::ResolvedSweep& sweep);
+
+// Computes three viewpoints here, with few samples, and writes the samples per replicate that fill
+// the budget on so many workers into the resolved sweep, in place of the budget.
+[[nodiscard]] absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers);
+
+// Whether `stored` is what spend_time_budget once made of `asked`: equal but for the samples. A
+// resumed sweep keeps the samples it was begun with, whatever a new pilot would measure.
+[[nodiscard]] bool is_same_but_for_samples(const schema::ResolvedSweep& stored,
+                                           const schema::ResolvedSweep& asked);
+
+}  // namespace irsig
