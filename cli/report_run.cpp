@@ -3,12 +3,15 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "cli/commands.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
 #include "planning/prediction.h"
+#include "view/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -87,42 +90,31 @@ void print_errors(const std::vector<StoredSignature>& rows, const schema::Accura
   fmt::print("\n");
 }
 
-// numerical_error^2 = stderr^2 + (sum of bounds)^2 / 3: a bound's share is what it brings to the
-// square.
+// What each bound brings to the square of the numerical error of the source intensity.
 void print_shares(const std::vector<StoredSignature>& rows) {
   struct Share {
-    const char* what;
-    double sum, largest;
+    std::string what;
+    double sum = 0, largest = 0;
   };
-  Share shares[] = {{"statistical", 0, 0}, {"truncation", 0, 0}, {"quadrature", 0, 0},
-                    {"unseen", 0, 0},      {"basis", 0, 0},      {"sky", 0, 0},
-                    {"omitted", 0, 0}};
+  // At the target itself neither depth nor another range counts.
+  constexpr std::size_t kAtTarget = static_cast<std::size_t>(BoundOf::kDepth);
+  std::vector<Share> shares{{"statistical"}};
+  for (std::size_t i = 0; i < kAtTarget; ++i)
+    shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
   double counted = 0;
   bool all_known = true;
   for (const StoredSignature& row : rows) {
-    const double square = row.numerical_error_w_sr * row.numerical_error_w_sr;
-    if (!(square > 0)) continue;
-    const auto known = [&](double bound) {
-      if (!std::isnan(bound)) return bound;
-      all_known = false;
-      return 0.0;
-    };
-    const double basis = known(row.basis_bound_w_sr), unseen = known(row.unseen_bound_w_sr),
-                 sky = known(row.sky_bound_w_sr);
-    // A row without the column is older than leaving anything out.
-    const double omitted = std::isnan(row.omitted_bound_w_sr) ? 0 : row.omitted_bound_w_sr;
-    const double bounds[] = {
-        row.truncation_bound_w_sr, row.quadrature_bound_w_sr - basis, unseen, basis, sky, omitted};
-    double sum = 0;
-    for (const double bound : bounds) sum += bound;
+    const Measured source = source_of(row);
+    if (!(source.numerical_error() > 0)) continue;
+    all_known &= !std::isnan(row.basis_bound_w_sr);
     ++counted;
     const auto add = [&](Share& share, double part) {
       share.sum += part;
       share.largest = std::max(share.largest, part);
     };
-    add(shares[0], row.intensity_stderr_w_sr * row.intensity_stderr_w_sr / square);
-    for (std::size_t i = 0; i < std::size(bounds); ++i)
-      add(shares[i + 1], bounds[i] * sum / 3 / square);
+    add(shares[0], source.sampled_share());
+    for (std::size_t i = 0; i < kAtTarget; ++i)
+      add(shares[i + 1], source.share(static_cast<BoundOf>(i)));
   }
   if (counted == 0) return;
   fmt::print("share of the numerical error's square, mean over the rows (largest):\n ");

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -15,6 +16,7 @@
 #include "planning/interruption.h"
 #include "planning/time_budget.h"
 #include "schema/store/store.h"
+#include "view/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -278,10 +280,11 @@ class Planner {
         RowPilot& out = pilot_.view[first + at - (warm_up ? 1 : 0)].row[(row.row - 1) % rows_];
         out.stderr_w_sr.push_back(row.intensity_stderr_w_sr);
         out.value_w_sr = std::abs(row.intensity_w_sr);
-        out.bias_w_sr = row.truncation_bound_w_sr + row.quadrature_bound_w_sr + row.sky_bound_w_sr +
-                        row.omitted_bound_w_sr;
+        // Samples mend what was not seen, and none of the other bounds.
+        Measured lasting = source_of(row);
+        out.unseen_w_sr = std::exchange(lasting.of(BoundOf::kUnseen), 0);
+        out.bias_w_sr = lasting.bias_bound();
         out.floor_w_sr = row.absolute_floor_w_sr;
-        out.unseen_w_sr = row.unseen_bound_w_sr;
       }
       if (s + 1 == counts.size()) keep_ledgers(stage, warm_up);
       double paths = 0, jobs = 0;

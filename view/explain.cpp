@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "view/effect_ledger.h"
+#include "view/measured_row.h"
 #include "view/query.h"
 #include "view/query_table.h"
 
@@ -87,29 +88,33 @@ std::string title(const Explained& e) {
   return out;
 }
 
+// What a numerical error is made of: every bound that is not 0.
+std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
+                   double numerical_error) {
+  std::string out = line("standard error", stderr_, value);
+  for (std::size_t i = 0; i < kBounds; ++i) {
+    const auto which = static_cast<BoundOf>(i);
+    const double bound = stored_bound(row, intensity, which);
+    if (bound != 0)
+      out += line(fmt::format("{} bound", info_of(which).name), bound, value, info_of(which).what);
+  }
+  return out + line("numerical error", numerical_error, value,
+                    "sqrt(standard error^2 + (sum of bounds)^2 / 3)");
+}
+
 std::string values(const Explained& e) {
   const StoredSignature& s = e.signature();
   const double i = s.intensity_w_sr, a = s.apparent_intensity_w_sr, c = s.contrast_intensity_w_sr;
   std::string out = head("intensity", i, "W/sr, at the target");
-  out += line("standard error", s.intensity_stderr_w_sr, i);
-  out += line("truncation bound", s.truncation_bound_w_sr, i, "of reflections after the last");
-  out += line("quadrature bound", s.quadrature_bound_w_sr, i, "over wavelength, basis included");
-  out += line("  basis bound", s.basis_bound_w_sr, i, "of spectra carried at a few nodes");
-  out += line("unseen bound", s.unseen_bound_w_sr, i, "of rare bright paths");
-  out += line("sky bound", s.sky_bound_w_sr, i, "between the sky's directions");
-  out += line("omitted bound", s.omitted_bound_w_sr, i, "of effects that are off");
-  out += line("numerical error", s.numerical_error_w_sr, i,
-              "sqrt(standard error^2 + (sum of bounds)^2 / 3)");
+  out += errors(s, IntensityOf::kSource, i, s.intensity_stderr_w_sr, s.numerical_error_w_sr);
   out += line("model error", s.model_error_w_sr, i, "sky and sea; no part of the numerical error");
   out += head("apparent intensity", a, "W/sr, at the sensor");
-  out += line("standard error", s.apparent_intensity_stderr_w_sr, a);
-  out += line("omitted bound", s.apparent_omitted_bound_w_sr, a);
-  out += line("numerical error", s.apparent_numerical_error_w_sr, a);
+  out += errors(s, IntensityOf::kApparent, a, s.apparent_intensity_stderr_w_sr,
+                s.apparent_numerical_error_w_sr);
   out += line("model error", s.apparent_model_error_w_sr, a, "air, sky and sea");
   out += head("contrast intensity", c, "W/sr, at the sensor");
-  out += line("standard error", s.contrast_intensity_stderr_w_sr, c);
-  out += line("omitted bound", s.contrast_omitted_bound_w_sr, c);
-  out += line("numerical error", s.contrast_numerical_error_w_sr, c);
+  out += errors(s, IntensityOf::kContrast, c, s.contrast_intensity_stderr_w_sr,
+                s.contrast_numerical_error_w_sr);
   out += head("background radiance", s.background_radiance_w_m2_sr, "W/(m2 sr), at the sensor");
   out +=
       line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);

@@ -72,50 +72,6 @@ struct Layout {
   }
 };
 
-struct ScalarColumn {
-  const char* name;
-  double S::*field;
-};
-constexpr ScalarColumn kScalars[] = {
-    {"intensity_w_sr", &S::intensity_w_sr},
-    {"intensity_stderr_w_sr", &S::intensity_stderr_w_sr},
-    {"numerical_error_w_sr", &S::numerical_error_w_sr},
-    {"truncation_bound_w_sr", &S::truncation_bound_w_sr},
-    {"quadrature_bound_w_sr", &S::quadrature_bound_w_sr},
-    {"apparent_intensity_w_sr", &S::apparent_intensity_w_sr},
-    {"apparent_intensity_stderr_w_sr", &S::apparent_intensity_stderr_w_sr},
-    {"apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr},
-    {"unseen_bound_w_sr", &S::unseen_bound_w_sr},
-    {"basis_bound_w_sr", &S::basis_bound_w_sr},
-    {"sky_bound_w_sr", &S::sky_bound_w_sr},
-    {"omitted_bound_w_sr", &S::omitted_bound_w_sr},
-    {"apparent_omitted_bound_w_sr", &S::apparent_omitted_bound_w_sr},
-    {"contrast_omitted_bound_w_sr", &S::contrast_omitted_bound_w_sr},
-    {"absolute_floor_w_sr", &S::absolute_floor_w_sr},
-    {"contrast_intensity_w_sr", &S::contrast_intensity_w_sr},
-    {"contrast_intensity_stderr_w_sr", &S::contrast_intensity_stderr_w_sr},
-    {"contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr},
-    {"background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr},
-    {"background_radiance_stderr_w_m2_sr", &S::background_radiance_stderr_w_m2_sr},
-    {"model_error_w_sr", &S::model_error_w_sr},
-    {"apparent_model_error_w_sr", &S::apparent_model_error_w_sr},
-    {"path_transmittance", &S::path_transmittance},
-    {"path_radiance_w_m2_sr", &S::path_radiance_w_m2_sr},
-    {"projected_area_m2", &S::projected_area_m2},
-    {"projected_area_stderr_m2", &S::projected_area_stderr_m2},
-    {"apparent_temperature_k", &S::apparent_temperature_k},
-    {"emitted_w_sr", &S::emitted_w_sr},
-    {"emitted_stderr_w_sr", &S::emitted_stderr_w_sr},
-    {"sun_reflected_w_sr", &S::sun_reflected_w_sr},
-    {"sun_reflected_stderr_w_sr", &S::sun_reflected_stderr_w_sr},
-    {"sky_reflected_w_sr", &S::sky_reflected_w_sr},
-    {"sky_reflected_stderr_w_sr", &S::sky_reflected_stderr_w_sr},
-    {"sea_reflected_w_sr", &S::sea_reflected_w_sr},
-    {"sea_reflected_stderr_w_sr", &S::sea_reflected_stderr_w_sr},
-    {"parts_reflected_w_sr", &S::parts_reflected_w_sr},
-    {"parts_reflected_stderr_w_sr", &S::parts_reflected_stderr_w_sr},
-};
-
 using Sp = schema::Spectrum;
 struct SpectralColumn {
   const char* name;
@@ -185,15 +141,15 @@ constexpr const char* kCoordinates =
 void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const Layout& layout,
                    const Dimensions& d) {
   const std::vector<NetcdfFile::Dimension> cube{d.viewpoint, d.condition, d.band};
-  for (const ScalarColumn& column : kScalars) {
+  for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     std::vector<double> values(layout.size(), std::numeric_limits<double>::quiet_NaN());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const double v = rows[i].signature.*column.field;
+      const double v = rows[i].signature.*kQuantityMember[q];
       // 0 K stands for "no projected area": there is no such temperature.
-      if (column.field == &S::apparent_temperature_k && v == 0) continue;
+      if (kQuantityMember[q] == &S::apparent_temperature_k && v == 0) continue;
       values[layout.index(layout.cell[i])] = v;
     }
-    file.doubles({column.name, "", "", kCoordinates}, cube, values);
+    file.doubles({kQuantities[q].name.data(), "", "", kCoordinates}, cube, values);
   }
   std::vector<long long> row(layout.size(), -1), samples = row;
   for (std::size_t i = 0; i < rows.size(); ++i) {

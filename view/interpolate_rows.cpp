@@ -27,18 +27,21 @@ std::pair<std::vector<double>, std::vector<double>> picked(const std::vector<Sto
   return out;
 }
 
-// Errors that are not statistical (bounds of bias) may have one sign at all viewpoints: they add up
-// linearly.
-double propagated_bias(const SphereFit& fit, const std::vector<StoredSignature>& from,
-                       Getter numerical_error, Getter value_stderr) {
+// Its own error, that of the interpolation, and the bounds of what it is made from.
+double interpolated_error(const SphereEstimate& estimate, const QuantityColumns& quantity,
+                          const SphereFit& fit, const std::vector<StoredSignature>& from) {
+  std::vector<Measured> measured;
+  for (const StoredSignature& s : from) measured.push_back(quantity.measured(s));
+  Measured made = weighted_sum(fit.weight(), measured);
+  made.stderr_ = std::hypot(estimate.value_stderr, estimate.interpolation_error);
+  return made.numerical_error();
+}
+
+// The models err alike at all viewpoints.
+double propagated_model_error(const SphereFit& fit, const std::vector<StoredSignature>& from,
+                              Getter error) {
   double sum = 0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double total = from[i].*numerical_error;
-    const double noise = value_stderr ? from[i].*value_stderr : 0.0;
-    const double squared = total * total - noise * noise;
-    // Not std::max: an error that was not computed (NaN) stays so.
-    sum += std::abs(fit.weight()[i]) * std::sqrt(squared < 0 ? 0.0 : squared);
-  }
+  for (std::size_t i = 0; i < from.size(); ++i) sum += std::abs(fit.weight()[i]) * from[i].*error;
   return sum;
 }
 
@@ -80,9 +83,8 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   made.interpolation_error_w_sr = source.interpolation_error;
   out.intensity_w_sr = source.value;
   out.intensity_stderr_w_sr = source.value_stderr;
-  out.numerical_error_w_sr = std::hypot(
-      source.value_stderr, source.interpolation_error,
-      propagated_bias(made.fit, made.from, &S::numerical_error_w_sr, &S::intensity_stderr_w_sr));
+  out.numerical_error_w_sr =
+      interpolated_error(source, columns_of(SignatureQuantity::kIntensity), made.fit, made.from);
   for (const auto quantity :
        {SignatureQuantity::kApparentIntensity, SignatureQuantity::kContrastIntensity}) {
     const QuantityColumns& q = columns_of(quantity);
@@ -90,13 +92,10 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
     const SphereEstimate e = estimate_of(q, made.fit, values, stderrs);
     out.*q.value = e.value;
     out.*q.value_stderr = e.value_stderr;
-    out.*q.numerical_error =
-        std::hypot(e.value_stderr, e.interpolation_error,
-                   propagated_bias(made.fit, made.from, q.numerical_error, q.value_stderr));
+    out.*q.numerical_error = interpolated_error(e, q, made.fit, made.from);
   }
-  // The models err alike at all viewpoints.
   for (const Getter error : {&S::model_error_w_sr, &S::apparent_model_error_w_sr})
-    out.*error = propagated_bias(made.fit, made.from, error, nullptr);
+    out.*error = propagated_model_error(made.fit, made.from, error);
   for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
     out.*value = at(value, nullptr).value;
 

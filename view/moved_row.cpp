@@ -7,6 +7,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "view/measured_row.h"
+
 namespace irsig {
 namespace {
 
@@ -157,14 +159,6 @@ absl::Status take_background_along(const Sp& spectrum, SightLine& from, SightLin
   return absl::OkStatus();
 }
 
-// The part of a numerical error that is bias, and back (docs/methods.md, section 8).
-double bias_of(double error, double stderr_) {
-  return std::sqrt(3 * std::max(0.0, error * error - stderr_ * stderr_));
-}
-double error_of(double stderr_, double bias) {
-  return std::sqrt(stderr_ * stderr_ + bias * bias / 3);
-}
-
 double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
                             double apparent_w_sr) {
   double surface_w_sr = 0;
@@ -238,24 +232,24 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
                            ? std::max(after.transmittance / before.transmittance,
                                       before.target > 0 ? after.target / before.target : 0.0)
                            : 1.0;
-  const auto error = [&](double old_error, double old_stderr, double new_stderr, double added) {
-    return error_of(new_stderr, grown * bias_of(old_error, old_stderr) + added);
+  const auto error = [](const Measured& here, double growth, double new_stderr, double added) {
+    Measured there = scaled(here, growth);
+    there.stderr_ = new_stderr;
+    there.of(BoundOf::kMoved) += added;
+    return there.numerical_error();
   };
-  s.numerical_error_w_sr = error_of(row.intensity_stderr_w_sr,
-                                    bias_of(row.numerical_error_w_sr, row.intensity_stderr_w_sr) +
-                                        perspective * std::abs(row.intensity_w_sr));
+  s.numerical_error_w_sr = error(source_of(row), 1, row.intensity_stderr_w_sr,
+                                 perspective * std::abs(row.intensity_w_sr));
   s.apparent_intensity_w_sr = m.apparent.value;
   s.apparent_intensity_stderr_w_sr = m.apparent.stderr_;
   s.apparent_numerical_error_w_sr =
-      error(row.apparent_numerical_error_w_sr, row.apparent_intensity_stderr_w_sr,
-            m.apparent.stderr_, out.range_bound_w_sr);
+      error(apparent_of(row), grown, m.apparent.stderr_, out.range_bound_w_sr);
   s.contrast_intensity_w_sr = m.contrast.value;
   s.contrast_intensity_stderr_w_sr = m.contrast.stderr_;
   s.contrast_numerical_error_w_sr =
-      error(row.contrast_numerical_error_w_sr, row.contrast_intensity_stderr_w_sr,
-            m.contrast.stderr_, contrast_bound);
+      error(contrast_of(row), grown, m.contrast.stderr_, contrast_bound);
   // These are in the errors; by themselves they are known for the stored range alone.
-  s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = kNotComputed;
+  s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.depth_bound_w_sr = kNotComputed;
   s.background_radiance_w_m2_sr = m.background.value;
   s.background_radiance_stderr_w_m2_sr = m.background.stderr_;
   s.apparent_model_error_w_sr = apparent_model_error(row, spectrum, to, m.apparent.value);

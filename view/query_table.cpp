@@ -43,6 +43,23 @@ RowColumn computed(const char* name, T StoredSignature::*field, bool brief) {
 
 using S = StoredSignature;
 
+// The catalogue's quantities from one of them to another, both included ("": to its end). What
+// belongs to one computation alone an interpolated row does not have.
+std::vector<RowColumn> quantities(std::string_view first, std::string_view last) {
+  std::vector<RowColumn> out;
+  bool inside = false;
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    const QuantityInfo& q = kQuantities[i];
+    inside |= q.name == first;
+    const bool own = q.kind == QuantityKind::kBound || q.kind == QuantityKind::kGoal;
+    if (inside)
+      out.push_back(own ? computed(q.name.data(), kQuantityMember[i], false)
+                        : stored(q.name.data(), kQuantityMember[i], false));
+    if (q.name == last) break;
+  }
+  return out;
+}
+
 // The columns that scripts rely on, in their fixed order.
 std::vector<RowColumn> fixed_columns(bool with_totals) {
   std::vector<RowColumn> out{
@@ -54,13 +71,11 @@ std::vector<RowColumn> fixed_columns(bool with_totals) {
       stored("aspect_azimuth_deg", &S::aspect_azimuth_deg, true),
       stored("aspect_elevation_deg", &S::aspect_elevation_deg, true),
       stored("range_m", &S::range_m, true),
-      stored("intensity_w_sr", &S::intensity_w_sr, with_totals),
-      stored("intensity_stderr_w_sr", &S::intensity_stderr_w_sr, with_totals),
-      stored("numerical_error_w_sr", &S::numerical_error_w_sr, with_totals),
-      stored("projected_area_m2", &S::projected_area_m2, with_totals),
-      stored("projected_area_stderr_m2", &S::projected_area_stderr_m2, false),
-      stored("apparent_temperature_k", &S::apparent_temperature_k, with_totals),
   };
+  for (RowColumn& c : quantities("intensity_w_sr", "apparent_temperature_k")) {
+    c.column.brief = with_totals && c.column.name != "projected_area_stderr_m2";
+    out.push_back(std::move(c));
+  }
   // 0 K stands for "no projected area": there is no such temperature.
   out.back().cell = [](const QueryRow& row) -> Cell {
     if (row.signature.apparent_temperature_k == 0) return Cell();
@@ -93,47 +108,25 @@ std::vector<RowColumn> range_columns() {
 }
 
 std::vector<RowColumn> cause_columns() {
-  return {
-      stored("emitted_w_sr", &S::emitted_w_sr, true),
-      stored("emitted_stderr_w_sr", &S::emitted_stderr_w_sr, false),
-      stored("sun_reflected_w_sr", &S::sun_reflected_w_sr, true),
-      stored("sun_reflected_stderr_w_sr", &S::sun_reflected_stderr_w_sr, false),
-      stored("sky_reflected_w_sr", &S::sky_reflected_w_sr, true),
-      stored("sky_reflected_stderr_w_sr", &S::sky_reflected_stderr_w_sr, false),
-      stored("sea_reflected_w_sr", &S::sea_reflected_w_sr, true),
-      stored("sea_reflected_stderr_w_sr", &S::sea_reflected_stderr_w_sr, false),
-      stored("parts_reflected_w_sr", &S::parts_reflected_w_sr, true),
-      stored("parts_reflected_stderr_w_sr", &S::parts_reflected_stderr_w_sr, false),
-  };
+  std::vector<RowColumn> out = quantities("emitted_w_sr", "parts_reflected_stderr_w_sr");
+  for (RowColumn& c : out) c.column.brief = c.column.name.find("stderr") == std::string::npos;
+  return out;
 }
 
 std::vector<RowColumn> further_columns() {
-  return {
-      stored("apparent_intensity_w_sr", &S::apparent_intensity_w_sr, false),
-      stored("apparent_intensity_stderr_w_sr", &S::apparent_intensity_stderr_w_sr, false),
-      stored("apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr, false),
-      stored("contrast_intensity_w_sr", &S::contrast_intensity_w_sr, false),
-      stored("contrast_intensity_stderr_w_sr", &S::contrast_intensity_stderr_w_sr, false),
-      stored("contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr, false),
-      stored("background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr, false),
-      stored("background_radiance_stderr_w_m2_sr", &S::background_radiance_stderr_w_m2_sr, false),
-      stored("model_error_w_sr", &S::model_error_w_sr, false),
-      stored("apparent_model_error_w_sr", &S::apparent_model_error_w_sr, false),
-      stored("path_transmittance", &S::path_transmittance, false),
-      stored("path_radiance_w_m2_sr", &S::path_radiance_w_m2_sr, false),
+  std::vector<RowColumn> out = quantities("apparent_intensity_w_sr", "path_radiance_w_m2_sr");
+  const auto append = [&](std::vector<RowColumn> more) {
+    out.insert(out.end(), std::make_move_iterator(more.begin()),
+               std::make_move_iterator(more.end()));
+  };
+  append({
       stored("lambda_min_um", &S::lambda_min_um, false),
       stored("lambda_max_um", &S::lambda_max_um, false),
       stored("sun_azimuth_deg", &S::sun_azimuth_deg, false),
       stored("sun_zenith_deg", &S::sun_zenith_deg, false),
-      computed("truncation_bound_w_sr", &S::truncation_bound_w_sr, false),
-      computed("quadrature_bound_w_sr", &S::quadrature_bound_w_sr, false),
-      computed("unseen_bound_w_sr", &S::unseen_bound_w_sr, false),
-      computed("basis_bound_w_sr", &S::basis_bound_w_sr, false),
-      computed("sky_bound_w_sr", &S::sky_bound_w_sr, false),
-      computed("omitted_bound_w_sr", &S::omitted_bound_w_sr, false),
-      computed("apparent_omitted_bound_w_sr", &S::apparent_omitted_bound_w_sr, false),
-      computed("contrast_omitted_bound_w_sr", &S::contrast_omitted_bound_w_sr, false),
-      computed("absolute_floor_w_sr", &S::absolute_floor_w_sr, false),
+  });
+  append(quantities("truncation_bound_w_sr", ""));
+  append({
       computed("reflections", &S::reflections, false),
       computed("stop_reason", &S::stop_reason, false),
       stored("warning", &S::warning, false),
@@ -152,7 +145,8 @@ std::vector<RowColumn> further_columns() {
       stored("physics_version", &S::physics_version, false),
       stored("determinism_class", &S::determinism_class, false),
       stored("build_id", &S::build_id, false),
-  };
+  });
+  return out;
 }
 
 // People see the quantity that they asked about, and beside another than the source intensity only

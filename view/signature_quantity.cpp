@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "absl/strings/str_join.h"
+#include "view/measured_row.h"
 
 namespace irsig {
 namespace {
@@ -14,28 +15,32 @@ namespace {
 using S = StoredSignature;
 using Sp = schema::Spectrum;
 
+Measured background_of(const S& row) {
+  return {row.background_radiance_w_m2_sr, row.background_radiance_stderr_w_m2_sr, {}};
+}
+
 // In the order of SignatureQuantity.
 constexpr std::array kColumns = std::to_array<QuantityColumns>({
     {SignatureQuantity::kIntensity, "intensity", "In-band intensity", "W/sr", "intensity_w_sr",
      "intensity_stderr_w_sr", "numerical_error_w_sr", &S::intensity_w_sr, &S::intensity_stderr_w_sr,
-     &S::numerical_error_w_sr, "Spectral intensity", "W/(sr \u00b5m)",
+     &S::numerical_error_w_sr, source_of, "Spectral intensity", "W/(sr \u00b5m)",
      &Sp::spectral_intensity_w_sr_um, &Sp::spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kApparentIntensity, "apparent_intensity", "In-band apparent intensity",
      "W/sr", "apparent_intensity_w_sr", "apparent_intensity_stderr_w_sr",
      "apparent_numerical_error_w_sr", &S::apparent_intensity_w_sr,
-     &S::apparent_intensity_stderr_w_sr, &S::apparent_numerical_error_w_sr,
+     &S::apparent_intensity_stderr_w_sr, &S::apparent_numerical_error_w_sr, apparent_of,
      "Apparent spectral intensity", "W/(sr \u00b5m)", &Sp::apparent_spectral_intensity_w_sr_um,
      &Sp::apparent_spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kContrastIntensity, "contrast_intensity", "In-band contrast intensity",
      "W/sr", "contrast_intensity_w_sr", "contrast_intensity_stderr_w_sr",
      "contrast_numerical_error_w_sr", &S::contrast_intensity_w_sr,
-     &S::contrast_intensity_stderr_w_sr, &S::contrast_numerical_error_w_sr,
+     &S::contrast_intensity_stderr_w_sr, &S::contrast_numerical_error_w_sr, contrast_of,
      "Contrast spectral intensity", "W/(sr \u00b5m)", &Sp::contrast_spectral_intensity_w_sr_um,
      &Sp::contrast_spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kBackgroundRadiance, "background_radiance", "In-band background radiance",
      "W/(m\u00b2 sr)", "background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr",
      "background_radiance_stderr_w_m2_sr", &S::background_radiance_w_m2_sr,
-     &S::background_radiance_stderr_w_m2_sr, &S::background_radiance_stderr_w_m2_sr,
+     &S::background_radiance_stderr_w_m2_sr, &S::background_radiance_stderr_w_m2_sr, background_of,
      "Background spectral radiance", "W/(m\u00b2 sr \u00b5m)", &Sp::background_radiance_w_m2_sr_um,
      &Sp::background_radiance_stderr_w_m2_sr_um},
 });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/accuracy/measured.h"
 #include "schema/store/store.h"
 
 namespace irsig {
@@ -19,6 +20,8 @@ struct QuantityColumns {
   double StoredSignature::*value;
   double StoredSignature::*value_stderr;
   double StoredSignature::*numerical_error;  // the background radiance has its standard error alone
+  // With its bounds; of the background radiance: none.
+  Measured (*measured)(const StoredSignature&);
 
   using Values = google::protobuf::RepeatedField<float>;
   const char* spectral_title;

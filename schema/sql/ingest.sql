@@ -36,21 +36,13 @@ INSERT OR REPLACE INTO provenance (
   guarded_negative)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16);
 
+-- The columns of the catalogue of quantities (core/accuracy/quantities.h), and as many parameters, are put in by
+-- name where QUANTITIES and PARAMETERS stand.
 -- name: insert_signature
 INSERT INTO signature (
-  job_id, viewpoint_id, condition_id, band_id, sun_azimuth_deg, sun_zenith_deg, intensity_w_sr, intensity_stderr_w_sr,
-  numerical_error_w_sr, truncation_bound_w_sr, quadrature_bound_w_sr, apparent_intensity_w_sr,
-  apparent_intensity_stderr_w_sr, apparent_numerical_error_w_sr, projected_area_m2, projected_area_stderr_m2,
-  apparent_temperature_k, emitted_w_sr, emitted_stderr_w_sr, sun_reflected_w_sr, sun_reflected_stderr_w_sr,
-  sky_reflected_w_sr, sky_reflected_stderr_w_sr, sea_reflected_w_sr, sea_reflected_stderr_w_sr, parts_reflected_w_sr,
-  parts_reflected_stderr_w_sr, stop_reason, energy_gain,
-  unseen_bound_w_sr, basis_bound_w_sr, sky_bound_w_sr, contrast_intensity_w_sr, contrast_intensity_stderr_w_sr,
-  contrast_numerical_error_w_sr, background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, model_error_w_sr,
-  apparent_model_error_w_sr, path_transmittance, path_radiance_w_m2_sr, omitted_bound_w_sr,
-  apparent_omitted_bound_w_sr, contrast_omitted_bound_w_sr, absolute_floor_w_sr, reflections)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21, ?22, ?23,
-        ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37, ?38, ?39, ?40, ?41, ?42, ?43, ?44,
-        ?45, ?46);
+  job_id, viewpoint_id, condition_id, band_id, sun_azimuth_deg, sun_zenith_deg, stop_reason, energy_gain, reflections,
+  QUANTITIES)
+VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, PARAMETERS);
 
 -- name: insert_spectrum
 INSERT INTO spectrum (

@@ -97,6 +97,12 @@ Rows::Type Rows::type() const {
   }
 }
 
+int Rows::place_of(std::string_view name) const {
+  for (int i = 0; i < sqlite3_column_count(statement_); ++i)
+    if (name == sqlite3_column_name(statement_, i)) return i;
+  return -1;
+}
+
 bool Rows::at_end() const { return column_ >= sqlite3_data_count(statement_); }
 
 absl::StatusOr<std::unique_ptr<Database>> Database::open(const std::string& path, Mode mode) {

@@ -45,6 +45,9 @@ class Rows {
   Type type() const;
   bool is_null() const { return type() == Type::kNull; }
   bool at_end() const;  // every column of the row was read
+  // The place of a column by its name, for read_at(); -1: there is none.
+  int place_of(std::string_view name) const;
+  void read_at(int place) { column_ = place; }
 
  private:
   sqlite3_stmt* statement_;

@@ -1,9 +1,12 @@
 #include "schema/store/find_signatures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
 
 #include "schema/store/statements.h"
@@ -16,75 +19,120 @@ constexpr double kDegPerRad = 180 / std::numbers::pi;
 // A viewpoint on the edge of the cap belongs to it, whatever the last bits of both directions are.
 constexpr double kEdge_deg = 1e-9;
 
-// Columns in the order of signature_view.
-StoredSignature read_signature(Rows& row) {
-  StoredSignature s{};
-  s.signature_id = row.integer();
-  s.row = row.count();
-  for (std::string* text : {&s.sweep, &s.season, &s.time_utc, &s.band}) *text = row.text();
-  for (double* number : {&s.lambda_min_um, &s.lambda_max_um, &s.aspect_azimuth_deg,
-                         &s.aspect_elevation_deg, &s.range_m, &s.sun_azimuth_deg, &s.sun_zenith_deg,
-                         &s.intensity_w_sr, &s.intensity_stderr_w_sr, &s.numerical_error_w_sr}) {
-    *number = row.real();
+// Where a query's columns are, by name: found once for all of its rows.
+class SignatureReader {
+ public:
+  explicit SignatureReader(Rows& rows) : rows_(rows) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i)
+      quantity_[i] = rows.place_of(kQuantities[i].name);
+    for (std::size_t i = 0; i < kOthers.size(); ++i) other_[i] = rows.place_of(kOthers[i]);
   }
-  row.real();  // relative_error: for people
-  for (double* number :
-       {&s.truncation_bound_w_sr, &s.quadrature_bound_w_sr, &s.apparent_intensity_w_sr,
-        &s.apparent_intensity_stderr_w_sr, &s.apparent_numerical_error_w_sr, &s.projected_area_m2,
-        &s.projected_area_stderr_m2, &s.apparent_temperature_k, &s.emitted_w_sr,
-        &s.emitted_stderr_w_sr, &s.sun_reflected_w_sr, &s.sun_reflected_stderr_w_sr,
-        &s.sky_reflected_w_sr, &s.sky_reflected_stderr_w_sr, &s.sea_reflected_w_sr,
-        &s.sea_reflected_stderr_w_sr, &s.parts_reflected_w_sr, &s.parts_reflected_stderr_w_sr}) {
-    *number = row.real();
+
+  [[nodiscard]] absl::StatusOr<StoredSignature> read() {
+    for (const int place : quantity_)
+      if (place < 0) return absl::InternalError("signature_view lacks a quantity");
+    for (const int place : other_)
+      if (place < 0) return absl::InternalError("signature_view lacks a column");
+    StoredSignature s{};
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      rows_.read_at(quantity_[i]);
+      s.*kQuantityMember[i] = rows_.is_null() ? kNotComputed : rows_.real();
+    }
+    next_ = 0;
+    s.signature_id = at().integer();
+    s.row = at().count();
+    for (std::string* text : {&s.sweep, &s.season, &s.time_utc, &s.band}) *text = at().text();
+    for (double* number :
+         {&s.lambda_min_um, &s.lambda_max_um, &s.aspect_azimuth_deg, &s.aspect_elevation_deg,
+          &s.range_m, &s.sun_azimuth_deg, &s.sun_zenith_deg})
+      *number = at().real();
+    s.reflections = count_if_known();
+    s.stop_reason = at().text();
+    s.energy_gain = at().integer() != 0;
+    s.warning = at().text();
+    s.samples = at().count();
+    s.replicates = static_cast<std::uint32_t>(at().integer());
+    s.target_paths = at().count();
+    s.rays = at().count();
+    s.seconds = at().real();
+    s.guarded_backface_hits = at().count();
+    s.guarded_nonfinite = at().count();
+    s.guarded_path_limit = at().count();
+    s.guarded_negative = count_if_known();
+    s.job_key = at().text();
+    s.superseded = at().integer() != 0;
+    s.seed_hex = at().text();
+    s.physics_version = static_cast<std::uint32_t>(at().integer());
+    s.determinism_class = at().text();
+    s.build_id = at().text();
+    const UnitVector unit = unit_vector(s.aspect_azimuth_deg, s.aspect_elevation_deg);
+    s.unit_x = unit.x;
+    s.unit_y = unit.y;
+    s.unit_z = unit.z;
+    return s;
   }
-  for (double* number :
-       {&s.unseen_bound_w_sr, &s.basis_bound_w_sr, &s.sky_bound_w_sr, &s.contrast_intensity_w_sr,
-        &s.contrast_intensity_stderr_w_sr, &s.contrast_numerical_error_w_sr,
-        &s.background_radiance_w_m2_sr, &s.background_radiance_stderr_w_m2_sr, &s.model_error_w_sr,
-        &s.apparent_model_error_w_sr, &s.path_transmittance, &s.path_radiance_w_m2_sr,
-        &s.omitted_bound_w_sr, &s.apparent_omitted_bound_w_sr, &s.contrast_omitted_bound_w_sr,
-        &s.absolute_floor_w_sr}) {
-    const bool computed = !row.is_null();
-    *number = row.real();
-    if (!computed) *number = kNotComputed;
+
+ private:
+  // Of signature_view, in the order in which read() takes them.
+  static constexpr auto kOthers = std::to_array<std::string_view>({"signature_id",
+                                                                   "row",
+                                                                   "sweep",
+                                                                   "season",
+                                                                   "time_utc",
+                                                                   "band",
+                                                                   "lambda_min_um",
+                                                                   "lambda_max_um",
+                                                                   "aspect_azimuth_deg",
+                                                                   "aspect_elevation_deg",
+                                                                   "range_m",
+                                                                   "sun_azimuth_deg",
+                                                                   "sun_zenith_deg",
+                                                                   "reflections",
+                                                                   "stop_reason",
+                                                                   "energy_gain",
+                                                                   "warning",
+                                                                   "samples",
+                                                                   "replicates",
+                                                                   "target_paths",
+                                                                   "rays",
+                                                                   "seconds",
+                                                                   "guarded_backface_hits",
+                                                                   "guarded_nonfinite",
+                                                                   "guarded_path_limit",
+                                                                   "guarded_negative",
+                                                                   "job_key",
+                                                                   "superseded",
+                                                                   "seed_hex",
+                                                                   "physics_version",
+                                                                   "determinism_class",
+                                                                   "build_id"});
+
+  Rows& at() {
+    rows_.read_at(other_[next_++]);
+    return rows_;
   }
-  const bool stated = !row.is_null();
-  const std::uint64_t reflections = row.count();
-  if (stated) s.reflections = reflections;
-  s.stop_reason = row.text();
-  s.energy_gain = row.integer() != 0;
-  s.warning = row.text();
-  s.samples = row.count();
-  s.replicates = static_cast<std::uint32_t>(row.integer());
-  s.target_paths = row.count();
-  s.rays = row.count();
-  s.seconds = row.real();
-  s.guarded_backface_hits = row.count();
-  s.guarded_nonfinite = row.count();
-  s.guarded_path_limit = row.count();
-  const bool counted = !row.is_null();
-  const std::uint64_t negative = row.count();
-  if (counted) s.guarded_negative = negative;
-  s.job_key = row.text();
-  s.superseded = row.integer() != 0;
-  s.seed_hex = row.text();
-  s.physics_version = static_cast<std::uint32_t>(row.integer());
-  s.determinism_class = row.text();
-  s.build_id = row.text();
-  const UnitVector unit = unit_vector(s.aspect_azimuth_deg, s.aspect_elevation_deg);
-  s.unit_x = unit.x;
-  s.unit_y = unit.y;
-  s.unit_z = unit.z;
-  return s;
-}
+  std::optional<std::uint64_t> count_if_known() {
+    Rows& rows = at();
+    if (rows.is_null()) return std::nullopt;
+    return rows.count();
+  }
+
+  Rows& rows_;
+  std::array<int, kQuantities.size()> quantity_{};
+  std::array<int, kOthers.size()> other_{};
+  std::size_t next_ = 0;
+};
 
 absl::Status append_all(absl::StatusOr<Rows> rows, std::vector<StoredSignature>& out) {
   if (!rows.ok()) return rows.status();
+  SignatureReader reader(*rows);
   for (;;) {
     const absl::StatusOr<bool> found = rows->next();
     if (!found.ok()) return found.status();
     if (!*found) return absl::OkStatus();
-    out.push_back(read_signature(*rows));
+    absl::StatusOr<StoredSignature> signature = reader.read();
+    if (!signature.ok()) return signature.status();
+    out.push_back(*std::move(signature));
   }
 }
 

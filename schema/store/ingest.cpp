@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "core/accuracy/quantities.h"
 #include "schema/store/check_result.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
@@ -69,6 +71,19 @@ absl::StatusOr<std::int64_t> band_for(Database& database, std::int64_t sweep_id,
   return band_id;
 }
 
+const char* insert_signature_statement() {
+  static const std::string statement = [] {
+    std::string names, parameters;
+    for (const QuantityInfo& quantity : kQuantities) {
+      absl::StrAppend(&names, names.empty() ? "" : ", ", std::string(quantity.name));
+      absl::StrAppend(&parameters, parameters.empty() ? "?" : ", ?");
+    }
+    return absl::StrReplaceAll(sql::insert_signature,
+                               {{"QUANTITIES", names}, {"PARAMETERS", parameters}});
+  }();
+  return statement.c_str();
+}
+
 absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJob& job,
                                               const schema::SignatureRow& row) {
   const absl::StatusOr<std::int64_t> condition_id =
@@ -76,25 +91,17 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
   if (!condition_id.ok()) return condition_id.status();
   const absl::StatusOr<std::int64_t> band_id = band_for(database, job.sweep_id, row);
   if (!band_id.ok()) return band_id.status();
+    // The catalogue's quantities, in its order: the message has a field of each name.
+#define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
+  , row.name().value(), row.name().stderr()
+#define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
   IRSIG_STORE_TRY(database.run(
-      sql::insert_signature, job.job_id, job.viewpoint_id, *condition_id, *band_id,
-      row.sun_azimuth_deg(), row.sun_zenith_deg(), row.intensity_w_sr().value(),
-      row.intensity_w_sr().stderr(), row.numerical_error_w_sr(), row.truncation_bound_w_sr(),
-      row.quadrature_bound_w_sr(), row.apparent_intensity_w_sr().value(),
-      row.apparent_intensity_w_sr().stderr(), row.apparent_numerical_error_w_sr(),
-      row.projected_area_m2().value(), row.projected_area_m2().stderr(),
-      row.apparent_temperature_k(), row.emitted_w_sr().value(), row.emitted_w_sr().stderr(),
-      row.sun_reflected_w_sr().value(), row.sun_reflected_w_sr().stderr(),
-      row.sky_reflected_w_sr().value(), row.sky_reflected_w_sr().stderr(),
-      row.sea_reflected_w_sr().value(), row.sea_reflected_w_sr().stderr(),
-      row.parts_reflected_w_sr().value(), row.parts_reflected_w_sr().stderr(),
-      static_cast<int>(row.stop_reason()), row.energy_gain(), row.unseen_bound_w_sr(),
-      row.basis_bound_w_sr(), row.sky_bound_w_sr(), row.contrast_intensity_w_sr().value(),
-      row.contrast_intensity_w_sr().stderr(), row.contrast_numerical_error_w_sr(),
-      row.background_radiance_w_m2_sr().value(), row.background_radiance_w_m2_sr().stderr(),
-      row.model_error_w_sr(), row.apparent_model_error_w_sr(), row.path_transmittance(),
-      row.path_radiance_w_m2_sr(), row.omitted_bound_w_sr(), row.apparent_omitted_bound_w_sr(),
-      row.contrast_omitted_bound_w_sr(), row.absolute_floor_w_sr(), row.reflections()));
+      insert_signature_statement(), job.job_id, job.viewpoint_id, *condition_id, *band_id,
+      row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
+      row.energy_gain(),
+      row.reflections() IRSIG_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)));
+#undef IRSIG_VALUE_ARGUMENTS
+#undef IRSIG_NUMBER_ARGUMENT
   return database.last_insert_rowid();
 }
 

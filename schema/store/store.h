@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "core/accuracy/quantities.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 
@@ -151,25 +153,14 @@ struct StoredSignature {
   double aspect_azimuth_deg, aspect_elevation_deg, range_m;
   double unit_x, unit_y, unit_z;  // unit vector target -> sensor, body frame
   double sun_azimuth_deg, sun_zenith_deg;
-  double intensity_w_sr, intensity_stderr_w_sr, numerical_error_w_sr;
-  double apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, apparent_numerical_error_w_sr;
-  double projected_area_m2, projected_area_stderr_m2, apparent_temperature_k;
-  double emitted_w_sr, emitted_stderr_w_sr, sun_reflected_w_sr, sun_reflected_stderr_w_sr;
-  double sky_reflected_w_sr, sky_reflected_stderr_w_sr, sea_reflected_w_sr,
-      sea_reflected_stderr_w_sr;
-  double parts_reflected_w_sr, parts_reflected_stderr_w_sr;
-  double truncation_bound_w_sr, quadrature_bound_w_sr;
-  // From here on to path_radiance_w_m2_sr: kNotComputed in rows of format version 2 or older.
-  double unseen_bound_w_sr, basis_bound_w_sr, sky_bound_w_sr;
-  double contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, contrast_numerical_error_w_sr;
-  double background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr;
-  double model_error_w_sr, apparent_model_error_w_sr;
-  double path_transmittance, path_radiance_w_m2_sr;
-  // What left-out effects can change at most: kNotComputed (reflections: nullopt) in rows of format
-  // version 4 or older.
-  double omitted_bound_w_sr, apparent_omitted_bound_w_sr, contrast_omitted_bound_w_sr;
-  double absolute_floor_w_sr;
-  std::optional<std::uint64_t> reflections;
+  // The catalogue's quantities, each by its name; kNotComputed in rows of a format that did not
+  // have it.
+#define IRSIG_VALUE_MEMBERS(name, stderr_name, unit, since, what) double name, stderr_name;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name;
+  IRSIG_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
+#undef IRSIG_VALUE_MEMBERS
+#undef IRSIG_NUMBER_MEMBER
+  std::optional<std::uint64_t> reflections;  // nullopt: of format version 4 or older
   std::string stop_reason;
   bool energy_gain;
   std::string warning;  // of the condition, one line each
@@ -182,6 +173,15 @@ struct StoredSignature {
   bool superseded;  // of an earlier version of its sweep, until its replacement is stored
   std::uint32_t physics_version;
 };
+
+// Where each of kQuantities stands in a signature.
+#define IRSIG_VALUE_PLACES(name, stderr_name, unit, since, what) \
+  &StoredSignature::name, &StoredSignature::stderr_name,
+#define IRSIG_NUMBER_PLACE(name, kind, unit, since, what) &StoredSignature::name,
+inline constexpr std::array<double StoredSignature::*, kQuantities.size()> kQuantityMember = {
+    IRSIG_QUANTITIES(IRSIG_VALUE_PLACES, IRSIG_NUMBER_PLACE)};
+#undef IRSIG_VALUE_PLACES
+#undef IRSIG_NUMBER_PLACE
 
 struct StoredPart {
   std::string part;

@@ -1,0 +1,87 @@
+#include "core/accuracy/measured.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/accuracy/replicates.h"
+
+namespace irsig {
+namespace {
+
+constexpr std::array<BoundInfo, kBounds> kInfo = {{
+    {"truncation", true, "of reflections after the last one allowed"},
+    {"quadrature", false, "over wavelength"},
+    {"basis", false, "of spectra carried at a few nodes"},
+    {"unseen", true, "of rare bright paths"},
+    {"sky", true, "between the sky's directions"},
+    {"omitted", true, "of effects that are off"},
+    {"depth", true, "of one range for all of the target"},
+    {"moved", true, "of bringing the row to another range"},
+}};
+
+}  // namespace
+
+const BoundInfo& info_of(BoundOf bound) { return kInfo[static_cast<std::size_t>(bound)]; }
+
+double Measured::bias_bound() const {
+  double sum = 0;
+  for (const double b : bound) sum += b;
+  return sum;
+}
+
+double Measured::numerical_error() const { return irsig::numerical_error(stderr_, bias_bound()); }
+
+double Measured::share(BoundOf which) const {
+  const double error = numerical_error();
+  return error > 0 ? of(which) * bias_bound() / 3 / (error * error) : 0;
+}
+
+double Measured::sampled_share() const {
+  const double error = numerical_error();
+  return error > 0 ? stderr_ * stderr_ / (error * error) : 0;
+}
+
+Measured scaled(const Measured& measured, double factor) {
+  Measured out = measured;
+  out.value *= factor;
+  out.stderr_ *= std::abs(factor);
+  for (double& b : out.bound) b *= std::abs(factor);
+  return out;
+}
+
+Measured sum(const Measured& a, const Measured& b) {
+  const std::array weight{1.0, 1.0};
+  const std::array both{a, b};
+  return weighted_sum(weight, both);
+}
+
+Measured difference(const Measured& a, const Measured& b, double samples_stderr) {
+  Measured out = sum(a, scaled(b, -1));
+  out.stderr_ = samples_stderr;
+  return out;
+}
+
+Measured weighted_sum(std::span<const double> weight, std::span<const Measured> measured) {
+  Measured out;
+  double variance = 0;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const Measured m = scaled(measured[i], weight[i]);
+    out.value += m.value;
+    variance += m.stderr_ * m.stderr_;
+    for (std::size_t b = 0; b < kBounds; ++b) out.bound[b] += m.bound[b];
+  }
+  out.stderr_ = std::sqrt(variance);
+  return out;
+}
+
+Measured with_rest(Measured known, double numerical_error, BoundOf rest) {
+  const double square = numerical_error * numerical_error - known.stderr_ * known.stderr_;
+  // Not std::max: an error that was not computed (NaN) stays so.
+  const double bias = square < 0 ? 0.0 : std::sqrt(3 * square);
+  known.of(rest) = 0;
+  const double missing = bias - known.bias_bound();
+  known.of(rest) = missing < 0 ? 0.0 : missing;
+  return known;
+}
+
+}  // namespace irsig

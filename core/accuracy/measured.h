@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace irsig {
+
+// Why a value can be off by more than its samples show. Disjoint: each reason is in one bound only.
+enum class BoundOf : std::uint8_t {
+  kTruncation,
+  kQuadrature,  // without the basis
+  kBasis,
+  kUnseen,
+  kSky,
+  kOmitted,
+  kDepth,
+  kMoved  // of bringing a stored row to another range
+};
+inline constexpr std::size_t kBounds = 8;
+
+struct BoundInfo {
+  std::string_view name;
+  // It has one sign in all bands of a view that share their paths, so that it does not average out
+  // over bands or wavelengths.
+  bool shared_between_bands;
+  std::string_view what;
+};
+[[nodiscard]] const BoundInfo& info_of(BoundOf bound);
+
+// A number with what is known of its error: the standard error of its samples, and bounds on what
+// they cannot show. Bounds are never negative.
+struct Measured {
+  double value = 0, stderr_ = 0;
+  std::array<double, kBounds> bound{};
+
+  [[nodiscard]] double& of(BoundOf which) { return bound[static_cast<std::size_t>(which)]; }
+  [[nodiscard]] double of(BoundOf which) const { return bound[static_cast<std::size_t>(which)]; }
+  // Their sum, in the order of BoundOf.
+  [[nodiscard]] double bias_bound() const;
+  // sqrt(stderr^2 + bias_bound^2 / 3): a bias known only to lie within a bound of 0 counts as
+  // uniformly distributed there.
+  [[nodiscard]] double numerical_error() const;
+  // What a bound, or the standard error, brings to the square of the numerical error; 0 to 1.
+  [[nodiscard]] double share(BoundOf which) const;
+  [[nodiscard]] double sampled_share() const;
+};
+
+// The value and its whole error multiplied.
+[[nodiscard]] Measured scaled(const Measured& measured, double factor);
+
+// Both together; independent samples, bounds that may have one sign.
+[[nodiscard]] Measured sum(const Measured& a, const Measured& b);
+
+// a - b of two values on the same paths: samples_stderr is that of the paths' differences. Bounds
+// do not cancel.
+[[nodiscard]] Measured difference(const Measured& a, const Measured& b, double samples_stderr);
+
+// Sum of weight x value; independent samples, bounds that may have one sign everywhere.
+[[nodiscard]] Measured weighted_sum(std::span<const double> weight,
+                                    std::span<const Measured> measured);
+
+// A value whose numerical error is stated, but not (or not all of) its bounds: what is missing of
+// the error is given to one of them.
+//   known  with the bounds that are stated
+[[nodiscard]] Measured with_rest(Measured known, double numerical_error, BoundOf rest);
+
+}  // namespace irsig

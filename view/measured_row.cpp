@@ -1,0 +1,69 @@
+#include "view/measured_row.h"
+
+#include <cmath>
+#include <optional>
+
+namespace irsig {
+namespace {
+
+using S = StoredSignature;
+
+Measured measured(const S& row, IntensityOf intensity, double value, double stderr_,
+                  double numerical_error) {
+  Measured out{value, stderr_, {}};
+  std::optional<BoundOf> lacking;
+  for (std::size_t i = 0; i < kBounds; ++i) {
+    const auto which = static_cast<BoundOf>(i);
+    const double bound = stored_bound(row, intensity, which);
+    if (!std::isnan(bound))
+      out.of(which) = bound;
+    else if (!lacking)
+      lacking = which;
+  }
+  return lacking ? with_rest(out, numerical_error, *lacking) : out;
+}
+
+}  // namespace
+
+double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
+  const bool source = intensity == IntensityOf::kSource;
+  switch (which) {
+    case BoundOf::kTruncation:
+      return row.truncation_bound_w_sr;
+    case BoundOf::kQuadrature:  // stored with the basis in it
+      return std::isnan(row.basis_bound_w_sr) ? row.quadrature_bound_w_sr
+                                              : row.quadrature_bound_w_sr - row.basis_bound_w_sr;
+    case BoundOf::kBasis:
+      return row.basis_bound_w_sr;
+    case BoundOf::kUnseen:
+      return row.unseen_bound_w_sr;
+    case BoundOf::kSky:
+      return row.sky_bound_w_sr;
+    case BoundOf::kOmitted:
+      return source                                ? row.omitted_bound_w_sr
+             : intensity == IntensityOf::kApparent ? row.apparent_omitted_bound_w_sr
+                                                   : row.contrast_omitted_bound_w_sr;
+    case BoundOf::kDepth:
+      return source ? 0 : row.depth_bound_w_sr;
+    case BoundOf::kMoved:
+      return 0;
+  }
+  return kNotComputed;
+}
+
+Measured source_of(const S& row) {
+  return measured(row, IntensityOf::kSource, row.intensity_w_sr, row.intensity_stderr_w_sr,
+                  row.numerical_error_w_sr);
+}
+
+Measured apparent_of(const S& row) {
+  return measured(row, IntensityOf::kApparent, row.apparent_intensity_w_sr,
+                  row.apparent_intensity_stderr_w_sr, row.apparent_numerical_error_w_sr);
+}
+
+Measured contrast_of(const S& row) {
+  return measured(row, IntensityOf::kContrast, row.contrast_intensity_w_sr,
+                  row.contrast_intensity_stderr_w_sr, row.contrast_numerical_error_w_sr);
+}
+
+}  // namespace irsig
