@@ -15,8 +15,8 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-// Where a limit was measured, tests/physics/far_view_test.cpp says how: a sphere of the smallest
-// size at the largest range agrees with its closed form.
+// Reasons that several rows share. Results at the limits of ranges and sizes are compared with
+// closed forms in tests/physics/far_view_test.cpp.
 constexpr std::string_view kTemperature = "Planck's law is verified there";
 constexpr std::string_view kWavelength =
     "where optical constants, the sun and Planck's law are known";
@@ -37,7 +37,7 @@ constexpr std::string_view kZenith = "a grazing direction sees no surface";
 constexpr std::string_view kWind = "the slopes of Cox and Munk and the Navy's aerosol end there";
 constexpr std::string_view kVisibility = "dense fog to air without particles";
 constexpr std::string_view kStep = "the finest that 64 bits resolve, to the longest wavelength";
-constexpr std::string_view kShape = "beyond, the lobe is the same in every number that is kept";
+constexpr std::string_view kShape = "far beyond any that fits a measured surface";
 constexpr std::string_view kWeight = "only the ratios of these numbers count";
 constexpr std::string_view kSpectralValue =
     "emissivities and reflectances end at 1; of a response only the ratios count";
