@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
+#include "view/print.h"
 #include "fmt/format.h"
 #include "planning/accuracy_check.h"
 #include "planning/accuracy_source.h"
@@ -85,8 +86,7 @@ absl::Status write_study(const AccuracyOptions& given) {
     csv += row.csv;
     absl::StrAppend(&markdown, "### ", heading, "\n\n", row.paragraph.front(), "\n\n",
                     markdown_tables(row.table));
-    std::printf("%s\n\n%s\n\n%s", heading.c_str(), row.paragraph.front().c_str(),
-                markdown_tables(row.table).c_str());
+    print_text("{}\n\n{}\n\n{}", heading, row.paragraph.front(), markdown_tables(row.table));
     sections.push_back(std::move(section));
   }
   for (const auto& [file, bytes] :

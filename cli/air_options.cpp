@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/base/user_file.h"
+#include "jobs/number_bounds.h"
 #include "jobs/sweep_file.h"
 #include "planning/load_sweep.h"
 
@@ -17,6 +18,11 @@ namespace {
 constexpr AfglProfile kProfiles[] = {
     AfglProfile::kTropical,        AfglProfile::kMidlatitudeSummer, AfglProfile::kMidlatitudeWinter,
     AfglProfile::kSubarcticSummer, AfglProfile::kSubarcticWinter,   AfglProfile::kUsStandard1976};
+
+struct Stated {
+  const char *key, *name;  // of the sweep file, and of the option
+  std::optional<double> value;
+};
 
 std::string list(const auto& names) {
   std::string out;
@@ -190,6 +196,19 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
 absl::StatusOr<ChosenAir> AirOptions::choose() const {
   if (!sweep_.empty()) return of_sweep();
   if (!season_.empty()) return absl::InvalidArgumentError("--season belongs to --sweep");
+  for (const auto& [key, name, value] :
+       {Stated{"Season.visibility_m", "--visibility-m", visibility_m_},
+        {"Season.air_temperature_k", "--air-temperature-k", air_temperature_k_},
+        {"Season.relative_humidity_percent", "--relative-humidity-percent",
+         relative_humidity_percent_},
+        {"Season.pressure_pa", "--pressure-pa", pressure_pa_},
+        {"Season.wind_speed_m_s", "--wind-speed-m-s", wind_speed_m_s_},
+        {"Season.wind_speed_24h_m_s", "--wind-speed-24h-m-s", wind_speed_24h_m_s_},
+        {"Air.air_mass", "--air-mass", air_mass_},
+        {"Air.co2_ppmv", "--co2-ppmv", co2_ppmv_}}) {
+    if (!value) continue;
+    if (auto status = check_number(key, name, *value); !status.ok()) return status;
+  }
   AtmosphereSpec spec;
   auto air = profile();
   if (!air.ok()) return air.status();

@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 
@@ -12,7 +13,7 @@ absl::Status cancel_sweep(const std::string& sweep, const std::string& coordinat
   if (!address.ok()) return address.status();
   const auto reply = cancel(*address, sweep);
   if (!reply.ok()) return reply.status();
-  fmt::print("{} jobs cancelled; submitting the sweep again takes them up again\n",
+  print_text("{} jobs cancelled; submitting the sweep again takes them up again\n",
              reply->cancelled());
   return absl::OkStatus();
 }

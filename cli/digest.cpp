@@ -1,8 +1,8 @@
-#include <iostream>
 #include <memory>
 #include <string>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "schema/store/store.h"
 
 namespace irsig {
@@ -17,7 +17,7 @@ void add_digest(CLI::App& app, int& exit_code) {
     const auto reader = StoreReader::open(*path);
     const auto digest = reader.ok() ? (*reader)->digest() : reader.status();
     exit_code = report(digest.status());
-    if (digest.ok()) std::cout << *digest << "\n";
+    if (digest.ok()) data_output() << *digest << "\n";
   });
 }
 

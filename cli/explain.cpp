@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {
@@ -18,7 +19,7 @@ struct ExplainAsked {
 absl::Status explain(const ExplainAsked& asked) {
   auto reader = StoreReader::open(asked.db_path);
   if (!reader.ok()) return reader.status();
-  return explain_row(**reader, asked.sweep, asked.row, asked.format, std::cout);
+  return explain_row(**reader, asked.sweep, asked.row, asked.format, data_output());
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <utility>
 #include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "jobs/number_bounds.h"
 
 namespace irsig {
 namespace {
@@ -19,6 +21,9 @@ absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text)
     return absl::InvalidArgumentError(
         fmt::format("--aspect {}: expected AZ,EL in degrees, e.g. 45,10", text));
   }
+  for (const auto& [key, angle_deg] : {std::pair{"Aspect.azimuth_deg", out.aspect_azimuth_deg},
+                                       std::pair{"Aspect.elevation_deg", out.aspect_elevation_deg}})
+    if (auto status = check_number(key, "--aspect", angle_deg); !status.ok()) return status;
   return out;
 }
 
@@ -71,9 +76,19 @@ absl::StatusOr<Query> FilterOptions::query() const {
     if (!aspect.ok()) return aspect.status();
     out.aspect = *aspect;
   }
-  if (*within_option_) out.within_deg = within_deg_;
+  if (*within_option_) {
+    if (!(within_deg_ >= 0 && within_deg_ <= 180))
+      return absl::InvalidArgumentError(
+          fmt::format("--within {}: expected an angle from 0 to 180 degrees", within_deg_));
+    out.within_deg = within_deg_;
+  }
   if (*row_option_) out.row = row_;
-  if (*error_option_) out.max_relative_error = max_relative_error_;
+  if (*error_option_) {
+    if (!(max_relative_error_ >= 0))
+      return absl::InvalidArgumentError(fmt::format(
+          "--max-relative-error {}: expected a number, 0 or more", max_relative_error_));
+    out.max_relative_error = max_relative_error_;
+  }
   return out;
 }
 

@@ -19,6 +19,7 @@
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
+#include "view/print.h"
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
 #include "core/scene/generate_particles.h"
@@ -216,7 +217,7 @@ class GoniometerCommand {
     if (!about.empty()) provenance.push_back(about);
     const std::string summary =
         absl::StrCat(spec_.name(), about.empty() ? "" : "\n", about, "\n", summary_text(*result));
-    std::printf("%s: %.1f s\n%s\n", folder.c_str(), seconds, summary.c_str());
+    print_text("{}: {:.1f} s\n{}\n", folder.string(), seconds, summary);
     std::fflush(stdout);
     if (const auto status = write(*result, provenance, summary, folder); !status.ok())
       return status;
@@ -241,8 +242,7 @@ class GoniometerCommand {
     if (material.ok()) {
       if (const auto s = to("material.csv", *material); !s.ok()) return s;
     } else {
-      std::fprintf(stderr, "irsig: no material.csv: %s\n",
-                   std::string(material.status().message()).c_str());
+      print_note("irsig: no material.csv: {}\n", std::string(material.status().message()));
     }
     for (std::size_t j = 0; j < r.spec.source_zenith_deg.size(); ++j) {
       const double source_deg = r.spec.source_zenith_deg[j];

@@ -1,9 +1,10 @@
-#include <cstdio>
 #include <exception>
 #include <string>
 
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
+#include "view/print.h"
+#include "core/base/printable.h"
 
 namespace {
 
@@ -32,7 +33,7 @@ int main(int argc, char** argv) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "irsig: " + std::string(error.what()) + " (--help lists what there is)\n";
+    return "irsig: " + irsig::printable(error.what()) + " (--help lists what there is)\n";
   });
   irsig::add_run(app, exit_code);
   irsig::add_plan(app, exit_code);
@@ -59,7 +60,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;  // --help and --version are 0
   } catch (const std::exception& error) {
     // The libraries below throw nothing on purpose: out of memory, mostly.
-    std::fprintf(stderr, "irsig: %s\n", error.what());
+    irsig::print_note("irsig: {}\n", error.what());
     return 1;
   }
   return exit_code;

@@ -11,6 +11,7 @@
 #include "cli/choose_material.h"
 #include "cli/commands.h"
 #include "cli/material_plot.h"
+#include "view/print.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
 #include "view/atomic_file.h"
@@ -24,7 +25,7 @@ std::string range_text(const WavelengthRange& range) {
 }
 
 absl::StatusOr<std::unique_ptr<TableWriter>> writer(bool csv, const std::vector<Column>& columns) {
-  return make_table_writer(csv ? "csv" : "table", columns, std::cout);
+  return make_table_writer(csv ? "csv" : "table", columns, data_output());
 }
 
 absl::Status list(bool csv) {
@@ -98,15 +99,15 @@ absl::Status show(const ShowOptions& asked) {
   if (!table.ok())
     return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", table.status().message()));
   if (asked.csv) return print_long(*table, true);
-  fmt::print("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
+  print_text("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
              range_text(wavelength_range(material->spec)));
   const LibraryEntry& e = material->entry;
   if (!e.description.empty())
-    fmt::print("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
+    print_text("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
                e.provenance);
   if (table->creates_energy)
-    fmt::print("It creates energy: dhr + emissivity is above 1 somewhere.\n");
-  fmt::print("\n");
+    print_text("It creates energy: dhr + emissivity is above 1 somewhere.\n");
+  print_text("\n");
   std::fflush(stdout);
   return print_wide(*table, lambda_um.size(), asked.theta_i_deg.size());
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "core/base/printable.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
 #include "view/atomic_file.h"
@@ -27,14 +28,15 @@ struct ModelCommand {
  private:
   void print(const Mesh& mesh) const {
     const MeshMeasure m = measure(mesh);
-    std::printf("%s: %zu triangles, %zu vertices, %llu open edges\n", out.c_str(),
+    std::printf("%s: %zu triangles, %zu vertices, %llu open edges\n", one_line(out).c_str(),
                 mesh.triangle.size(), mesh.vertex.size(),
                 static_cast<unsigned long long>(m.open_edges));
     std::printf("area_m2 %.9g  volume_m3 %.9g\n", m.area_m2, m.volume_m3);
     std::printf("x forward %.6g to %.6g m, y starboard %.6g to %.6g m, z down %.6g to %.6g m\n",
                 m.box_min.x, m.box_max.x, m.box_min.y, m.box_max.y, m.box_min.z, m.box_max.z);
     for (std::size_t i = 0; i < mesh.group.size(); ++i)
-      std::printf("group %-16s area_m2 %.6g\n", mesh.group[i].c_str(), m.group_area_m2[i]);
+      std::printf("group %-16s area_m2 %.6g\n", one_line(mesh.group[i]).c_str(),
+                  m.group_area_m2[i]);
   }
 };
 

@@ -4,24 +4,14 @@
 
 #include "cli/commands.h"
 #include "core/base/user_file.h"
+#include "view/print.h"
 #include "core/scene/mesh_lint.h"
 #include "fmt/format.h"
 #include "view/atomic_file.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
-
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    if (static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else
-      out += c;
-  }
-  return out + '"';
-}
 
 std::string as_json(const std::string& file, const LintReport& report) {
   std::string out = fmt::format(
@@ -98,11 +88,11 @@ struct CheckCommand {
       if (const absl::Status status = replace_file(repaired, write_obj(result.mesh)); !status.ok())
         return status;
       // Standard output belongs to the report on what was written.
-      std::fputs(as_text(result.log, repaired).c_str(), stderr);
+      print_plain(stderr, as_text(result.log, repaired));
       found = lint(result.mesh, options);
     }
     const std::string& of = repaired.empty() ? how.file_name : repaired;
-    std::fputs((json ? as_json(of, found) : as_text(of, found)).c_str(), stdout);
+    print_plain(stdout, json ? as_json(of, found) : as_text(of, found));
     return found.has_errors() ? 2 : 0;
   }
 };

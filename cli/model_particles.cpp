@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "core/base/printable.h"
 #include "core/scene/generate_particles.h"
 #include "view/atomic_file.h"
 
@@ -30,9 +31,9 @@ struct ParticlesCommand {
     if (!model.ok()) return model.status();
     if (const auto status = replace_file(out, write_obj(model->mesh)); !status.ok()) return status;
     const ParticleReport& r = model->report;
-    std::printf("%s: %zu triangles; %llu grains in a cell of %g m, %u x %u cells\n", out.c_str(),
-                model->mesh.triangle.size(), static_cast<unsigned long long>(r.grains), bed.width_m,
-                bed.tiles, bed.tiles);
+    std::printf("%s: %zu triangles; %llu grains in a cell of %g m, %u x %u cells\n",
+                one_line(out).c_str(), model->mesh.triangle.size(),
+                static_cast<unsigned long long>(r.grains), bed.width_m, bed.tiles, bed.tiles);
     for (std::size_t i = 0; i < bed.size.size(); ++i)
       std::printf("group grain_%gum  %llu grains in a cell\n", 1e6 * bed.size[i].diameter_m,
                   static_cast<unsigned long long>(r.grains_of_size[i]));

@@ -4,6 +4,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "view/print.h"
 #include "fmt/format.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
@@ -44,10 +45,10 @@ std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples) {
 
 void print_table(const SweepPilot& pilot, std::uint32_t workers) {
   if (pilot.rule.relative_error <= 0) {
-    fmt::print("\nFor the table of time against error, ask with --relative-error.\n");
+    print_text("\nFor the table of time against error, ask with --relative-error.\n");
     return;
   }
-  fmt::print(
+  print_text(
       "\nrelative error -> median samples a replicate, CPU time, wall time on {} worker{}, "
       "rows that reach it\n",
       workers, workers == 1 ? "" : "s");
@@ -56,7 +57,7 @@ void print_table(const SweepPilot& pilot, std::uint32_t workers) {
     rule.relative_error = percent / 100;
     const SweepCost cost = sweep_cost(view_costs(pilot, rule), pilot.views, pilot.jobs_per_view,
                                       workers, pilot.start_s);
-    fmt::print("{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
+    print_text("{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
                seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_share,
                what_keeps(cost, rule.max_samples_per_replicate));
   }
@@ -65,7 +66,7 @@ void print_table(const SweepPilot& pilot, std::uint32_t workers) {
 // The pilot's rows have the effects that the asked accuracy calls for.
 void print_effects(const SweepPilot& pilot) {
   const auto summary = summarize_effects(pilot.ledger);
-  fmt::print(
+  print_text(
       "\neffects in the pilot's {} rows, for the accuracy asked; bounds relative to the intensity; "
       "times of its\n{} view{}, estimated\n{}",
       pilot.ledger.size(), pilot.view.size(), pilot.view.size() == 1 ? "" : "s",
@@ -75,7 +76,7 @@ void print_effects(const SweepPilot& pilot) {
     if (!std::isnan(effect.saved_s)) saved_s += effect.saved_s;
   const double views = static_cast<double>(pilot.views) / static_cast<double>(pilot.view.size());
   if (saved_s > 0)
-    fmt::print(
+    print_text(
         "what is off saves an estimated {} of CPU time or more in all {} views, at the "
         "pilot's samples\n",
         seconds_text(views * saved_s), pilot.views);
@@ -84,7 +85,7 @@ void print_effects(const SweepPilot& pilot) {
 absl::Status plan_sweep(PlanAsked asked) {
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
   const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
   if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
@@ -102,23 +103,23 @@ absl::Status plan_sweep(PlanAsked asked) {
                                     pilot->jobs_per_view, asked.workers, pilot->start_s);
   const auto rows = pilot->views * static_cast<std::uint64_t>(sweep.condition_size()) *
                     static_cast<std::uint64_t>(sweep.sweep().band_size());
-  fmt::print("{}: {} viewpoints x {} conditions x {} bands = {} rows, in {} jobs\n",
+  print_text("{}: {} viewpoints x {} conditions x {} bands = {} rows, in {} jobs\n",
              sweep.sweep().name(), pilot->views, sweep.condition_size(), sweep.sweep().band_size(),
              rows, p.jobs);
-  fmt::print("asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
-  fmt::print(
+  print_text("asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
+  print_text(
       "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",
       seconds_text(p.job_cpu_median_s), seconds_text(p.job_cpu_quartile1_s),
       seconds_text(p.job_cpu_quartile3_s), cost.median_samples);
-  fmt::print("CPU time   {}\n", seconds_text(p.cpu_s));
-  fmt::print("wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
+  print_text("CPU time   {}\n", seconds_text(p.cpu_s));
+  print_text("wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
              p.workers == 1 ? "" : "s");
-  fmt::print("memory     {}\n", memory_text(loaded->memory, conditions, asked.workers));
-  fmt::print("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
+  print_text("memory     {}\n", memory_text(loaded->memory, conditions, asked.workers));
+  print_text("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
   if (pilot->rule.relative_error > 0)
-    fmt::print("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
+    print_text("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
                what_keeps(cost, pilot->rule.max_samples_per_replicate));
-  fmt::print("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
+  print_text("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
              p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
   print_table(*pilot, asked.workers);
   print_effects(*pilot);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "view/atomic_file.h"
 
 namespace irsig {
@@ -39,7 +40,7 @@ struct ProfileCommand {
     const auto made = text();
     if (!made.ok()) return made.status();
     if (!out.empty()) return replace_file(out, *made);
-    std::cout << *made;
+    data_output() << *made;
     return absl::OkStatus();
   }
 };

@@ -9,6 +9,8 @@
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "cli/filter_options.h"
+#include "view/print.h"
+#include "jobs/number_bounds.h"
 #include "view/query_table.h"
 #include "view/range_change.h"
 #include "view/thumbnail.h"
@@ -33,6 +35,8 @@ struct QueryCommand {
   [[nodiscard]] absl::Status run() const {
     auto query = filter.query();
     if (!query.ok()) return query.status();
+    if (range_m)
+      if (auto s = check_number("Viewpoints.range_m", "--range-m", *range_m); !s.ok()) return s;
     query->range_m = range_m;
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
@@ -41,12 +45,11 @@ struct QueryCommand {
     if (!thumbnail.empty()) return write_thumbnail(**reader, *rows, thumbnail);
     if (!sort.empty())
       if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
-    if (rows->empty()) std::fputs("irsig: no signature matches\n", stderr);
-    for (const std::string& note : notes_on(*rows))
-      std::fprintf(stderr, "irsig: note: %s\n", note.c_str());
+    if (rows->empty()) print_note("irsig: no signature matches\n");
+    for (const std::string& note : notes_on(*rows)) print_note("irsig: note: {}\n", note);
     QueryContent shown = content;
     shown.quantity = query->quantity;
-    return write_rows(**reader, *rows, shown, format, std::cout);
+    return write_rows(**reader, *rows, shown, format, data_output());
   }
 };
 

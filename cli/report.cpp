@@ -2,13 +2,14 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "view/print.h"
 
 namespace irsig {
 
 int report(const absl::Status& status) {
   if (status.ok()) return 0;
   std::fflush(stdout);
-  std::fprintf(stderr, "irsig: %s\n", std::string(status.message()).c_str());
+  print_note("irsig: {}\n", std::string(status.message()));
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
     case absl::StatusCode::kNotFound:

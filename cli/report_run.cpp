@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
@@ -20,10 +21,10 @@ namespace {
 void print_line(const char* what, const std::optional<double>& predicted, double real,
                 std::string (*text)(double)) {
   if (!predicted) {
-    fmt::print("  {:<24} {:>12} {:>12}\n", what, "-", text(real));
+    print_text("  {:<24} {:>12} {:>12}\n", what, "-", text(real));
     return;
   }
-  fmt::print("  {:<24} {:>12} {:>12} {:>7.2f}\n", what, text(*predicted), text(real),
+  print_text("  {:<24} {:>12} {:>12} {:>7.2f}\n", what, text(*predicted), text(real),
              real > 0 ? *predicted / real : NAN);
 }
 
@@ -42,7 +43,7 @@ void print_cost(const std::vector<StoredJobCost>& jobs, const std::optional<Stor
   const auto of = [&](auto member) {
     return p ? std::optional<double>(static_cast<double>((*p).*member)) : std::nullopt;
   };
-  fmt::print("  {:<24} {:>12} {:>12} {:>7}\n", "", p ? "predicted" : "no prediction", "real",
+  print_text("  {:<24} {:>12} {:>12} {:>7}\n", "", p ? "predicted" : "no prediction", "real",
              p ? "ratio" : "");
   print_line("jobs", of(&StoredPrediction::jobs), static_cast<double>(jobs.size()), whole);
   print_line("median job, CPU time", of(&StoredPrediction::job_cpu_median_s), quantile(cpu_s, 0.5),
@@ -55,7 +56,7 @@ void print_cost(const std::vector<StoredJobCost>& jobs, const std::optional<Stor
   print_line("wall time", of(&StoredPrediction::wall_s), last_s - first_s, seconds_text);
   print_line(sweeps > 1 ? "database (all sweeps)" : "database",
              of(&StoredPrediction::database_bytes), bytes, bytes_text);
-  fmt::print(
+  print_text(
       "  wall time: from the first lease to the end of the last job, pauses of an interrupted run "
       "included{}\n",
       p ? fmt::format("; predicted for {} worker{}, their start included", p->workers,
@@ -75,19 +76,19 @@ void print_errors(const std::vector<StoredSignature>& rows, const schema::Accura
       ++without_value;
   }
   if (accuracy.has_relative_error())
-    fmt::print("\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
+    print_text("\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
   else
-    fmt::print("\nno relative error was asked for: the number of samples was given\n");
+    print_text("\nno relative error was asked for: the number of samples was given\n");
   if (!errors.empty())
-    fmt::print(
+    print_text(
         "numerical error / intensity: median {:.3g} %, 10 % of rows below {:.3g} %, 10 % above "
         "{:.3g} %, 1 % above {:.3g} %, largest {:.3g} %\n",
         quantile(errors, 0.5), quantile(errors, 0.1), quantile(errors, 0.9), quantile(errors, 0.99),
         quantile(errors, 1));
-  if (without_value > 0) fmt::print("rows of intensity 0: {}\n", without_value);
-  fmt::print("stopped by:");
-  for (const auto& [reason, count] : reasons) fmt::print(" {} {}", reason, count);
-  fmt::print("\n");
+  if (without_value > 0) print_text("rows of intensity 0: {}\n", without_value);
+  print_text("stopped by:");
+  for (const auto& [reason, count] : reasons) print_text(" {} {}", reason, count);
+  print_text("\n");
 }
 
 // What each bound brings to the square of the numerical error of the source intensity.
@@ -117,13 +118,13 @@ void print_shares(const std::vector<StoredSignature>& rows) {
       add(shares[i + 1], source.share(static_cast<BoundOf>(i)));
   }
   if (counted == 0) return;
-  fmt::print("share of the numerical error's square, mean over the rows (largest):\n ");
+  print_text("share of the numerical error's square, mean over the rows (largest):\n ");
   for (const Share& share : shares)
-    fmt::print(" {} {:.3g} % ({:.3g} %)", share.what, 100 * share.sum / counted,
+    print_text(" {} {:.3g} % ({:.3g} %)", share.what, 100 * share.sum / counted,
                100 * share.largest);
-  fmt::print("\n");
+  print_text("\n");
   if (!all_known)
-    fmt::print("  some rows are of an older format, which did not keep every bound apart\n");
+    print_text("  some rows are of an older format, which did not keep every bound apart\n");
 }
 
 void print_guards(const std::vector<StoredJobCost>& jobs) {
@@ -137,9 +138,9 @@ void print_guards(const std::vector<StoredJobCost>& jobs) {
     else
       ++uncounted;
   }
-  fmt::print("guarded events: back faces {}, not finite {}, negative {}{}\n", backface, nonfinite,
+  print_text("guarded events: back faces {}, not finite {}, negative {}{}\n", backface, nonfinite,
              negative, uncounted > 0 ? fmt::format(" ({} jobs did not count)", uncounted) : "");
-  fmt::print("paths alive after the last reflection: {}\n", limit);
+  print_text("paths alive after the last reflection: {}\n", limit);
 }
 
 absl::Status report_sweep(StoreReader& reader, const SweepProgress& progress, double bytes,
@@ -158,31 +159,31 @@ absl::Status report_sweep(StoreReader& reader, const SweepProgress& progress, do
   std::erase_if(*rows, [](const StoredSignature& row) { return row.superseded; });
   double rays = 0;
   for (const StoredJobCost& job : *jobs) rays += static_cast<double>(job.rays);
-  fmt::print("{}: {} of {} jobs done, {} rows, {}\n", progress.name, progress.done, progress.jobs,
+  print_text("{}: {} of {} jobs done, {} rows, {}\n", progress.name, progress.done, progress.jobs,
              rows->size(), count_text(rays, "rays"));
   if (rows->size() < stored)
-    fmt::print("{} rows of an earlier version of the sweep wait for their replacement\n",
+    print_text("{} rows of an earlier version of the sweep wait for their replacement\n",
                stored - rows->size());
   if (jobs->empty()) {
-    fmt::print("nothing is done yet{}\n",
+    print_text("nothing is done yet{}\n",
                *prediction ? "; " + prediction_line(**prediction) : std::string());
     return absl::OkStatus();
   }
   print_cost(*jobs, *prediction, bytes, sweeps);
   if (*prediction && jobs->size() < progress.jobs)
-    fmt::print("  the sweep is not complete: what is predicted is for all {} jobs\n",
+    print_text("  the sweep is not complete: what is predicted is for all {} jobs\n",
                progress.jobs);
   if (*prediction && (*prediction)->determinism_class != jobs->front().determinism_class)
-    fmt::print("  predicted on another machine or build: {}\n", (*prediction)->determinism_class);
+    print_text("  predicted on another machine or build: {}\n", (*prediction)->determinism_class);
   print_errors(*rows, sweep->resolved.sweep().accuracy());
   print_shares(*rows);
   print_guards(*jobs);
   std::map<std::string, std::uint64_t> warnings;
   for (const schema::Condition& condition : sweep->resolved.condition())
     for (const std::string& warning : condition.warning()) ++warnings[warning];
-  if (warnings.empty()) fmt::print("warnings: none\n");
+  if (warnings.empty()) print_text("warnings: none\n");
   for (const auto& [warning, count] : warnings)
-    fmt::print("warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
+    print_text("warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
   return absl::OkStatus();
 }
 
@@ -193,9 +194,9 @@ absl::Status report_database(const std::string& db_path) {
   if (!bytes.ok()) return bytes.status();
   const auto sweeps = (*reader)->progress();
   if (!sweeps.ok()) return sweeps.status();
-  if (sweeps->empty()) fmt::print("{} holds no sweep\n", db_path);
+  if (sweeps->empty()) print_text("{} holds no sweep\n", db_path);
   for (std::size_t i = 0; i < sweeps->size(); ++i) {
-    if (i > 0) fmt::print("\n");
+    if (i > 0) print_text("\n");
     if (auto status =
             report_sweep(**reader, (*sweeps)[i], static_cast<double>(*bytes), sweeps->size());
         !status.ok())

@@ -44,15 +44,15 @@ class ProgressLine {
  public:
   void show(const std::string& text) {
     if (terminal_) {
-      fmt::print(stderr, "\r{}\x1b[K", text);
+      print_note("\r{}\x1b[K", text);
     } else if (!shown_ || Steady::now() - at_ >= std::chrono::seconds(5)) {
-      fmt::print(stderr, "{}\n", text);
+      print_note("{}\n", text);
       at_ = Steady::now();
     }
     shown_ = true;
   }
   ~ProgressLine() {
-    if (terminal_ && shown_) fmt::print(stderr, "\n");
+    if (terminal_ && shown_) print_note("\n");
   }
 
  private:
@@ -98,7 +98,7 @@ absl::StatusOr<std::unique_ptr<LocalFarm>> start_farm(const RunAsked& asked) {
 // The database is one plain file, or complete with a journal beside it, and the user told so.
 absl::Status end(LocalFarm& farm) {
   auto ended = farm.stop();
-  if (!farm.warning().empty()) fmt::print(stderr, "irsig: warning: {}\n", farm.warning());
+  if (!farm.warning().empty()) print_note("irsig: warning: {}\n", farm.warning());
   return ended;
 }
 
@@ -154,7 +154,7 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
   absl::Status failed;
   for (const auto& sweep : status.sweep()) {
-    fmt::print("{}: {} of {} jobs done, {}, worst error {:.2g} %, {:.1f} s -> {}\n", sweep.name(),
+    print_text("{}: {} of {} jobs done, {}, worst error {:.2g} %, {:.1f} s -> {}\n", sweep.name(),
                sweep.done(), sweep.jobs(), count_text(static_cast<double>(sweep.rays()), "rays"),
                100 * sweep.worst_relative_error(), seconds, asked.db_path);
     if (sweep.done() == sweep.jobs()) continue;
@@ -176,7 +176,7 @@ absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::strin
   if (!rows.ok()) return rows.status();
   const auto published = (*reader)->published(name);
   if (!published.ok()) return published.status();
-  fmt::print("\n{}", profile_summary(*rows, *published));
+  print_text("\n{}", profile_summary(*rows, *published));
   return absl::OkStatus();
 }
 
@@ -184,7 +184,7 @@ absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
   const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
   if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
@@ -192,7 +192,7 @@ absl::Status run_sweep(RunAsked asked) {
       !fits.ok())
     return fits;
   if (loaded->memory.bytes(conditions) * asked.workers > kMuchMemory)
-    fmt::print(stderr, "irsig: memory: {}\n",
+    print_note("irsig: memory: {}\n",
                memory_text(loaded->memory, conditions, asked.workers));
   if (asked.resume && !std::filesystem::exists(asked.db_path)) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
@@ -206,7 +206,7 @@ absl::Status run_sweep(RunAsked asked) {
   const auto complete = is_complete_already(farm, asked, *loaded);
   if (!complete.ok()) return complete.status();
   if (*complete) {
-    fmt::print("{}: complete already, nothing to compute -> {}\n", loaded->resolved.sweep().name(),
+    print_text("{}: complete already, nothing to compute -> {}\n", loaded->resolved.sweep().name(),
                asked.db_path);
     if (auto ended = end(farm); !ended.ok()) return ended;
     return print_profiles(loaded->resolved, asked.db_path);
@@ -219,7 +219,7 @@ absl::Status run_sweep(RunAsked asked) {
     const auto pilot = pilot_sweep(*loaded);
     if (!pilot.ok()) return pilot.status();
     const StoredPrediction predicted = prediction_of(*pilot, loaded->resolved, asked.workers);
-    fmt::print(stderr, "irsig: {}\n", prediction_line(predicted));
+    print_note("irsig: {}\n", prediction_line(predicted));
     prediction = as_message(predicted);
   }
   hear_interruptions();
@@ -228,7 +228,7 @@ absl::Status run_sweep(RunAsked asked) {
              static_cast<std::uint32_t>(physics_version()), prediction ? &*prediction : nullptr);
   if (!reply.ok()) return reply.status();
   if (reply->jobs_to_compute() < reply->jobs()) {
-    fmt::print(stderr, "irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(),
+    print_note("irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(),
                reply->jobs());
   }
   if (auto status = farm.start_workers(); !status.ok()) return status;

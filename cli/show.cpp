@@ -14,6 +14,7 @@
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
+#include "view/print.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
@@ -231,10 +232,11 @@ absl::Status precompute(const std::string& file_name) {
     }
     spectra.push_back(*std::move(spectrum));
   }
-  std::printf("season,lambda_um,spectral_intensity_w_sr_um\n");
+  std::ostream& out = data_output();
+  out << "season,lambda_um,spectral_intensity_w_sr_um\n";
   for (std::size_t i = 0; i < seasons.size(); ++i) {
     for (const SpectralPoint& point : spectra[i]) {
-      std::printf("%s,%.15g,%.15g\n", seasons[i].c_str(), point.lambda_um, point.value);
+      out << seasons[i] << fmt::format(",{:.15g},{:.15g}\n", point.lambda_um, point.value);
     }
   }
   return absl::OkStatus();

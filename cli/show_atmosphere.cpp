@@ -65,6 +65,10 @@ struct SunOptions {
       return absl::InvalidArgumentError(
           absl::StrCat("--sun-zenith-deg ", *zenith_deg, ": expected 0 to 180"));
     }
+    if (!(*azimuth_deg >= -360 && *azimuth_deg <= 360)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--sun-azimuth-deg ", *azimuth_deg, ": expected -360 to 360"));
+    }
     return std::optional(SunPlace{*zenith_deg, *azimuth_deg - azimuth_of_path_deg});
   }
 };

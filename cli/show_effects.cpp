@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "core/effects/effects.h"
 #include "view/table.h"
 
@@ -13,14 +14,14 @@ namespace {
 std::string text(std::string_view view) { return std::string(view); }
 
 void print_for_people() {
-  fmt::print(
+  print_text(
       "Effects: what a signature is made of. Those marked * can be left out ([effects] of a sweep\n"
       "file, --effects): by themselves where the accuracy asked for has room for their bound.\n");
   for (const EffectInfo& e : effect_table()) {
-    fmt::print("\n{}{}: {}\n", text(e.name), e.switchable ? " *" : "", text(e.what));
-    fmt::print("  matters  {}\n", text(e.when));
-    if (e.switchable) fmt::print("  bound    {}\n", text(e.bound));
-    fmt::print("  costs    {}\n", text(e.cost));
+    print_text("\n{}{}: {}\n", text(e.name), e.switchable ? " *" : "", text(e.what));
+    print_text("  matters  {}\n", text(e.when));
+    if (e.switchable) print_text("  bound    {}\n", text(e.bound));
+    print_text("  costs    {}\n", text(e.cost));
   }
 }
 
@@ -30,7 +31,8 @@ absl::Status print_effects(const std::string& format) {
     return absl::OkStatus();
   }
   auto writer = make_table_writer(
-      format, {{"effect"}, {"what"}, {"matters"}, {"bound"}, {"cost"}, {"switchable"}}, std::cout);
+      format, {{"effect"}, {"what"}, {"matters"}, {"bound"}, {"cost"}, {"switchable"}},
+      data_output());
   if (!writer.ok()) return writer.status();
   for (const EffectInfo& e : effect_table())
     (*writer)->row(

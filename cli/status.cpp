@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "view/print.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 
@@ -15,15 +16,15 @@ absl::Status print_status(const std::string& coordinator) {
   if (!status.ok()) return status.status();
   std::size_t width = 5;
   for (const auto& sweep : status->sweep()) width = std::max(width, sweep.name().size());
-  fmt::print("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13} {}\n", "sweep", width, "jobs",
+  print_text("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13} {}\n", "sweep", width, "jobs",
              "done", "leased", "failed", "cancelled", "rays", "worst_error_%", "sweep_sha256");
   for (const auto& sweep : status->sweep()) {
-    fmt::print("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13.3g} {}\n", sweep.name(), width,
+    print_text("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13.3g} {}\n", sweep.name(), width,
                sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(), sweep.cancelled(),
                sweep.rays(), 100 * sweep.worst_relative_error(), sweep.sweep_sha256());
-    for (const auto& failure : sweep.failure()) fmt::print("  failed: {}\n", failure);
+    for (const auto& failure : sweep.failure()) print_text("  failed: {}\n", failure);
   }
-  fmt::print("{} worker{}\n", status->workers(), status->workers() == 1 ? "" : "s");
+  print_text("{} worker{}\n", status->workers(), status->workers() == 1 ? "" : "s");
   return absl::OkStatus();
 }
 

@@ -2,6 +2,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "view/print.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
@@ -18,7 +19,7 @@ absl::Status submit_sweep(const std::string& sweep_path, const std::string& coor
   if (const auto there = farm_status(*address); !there.ok()) return there.status();
   auto loaded = load_sweep(sweep_path, asked);
   if (!loaded.ok()) return loaded.status();
-  for (const std::string& line : loaded->warnings) fmt::print(stderr, "{}\n", line);
+  for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (has_time_budget(loaded->resolved)) {
     return absl::InvalidArgumentError(
         fmt::format("{}: a time budget is for `irsig run`, which knows how many workers of which "
@@ -29,7 +30,7 @@ absl::Status submit_sweep(const std::string& sweep_path, const std::string& coor
   const auto reply = submit(*address, loaded->resolved, loaded->model_bytes,
                             static_cast<std::uint32_t>(physics_version()));
   if (!reply.ok()) return reply.status();
-  fmt::print("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),
+  print_text("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),
              reply->jobs(), reply->jobs_to_compute(), reply->sweep_sha256());
   return absl::OkStatus();
 }

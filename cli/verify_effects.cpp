@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
+#include "view/print.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
@@ -89,9 +90,9 @@ absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
              for_all = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!for_chosen.ok()) return for_chosen.status();
   if (!for_all.ok()) return for_all.status();
-  std::printf("%s: relative error %g, effects auto against all, the same paths\n%s\n",
-              sweep.sweep().name().c_str(), sweep.sweep().accuracy().relative_error(),
-              effects_view_header().c_str());
+  print_text("{}: relative error {:g}, effects auto against all, the same paths\n{}\n",
+             sweep.sweep().name(), sweep.sweep().accuracy().relative_error(),
+             effects_view_header());
   std::vector<CheckedView> views;
   std::string failures;
   std::vector<double> ratios;
@@ -107,7 +108,7 @@ absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
                               {*for_all, views.empty(), given.timed, given.reference.value_or(0)},
                               thread_cpu_s);
     if (!view.ok()) return view.status();
-    std::printf("%s\n", effects_view_line(*view).c_str());
+    print_text("{}\n", effects_view_line(*view));
     std::fflush(stdout);
     failures += effects_failures(sweep.sweep().name(), *view);
     ratios.push_back(view->all_s > 0 ? view->chosen_s / view->all_s : 1);
@@ -125,7 +126,7 @@ absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
         "against the reference: %zu values, %zu beyond 2 numerical errors, %zu beyond 5, largest "
         "%.2f\n",
         s.referenced, s.beyond_2, s.beyond_5, s.largest_of_numerical_error);
-  std::printf("%s", failures.c_str());
+  print_plain(stdout, failures);
   exit_code = s.out_of_bound == 0 ? 0 : 1;
   return absl::OkStatus();
 }
@@ -159,7 +160,7 @@ absl::Status verify_bounds(const std::vector<MatrixCell>& cells, MatrixOptions o
     std::printf("%s", effect_bounds_line(info.effect, checked).c_str());
     std::fflush(stdout);
   }
-  std::printf("%s", failures.c_str());
+  print_plain(stdout, failures);
   return absl::OkStatus();
 }
 
@@ -180,7 +181,7 @@ absl::Status verify_matrix(const VerifyOptions& given, int& exit_code) {
     auto result = check_cell(cell, options, thread_cpu_s);
     if (!result.ok())
       return {result.status().code(), absl::StrCat(cell.name, ": ", result.status().message())};
-    std::printf("%s\n", effects_cell_line(cell, *result).c_str());
+    print_text("{}\n", effects_cell_line(cell, *result));
     std::fflush(stdout);
     for (const CheckedView& view : result->view) failures += effects_failures(cell.name, view);
     bad += result->summary.out_of_bound > 0 ? 1 : 0;

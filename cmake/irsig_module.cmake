@@ -1,5 +1,5 @@
 # irsig_module(<name> SOURCES ... HEADERS ... DEPENDS <irsig modules> [EXTERNAL <third-party targets>]
-#              [PRECOMPILE <headers>])
+#              [PRECOMPILE <headers>] [HOT])        HOT: without the standard library's assertions in a release
 # irsig_program(<name> ...), the same for an executable.
 #
 # One folder = one static library = one line of permissions. DEPENDS is the only place where a
@@ -19,11 +19,12 @@ function(irsig_precompile target)
 endfunction()
 
 function(irsig_module name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HEADERS;DEPENDS;EXTERNAL;PRECOMPILE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "HOT" "" "SOURCES;HEADERS;DEPENDS;EXTERNAL;PRECOMPILE")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "irsig_module(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
   endif()
   add_library(${name} STATIC ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES IRSIG_HOT ${arg_HOT})
   target_sources(${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(${name} PUBLIC ${arg_DEPENDS} ${arg_EXTERNAL} PRIVATE irsig_warnings)
   if(arg_PRECOMPILE)

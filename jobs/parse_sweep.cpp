@@ -165,8 +165,21 @@ class Filler {
                       : reflection.SetBool(&message, &field, value->get());
       }
       case FieldDescriptor::CPPTYPE_DOUBLE: {
-        if (!node.is_number()) return wrong_type(node, path, what_is_expected(field));
-        const double value = *node.value<double>();
+        double value = 0;
+        if (const auto* real = node.as_floating_point()) {
+          value = real->get();
+        } else if (const auto* integer = node.as_integer()) {
+          constexpr std::int64_t kExact = std::int64_t{1} << 53;
+          if (integer->get() > kExact || integer->get() < -kExact) {
+            return findings_.add(
+                path, absl::StrCat(path, " = ", integer->get(), " has more digits than a number ",
+                                   "keeps, expected it from ", -kExact, " to ", kExact,
+                                   ", or with a decimal point"));
+          }
+          value = static_cast<double>(integer->get());
+        } else {
+          return wrong_type(node, path, what_is_expected(field));
+        }
         if (!std::isfinite(value)) {
           return findings_.add(path,
                                absl::StrCat(path, " is ", std::isnan(value) ? "nan" : "infinite",

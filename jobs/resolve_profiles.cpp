@@ -48,7 +48,6 @@ void check_place(const schema::Profile& profile, const SectionCheck& check,
   const bool from = check_point(check, "from_m", profile.from_m(), nearest_sensor_m);
   const bool to = check_point(check, "to_m", profile.to_m(), nearest_sensor_m);
   check.require({"points"}, "expected the number of points of the line, its ends included");
-  check.within("points", 2, 100000);
   if (from && to &&
       std::equal(profile.from_m().begin(), profile.from_m().end(), profile.to_m().begin()))
     check.error("to_m", "is the same point as from_m, expected another (or at_m alone)");
@@ -56,9 +55,6 @@ void check_place(const schema::Profile& profile, const SectionCheck& check,
 
 void check_reflections(const schema::Profile& profile, const SectionCheck& check) {
   for (int i = 0; i < profile.reflections_size(); ++i) {
-    if (profile.reflections(i) > 1000)
-      check.error("reflections", absl::StrCat("has ", profile.reflections(i),
-                                              ", expected numbers from 0 to 1000"));
     if (i > 0 && profile.reflections(i) <= profile.reflections(i - 1)) {
       check.error("reflections", "does not increase, expected each number once, in order");
       return;
@@ -73,7 +69,6 @@ void check_published(const schema::Sweep& sweep, const std::vector<std::string>&
     const SectionCheck check(published, absl::StrCat("published[", i, "]"), findings);
     check.require({"profile", "reflections", "apparent_temperature_k", "source"},
                   "expected which row of which profile, the number and where it is published");
-    check.within("apparent_temperature_k", 0, kHottestK);
     if (published.has_relation()) (void)check.one_of("relation", {"equal", "below", "above"});
     if (!published.has_profile()) continue;
     const auto found = std::find(profiles.begin(), profiles.end(), published.profile());
@@ -112,10 +107,6 @@ void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings) {
     const SectionCheck check(profile, absl::StrCat("profile[", i, "]"), findings);
     check_place(profile, check, nearest_sensor_m);
     check_reflections(profile, check);
-    check.above("footprint_width_m", 0);
-    check.above("footprint_height_m", 0);
-    check.within("apparent_temperature_stderr_k", 1e-4, 100);
-    check.within("samples", 1, 1e12);
     (void)check.at_most_one({"apparent_temperature_stderr_k", "samples"});
   }
   check_published(sweep, names, findings);

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "jobs/check_weather.h"
+#include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/sweep_file.h"
 
@@ -118,9 +119,9 @@ void forget_files(schema::Sweep& sweep) {
 
 void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
   if (!sweep.has_name()) sweep.set_name(stem(file.file_name));
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  if (sweep.name().empty() || std::any_of(sweep.name().begin(), sweep.name().end(), is_control)) {
-    findings.add("name", "name is empty or has control characters, expected a plain name");
+  if (sweep.name().empty() || !is_one_line(sweep.name())) {
+    findings.add("name",
+                 "name is empty, has control characters or is not UTF-8, expected a plain name");
   }
 }
 
@@ -132,6 +133,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
   *resolved.mutable_sweep() = file.sweep;
   Findings findings(file);
   check_name(file, *resolved.mutable_sweep(), findings);
+  check_numbers(file.sweep, "", findings);
   resolve_target(model_bytes, resolved, findings);
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);

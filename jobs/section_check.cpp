@@ -38,15 +38,18 @@ std::string list(const SectionCheck::Names& names) {
 
 }  // namespace
 
-std::string one_line(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text;
-}
-
 void Findings::add(const std::string& path, const std::string& what) {
   found_.emplace_back(path, one_line(what));
+  at_.insert(path);
+}
+
+bool Findings::any_at(const std::string& path) const {
+  const auto below = [&](char separator) {
+    const std::string start = path + separator;
+    const auto first = at_.lower_bound(start);
+    return first != at_.end() && first->compare(0, start.size(), start) == 0;
+  };
+  return at_.contains(path) || below('.') || below('[');
 }
 
 absl::Status Findings::status() const {
@@ -123,14 +126,9 @@ int SectionCheck::at_most_one(const Names& names) const {
 }
 
 void SectionCheck::within(const char* name, double least, double most) const {
-  if (has(name) && !(number(name) >= least && number(name) <= most)) {
+  if (has(name) && !(number(name) >= least && number(name) <= most) &&
+      !findings_.any_at(path(name))) {
     error(name, absl::StrCat("= ", number(name), ", expected a number from ", least, " to ", most));
-  }
-}
-
-void SectionCheck::above(const char* name, double limit) const {
-  if (has(name) && !(number(name) > limit)) {
-    error(name, absl::StrCat("= ", number(name), ", expected a number above ", limit));
   }
 }
 

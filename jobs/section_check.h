@@ -1,17 +1,15 @@
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/printable.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
-
-// The text with control characters as "?": one error is one line, whatever bytes of the file it
-// quotes.
-[[nodiscard]] std::string one_line(std::string text);
 
 // The errors found in one sweep file. Each is kept with the place of the key that it is about, so
 // that all of them are reported together, in the order of the file.
@@ -21,6 +19,8 @@ class Findings {
 
   void add(const std::string& path, const std::string& what);
   [[nodiscard]] bool empty() const { return found_.empty(); }
+  // Whether something was found at the path itself, or in the table that stands there.
+  [[nodiscard]] bool any_at(const std::string& path) const;
   [[nodiscard]] std::size_t count() const { return found_.size(); }
   // INVALID_ARGUMENT with one line for each error; OK if there are none.
   [[nodiscard]] absl::Status status() const;
@@ -28,6 +28,7 @@ class Findings {
  private:
   const SweepFile& file_;
   std::vector<std::pair<std::string, std::string>> found_;  // path, what
+  std::set<std::string> at_;                                // the paths
 };
 
 // The checks that every table of a sweep file needs, on one message and by field names. A value
@@ -50,8 +51,9 @@ class SectionCheck {
   void only(const Names& names, const std::string& why) const;
   // How many of the names are present; more than one is an error.
   [[nodiscard]] int at_most_one(const Names& names) const;
-  void within(const char* name, double least, double most) const;  // numbers, limits included
-  void above(const char* name, double limit) const;                // numbers, limit excluded
+  // Numbers whose limits depend on other keys (jobs/number_bounds.h has all other limits), limits
+  // included; one that is out of its own bounds is reported already.
+  void within(const char* name, double least, double most) const;
   [[nodiscard]] bool one_of(const char* name,
                             const Names& choices) const;  // true: present and known
 
@@ -72,12 +74,9 @@ std::vector<std::string> check_names(const Repeated& sections, const std::string
   for (int i = 0; i < sections.size(); ++i) {
     const std::string path = key + "[" + std::to_string(i) + "]";
     const std::string& name = sections[i].name();
-    bool printable = true;
-    for (const char c : name)
-      printable = printable && static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
     if (!sections[i].has_name() || name.empty()) {
       findings.add(path + ".name", path + ".name is missing, expected a name for this " + key);
-    } else if (!printable || name.front() == ' ' || name.back() == ' ') {
+    } else if (!is_one_line(name) || name.front() == ' ' || name.back() == ' ') {
       findings.add(path + ".name",
                    path + ".name has control characters or outer spaces, expected a plain name");
     } else {

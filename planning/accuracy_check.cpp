@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "view/print.h"
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
@@ -140,8 +141,8 @@ class Checker {
       }
       least_times_ = std::min(least_times_, checked->times);
       const StatedErrorSummary s = summary_of(checked->row, Stated::kIntensity);
-      fmt::print(stderr, "{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
-                 ++done_, views_.size(), views_[i].viewpoint, static_cast<double>(checked->samples),
+      print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n", ++done_,
+                 views_.size(), views_[i].viewpoint, static_cast<double>(checked->samples),
                  s.values, s.largest);
       views_[i].row = std::move(checked->row);
     }
@@ -154,7 +155,7 @@ class Checker {
     if (!request.ok()) return request.status();
     LongerRun longer;
     longer.times = times_;
-    // As the worker has it (worker/job_runner.cpp).
+    // As the worker has it (bridge/job_runner.cpp).
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
       longer.row_samples = accuracy.samples_per_replicate();
@@ -192,7 +193,7 @@ absl::Status check_database_errors(AccuracySource& source, const ErrorCheckAsked
   if (auto status = checker.run(workers); !status.ok()) return status;
 
   const std::vector<StatedRow> rows = checker.rows();
-  fmt::print(
+  print_text(
       "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
       "\n"
       "|stored - longer run| / stored standard error (true errors: 0.67, 2.0), and / numerical "
@@ -204,16 +205,16 @@ absl::Status check_database_errors(AccuracySource& source, const ErrorCheckAsked
   within = true;
   for (std::size_t q = 0; q < kStated; ++q) {
     const StatedErrorSummary s = summary_of(rows, static_cast<Stated>(q));
-    fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | ", kStatedName[q], s.values, s.median,
+    print_text("| {} | {} | {:.2f} | {:.2f} | {:.2f} | ", kStatedName[q], s.values, s.median,
                s.percentile_95, s.largest);
     if (s.with_numerical_error == 0) {
-      fmt::print("- | - | - |\n");
+      print_text("- | - | - |\n");
       continue;
     }
     const auto share = [&](std::size_t n) {
       return 100.0 * static_cast<double>(n) / static_cast<double>(s.with_numerical_error);
     };
-    fmt::print("{} ({:.2g} %) | {} ({:.2g} %) | {:.2f} |\n", s.beyond_2, share(s.beyond_2),
+    print_text("{} ({:.2g} %) | {} ({:.2g} %) | {:.2f} |\n", s.beyond_2, share(s.beyond_2),
                s.beyond_5, share(s.beyond_5), s.largest_of_numerical_error);
     within &= s.beyond_5 == 0;
   }

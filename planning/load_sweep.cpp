@@ -94,6 +94,8 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     if (asked.time_budget_s) accuracy->clear_absolute_error_k();
     if (asked.relative_error) accuracy->set_relative_error(*asked.relative_error);
     if (asked.time_budget_s) accuracy->set_time_budget_s(*asked.time_budget_s);
+    loaded.file.where["accuracy.relative_error"] = "--relative-error";
+    loaded.file.where["accuracy.time_budget_s"] = "--time-budget-s";
   }
   if (asked.effects) {
     if (absl::Status status = replace_effects(*asked.effects, loaded.file); !status.ok())

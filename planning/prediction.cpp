@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "view/print.h"
 #include "coordinator/client/progress_text.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
@@ -49,7 +50,7 @@ absl::Status store_in(const std::string& db_path, const StoredPrediction& predic
   if (auto status = (*writer)->commit(); !status.ok()) return status;
   auto finished = (*writer)->finish();
   if (!absl::IsUnavailable(finished)) return finished;
-  fmt::print(stderr, "irsig: warning: {}\n", std::string(finished.message()));
+  print_note("irsig: warning: {}\n", std::string(finished.message()));
   return absl::OkStatus();
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "view/print.h"
 #include "coordinator/client/time_budget.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
@@ -98,7 +99,7 @@ absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers) {
        .replicates = accuracy.replicates(),
        .max_samples_per_replicate = accuracy.max_samples_per_replicate()});
   if (!answer.ok()) return answer.status();
-  fmt::print(stderr, "irsig: {:g} s for {} viewpoints on {} workers: {} samples per replicate\n",
+  print_note("irsig: {:g} s for {} viewpoints on {} workers: {} samples per replicate\n",
              accuracy.time_budget_s(), count, workers, *answer);
   loaded.resolved = with_samples(std::move(loaded.resolved), *answer);
   return absl::OkStatus();

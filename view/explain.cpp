@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "core/base/printable.h"
 #include "view/effect_ledger.h"
 #include "view/measured_row.h"
 #include "view/query.h"
@@ -263,7 +264,7 @@ absl::Status explain_row(StoreReader& reader, const std::string& sweep, std::uin
   const auto explained = read(reader, sweep, row);
   if (!explained.ok()) return explained.status();
   if (format == "json") return write_json(reader, *explained, out);
-  out << text_of(*explained);
+  out << printable(text_of(*explained));
   return out.flush() ? absl::OkStatus() : absl::UnavailableError("cannot write the output");
 }
 

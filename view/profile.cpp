@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/printable.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -253,7 +254,7 @@ std::string profile_summary(const Rows& rows, const std::vector<StoredPublished>
                          "profile", "N", "published", "irsig", "", "irsig - published") +
              beside;
   }
-  return out;
+  return printable(out);
 }
 
 }  // namespace irsig

@@ -6,12 +6,15 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/printable.h"
+
 namespace irsig {
 namespace {
 
+// XML 1.0 allows neither control characters nor bytes that are not UTF-8.
 std::string escaped(std::string_view text) {
   std::string out;
-  for (char c : text) {
+  for (char c : one_line(text)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -26,8 +29,7 @@ std::string escaped(std::string_view text) {
         out += "&quot;";
         break;
       default:
-        // Other control characters are not allowed in XML 1.0.
-        if (static_cast<unsigned char>(c) >= 0x20 || c == '\t') out += c;
+        out += c;
     }
   }
   return out;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/printable.h"
 #include "view/quantity.h"
 
 namespace irsig {
@@ -53,7 +54,7 @@ class JsonWriter : public TableWriter {
     out_ << (first_ ? "\n {" : ",\n {");
     first_ = false;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      out_ << (i ? ", " : "") << quoted(columns_[i].name) << ": " << text(cells[i]);
+      out_ << (i ? ", " : "") << json_string(columns_[i].name) << ": " << text(cells[i]);
     }
     out_ << "}";
   }
@@ -63,22 +64,8 @@ class JsonWriter : public TableWriter {
   }
 
  private:
-  static std::string quoted(std::string_view s) {
-    std::string out = "\"";
-    for (char c : s) {
-      if (c == '"' || c == '\\') {
-        out += '\\';
-        out += c;
-      } else if (static_cast<unsigned char>(c) < 0x20) {
-        out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-      } else {
-        out += c;
-      }
-    }
-    return out + "\"";
-  }
   static std::string text(const Cell& cell) {
-    if (const auto* s = std::get_if<std::string>(&cell)) return quoted(*s);
+    if (const auto* s = std::get_if<std::string>(&cell)) return json_string(*s);
     if (const auto* d = std::get_if<double>(&cell)) {
       return std::isfinite(*d) ? fmt::format("{}", *d) : "null";
     }
@@ -164,7 +151,7 @@ class TextWriter : public TableWriter {
     return best;
   }
   static std::string text(const Cell& cell, const std::string& name) {
-    if (const auto* s = std::get_if<std::string>(&cell)) return *s;
+    if (const auto* s = std::get_if<std::string>(&cell)) return one_line(*s);
     if (const auto* d = std::get_if<double>(&cell)) {
       if (name.ends_with("_deg")) return fmt::format("{:.2f}", *d);
       const bool error =
@@ -184,6 +171,24 @@ class TextWriter : public TableWriter {
 };
 
 }  // namespace
+
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  while (!text.empty()) {
+    const Utf8Character character = first_utf8(text);
+    const std::size_t length = character.length == 0 ? 1 : character.length;
+    if (character.length == 0) {
+      out += "\\ufffd";
+    } else if (is_control(character.code)) {
+      out += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(character.code));
+    } else {
+      if (text[0] == '"' || text[0] == '\\') out += '\\';
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(length);
+  }
+  return out + "\"";
+}
 
 absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(std::string_view format,
                                                                const std::vector<Column>& columns,

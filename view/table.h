@@ -20,6 +20,10 @@ struct Column {
   bool brief = true;  // shown to people; formats for machines have every column
 };
 
+// The text as a string of JSON, quotes included: plain ASCII for every control character, U+FFFD
+// for each byte that is not UTF-8.
+[[nodiscard]] std::string json_string(std::string_view text);
+
 // Writes rows as they come. finish() must be called once, after the last row; it fails if the
 // stream did.
 class TableWriter {
@@ -31,7 +35,7 @@ class TableWriter {
 
 // format: "csv" (RFC 4180; every double with the digits that give the same double back), "json" (an
 // array of objects, the same digits) or "table" (for people: aligned, 6 digits, units in the
-// header).
+// header, no control characters). CSV keeps every byte of a text: it is data.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(
     std::string_view format, const std::vector<Column>& columns, std::ostream& out);
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "core/base/printable.h"
 #include "view/svg.h"
 
 namespace irsig {
@@ -162,7 +163,7 @@ class LogPanel {
 };
 
 std::string escaped(const std::string& text) {
-  return absl::StrReplaceAll(text,
+  return absl::StrReplaceAll(printable(text),
                              {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
 }
 

@@ -10,10 +10,12 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "core/base/printable.h"
 #include "core/image/image.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 #include "worker/lease_loop.h"
+#include "worker/plain_log.h"
 
 namespace {
 
@@ -34,7 +36,8 @@ std::string default_name() {
 
 // 2: what was given is wrong, or the coordinator refuses this worker for good; 1: anything else.
 int report(const absl::Status& status) {
-  std::fprintf(stderr, "irsig-worker: %s\n", std::string(status.message()).c_str());
+  const std::string what = irsig::printable(std::string(status.message()));
+  std::fprintf(stderr, "irsig-worker: %s\n", what.c_str());
   return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ? 2 : 1;
 }
 
@@ -79,6 +82,7 @@ int main(int argc, char** argv) {
   plan.physics_version = static_cast<std::uint32_t>(irsig::physics_version());
 
   spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
+  spdlog::set_formatter(std::make_unique<irsig::PlainLog>());
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);

@@ -217,7 +217,8 @@ class ProfileReader {
       default:
         break;
     }
-    expect(ppmv >= 0, Quantity::kHumidity, "expected a humidity of 0 or more");
+    // Above 20 km saturation is no limit, but there is no more than water.
+    expect(ppmv >= 0 && ppmv <= 1e6, Quantity::kHumidity, "expected a humidity from 0 to 1e6 ppmv");
     expect(height_m > 20e3 || ppmv <= 1.01 * saturated_ppmv, Quantity::kHumidity,
            "more water vapour than saturates the air");
     if (errors_.size() > errors_before) return;

@@ -120,7 +120,8 @@ bool parse_fortran_number(std::string_view text, double& value) {
     value = 0;
     return plain.find("E-") != std::string::npos;
   }
-  return code == std::errc() && stop == end && std::isfinite(value);
+  // Single precision is what the codes print; what is larger overflows when its unit is changed.
+  return code == std::errc() && stop == end && std::abs(value) < 1e38;
 }
 
 std::string_view trimmed(std::string_view text) {

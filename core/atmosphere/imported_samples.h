@@ -23,7 +23,7 @@ struct SampledRun {
 // An ImportedPath that says nothing.
 [[nodiscard]] ImportedPath unstated_path();
 
-// A number as people and Fortran write them ("1.2E-05", "1.2D-05", "+3", "1.234-102").
+// A number as people and Fortran write them ("1.2E-05", "1.2D-05", "+3", "1.234-102"), below 1e38.
 [[nodiscard]] bool parse_fortran_number(std::string_view text, double& value);
 
 // Without blanks around it.

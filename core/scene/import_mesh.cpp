@@ -111,6 +111,14 @@ absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how) 
   const double size = length(box.high - box.low), distance = length(center_of(box) - origin);
   if (!std::isfinite(size * how.unit_m) || !std::isfinite(distance * how.unit_m))
     return refuse("the coordinates are too large");
+  // Rays are traced in single precision, whose areas end at 1e-38 m2 and lose digits below 1e-30.
+  constexpr double kLeastSizeM = 1e-6, kMostSizeM = 1e6;
+  if (!(size * how.unit_m >= kLeastSizeM && size * how.unit_m <= kMostSizeM)) {
+    return refuse(fmt::format(
+        "the mesh is {:.6g} m across ({:.6g} in the file's unit, which is {} m), expected {} to "
+        "{} m: is unit_m right?",
+        size * how.unit_m, size, how.unit_m, kLeastSizeM, kMostSizeM));
+  }
   if (distance > 10 * size) {
     return refuse(
         fmt::format("the mesh ({} across) is {} away from its reference point, in the "

@@ -46,9 +46,9 @@ struct MeshImport {
 // normals and texture coordinates are not used. Vertices of STL and of Assimp's forms are merged
 // where they are exactly equal. Errors name file:line:column for text forms, up to ten at once.
 // Refused: an empty mesh, an index out of range, a vertex that is not finite, a polygon that
-// crosses itself, axes that are not perpendicular, a float32 form whose coordinate spacing exceeds
-// a hundredth of the smallest facet edge, a mesh further from its reference point than 10 times its
-// size (the diagonal of its box).
+// crosses itself, axes that are not perpendicular, a mesh that is not 1e-6 to 1e6 m across, a
+// float32 form whose coordinate spacing exceeds a hundredth of the smallest facet edge, a mesh
+// further from its reference point than 10 times its size (the diagonal of its box).
 [[nodiscard]] absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how);
 
 // A parametric model: disk | sphere | box | cylinder | cone | frigate | cooling_tower, about

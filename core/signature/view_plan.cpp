@@ -346,7 +346,7 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
     plan.prepared = prepared;
     return plan;
   }
-  if (automatic && plan.max_reflections == 0 && request.max_reflections > 0) {
+  if (emission && automatic && plan.max_reflections == 0 && request.max_reflections > 0) {
     // The pilot of the emission was the pilot of all there is.
     emission_plan.omitted = plan.omitted;
     auto seen = surroundings->see(conditions, plan);

@@ -7,13 +7,38 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/printable.h"
 #include "schema/store/database.h"
 
 namespace irsig {
 namespace {
 
 absl::Status wrong(const schema::ResolvedSweep& sweep, const std::string& what) {
-  return absl::InvalidArgumentError(absl::StrCat("sweep \"", sweep.sweep().name(), "\": ", what));
+  return absl::InvalidArgumentError(
+      one_line(absl::StrCat("sweep \"", sweep.sweep().name(), "\": ", what)));
+}
+
+absl::Status check_text(const schema::ResolvedSweep& sweep) {
+  const auto plain = [&](const char* what, const std::string& text) {
+    return is_one_line(text)
+               ? absl::OkStatus()
+               : wrong(sweep, absl::StrCat("the ", what, " \"", text,
+                                           "\" has control characters or is not UTF-8"));
+  };
+  IRSIG_STORE_TRY(plain("name", sweep.sweep().name()));
+  for (const schema::Part& part : sweep.sweep().part()) IRSIG_STORE_TRY(plain("part", part.name()));
+  for (const schema::Material& material : sweep.sweep().material())
+    IRSIG_STORE_TRY(plain("material", material.name()));
+  for (const schema::Band& band : sweep.sweep().band()) IRSIG_STORE_TRY(plain("band", band.name()));
+  for (const schema::Profile& profile : sweep.sweep().profile())
+    IRSIG_STORE_TRY(plain("profile", profile.name()));
+  for (const schema::Condition& condition : sweep.condition()) {
+    IRSIG_STORE_TRY(plain("season", condition.season()));
+    IRSIG_STORE_TRY(plain("time", condition.time_utc()));
+    for (const std::string& warning : condition.warning())
+      IRSIG_STORE_TRY(plain("warning", warning));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status check_viewpoints(const schema::ResolvedSweep& sweep) {
@@ -105,6 +130,7 @@ absl::Status check_sweep(const schema::ResolvedSweep& sweep, const std::string& 
   if (sweep.viewpoint().empty()) return wrong(sweep, "it has no viewpoints");
   if (sweep.condition().empty()) return wrong(sweep, "it has no conditions (season x time)");
   if (sweep.sweep().band().empty()) return wrong(sweep, "it has no bands");
+  IRSIG_STORE_TRY(check_text(sweep));
   IRSIG_STORE_TRY(check_viewpoints(sweep));
   IRSIG_STORE_TRY(check_names(sweep));
   return check_jobs(sweep, jobs);

@@ -57,6 +57,39 @@ class BadInput(unittest.TestCase):
         import re
         self.refused(re.sub(r"(?m)^range_m = .*$", "range_m = 0.1", DISK), "sweep.toml:", "inside the target")
 
+    def test_numbers_beyond_their_bounds(self):
+        import re
+        for wrong in ("1e18", "1e154", "0", "nan", "9007199254740993"):
+            self.refused(re.sub(r"(?m)^range_m = .*$", f"range_m = {wrong}", DISK), "sweep.toml:", "viewpoints.range_m")
+        # 1e9 times the radius of the sphere around the target is the most.
+        far = re.sub(r"(?m)^range_m = .*$", "range_m = 1e7", generated('generate = "disk"\ntriangles = 1000\nradius_m = 0.005\n'))
+        self.refused(far, "sweep.toml:", "more than 1e+09 times as far away")
+        (self.path / "huge.obj").write_text(TRIANGLE.replace("v 0 1 0", "v 0 1e30 0"))
+        self.refused(filed("huge.obj"), "sweep.toml:", "huge.obj: the mesh is 1e+30 m across", "is unit_m right?")
+
+    def test_numbers_of_the_command_line_have_the_same_bounds(self):
+        (self.path / "sweep.toml").write_text(DISK)
+        good = self.run_sweep("sweep.toml")
+        self.assertEqual(good.returncode, 0, good.stderr)
+        air = ["show", "atmosphere", "--profile", "us_standard_1976", "--observer-height-m", "10", "--range-m", "1000"]
+        for arguments, expected in (
+            (["plan", "sweep.toml", "--relative-error", "nan"], "--relative-error: accuracy.relative_error = nan, expected a number from 1e-06 to 1"),
+            (["plan", "sweep.toml", "--relative-error", "1e-9"], "--relative-error: accuracy.relative_error = 1e-09"),
+            (["run", "sweep.toml", "--db", "x.sigdb", "--time-budget-s", "1e300"], "--time-budget-s: accuracy.time_budget_s = 1e+300"),
+            (["plan", "sweep.toml", "--workers", "1000000"], "--workers"),
+            (["query", "out.sigdb", "--range-m", "1e20"], "--range-m = 1e+20, expected a number from 0.001 to 1e+09"),
+            (["query", "out.sigdb", "--range-m", "nan"], "--range-m = nan"),
+            (["query", "out.sigdb", "--aspect", "1e999,0", "--nearest", "1"], "--aspect = inf, expected a number from -360 to 360"),
+            (["query", "out.sigdb", "--aspect", "0,0", "--within", "nan"], "--within nan"),
+            (["query", "out.sigdb", "--max-relative-error", "nan"], "--max-relative-error nan"),
+            ([*air, "--aerosol", "rural", "--visibility-m", "1e9"], "--visibility-m = 1e+09, expected a number from 100 to 100000"),
+            ([*air, "--aerosol", "none", "--co2-ppmv", "nan"], "--co2-ppmv = nan"),
+        ):
+            done = subprocess.run([IRSIG, *arguments], cwd=self.path, capture_output=True, text=True, timeout=120)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), arguments)
+            self.assertIn(expected, done.stderr)
+        self.assertFalse((self.path / "x.sigdb").exists())
+
     def test_contradicting_conditions(self):
         place = "[place]\nlatitude_deg = {}\nlongitude_deg = 0\nheading_deg = 0\n"
         winter = DISK.replace('name = "any"', 'name = "winter"') + place.format(50)

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/atmosphere.h"
 
@@ -124,6 +125,19 @@ TEST(AtmosphereProfile, ErrorsNameThePlaceAndAllAreReported) {
       "height_m,pressure_hpa,temperature_c,relative_humidity_percent\n500,955,5,50\n900,900,4,50\n",
       "s.csv", base());
   EXPECT_THAT(std::string(high.status().message()), HasSubstr("s.csv:2:1"));
+  // Above 20 km, where saturation is no limit, and numbers that a change of unit makes infinite.
+  const auto wet = parse_profile_csv(
+      "height_km,pressure_hpa,temperature_k,h2o_ppmv\n0,1015,280,9000\n30,12,226,1e308\n", "s.csv",
+      base());
+  EXPECT_THAT(std::string(wet.status().message()), HasSubstr("s.csv:3:11: 1e308: expected"));
+  for (const char* row : {"1e308,12,226,4", "30,1e308,226,4", "30,12,1e999,4", "0x1e,12,226,4"})
+    EXPECT_FALSE(
+        parse_profile_csv(
+            absl::StrCat("height_km,pressure_hpa,temperature_k,h2o_ppmv\n0,1015,280,9000\n", row,
+                         "\n"),
+            "s.csv", base())
+            .ok())
+        << row;
 }
 
 TEST(AtmosphereProfile, DefaultsFollowLatitudeAndMonth) {

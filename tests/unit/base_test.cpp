@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/base/check.h"
@@ -61,6 +63,16 @@ TEST(TableDeathTest, LocateRefusesTheOutside) {
   EXPECT_DEATH((void)locate(kX, 0.5), "0.5 against 1");
   EXPECT_DEATH((void)locate(kX, 5.0), "5 against 4.5");
   EXPECT_DEATH((void)locate_uniform(0, 0.1, 11, 1.01), "steps <= last");
+}
+
+// What computed with 6.95e-310 K: the build is to end such a program (CMakeLists.txt).
+TEST(StandardLibraryDeathTest, AnEmptyOptionalAndAnIndexPastTheEndEndTheProgram) {
+  const std::optional<double> nothing;
+  const auto take = [](double value) { std::printf("%g\n", value); };
+  EXPECT_DEATH(take(*nothing), "_M_is_engaged");
+  const std::vector<int> empty;
+  volatile std::size_t index = 0;
+  EXPECT_DEATH(take(empty[index]), "size\\(\\)");
 }
 
 TEST(Table, UniformAgreesWithTheSearch) {

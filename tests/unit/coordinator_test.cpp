@@ -153,6 +153,21 @@ TEST_F(ServerTest, ASweepGoesThroughARealSocketAndLeavesOnePlainFile) {
   EXPECT_THAT(left, testing::ElementsAre("test.sigdb"));
 }
 
+// Any program may submit, not only one that has checked the sweep.
+TEST_F(ServerTest, ASweepWithEscapeSequencesInItsNamesIsRefused) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  auto sweep = frigate_sweep(1);
+  sweep.mutable_sweep()->set_name("frigate\x1b]0;owned\x07");
+  const auto reply = submit(address, sweep, "", 1);
+  EXPECT_TRUE(absl::IsInvalidArgument(reply.status())) << reply.status();
+  EXPECT_THAT(std::string(reply.status().message()), HasSubstr("frigate?]0;owned?"));
+  const auto status = farm_status(address);
+  ASSERT_TRUE(status.ok()) << status.status();
+  EXPECT_EQ(status->sweep_size(), 0);
+}
+
 TEST_F(ServerTest, APortInUseIsSaidAndLeavesNoDatabase) {
   auto first = start("127.0.0.1:0");
   ASSERT_TRUE(first.ok()) << first.status();

@@ -309,7 +309,7 @@ TEST(ImportedPath, FortranNumbers) {
   EXPECT_TRUE(parse_fortran_number("+3", x) && x == 3);
   EXPECT_TRUE(parse_fortran_number("7.8E-999", x) && x == 0);
   EXPECT_TRUE(parse_fortran_number("-9999.", x) && x == -9999);
-  for (const char* bad : {"", "1.2.3", "NaN", "inf", "1e999", "12 3", "0x10"}) {
+  for (const char* bad : {"", "1.2.3", "NaN", "inf", "1e999", "1e38", "-1e300", "12 3", "0x10"}) {
     EXPECT_FALSE(parse_fortran_number(bad, x)) << bad;
   }
 }

@@ -62,6 +62,24 @@ TEST(ObjImport, AnEarlierFaceMayNameALaterVertex) {
   EXPECT_EQ(read("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").triangle.size(), 1u);
 }
 
+// Single precision has no areas for the one and no digits between the corners of the other.
+TEST(ObjImport, SizesThatNoModelHasAreRefused) {
+  const auto triangle = [](const char* size) {
+    return std::string("v 0 0 0\nv ") + size + " 0 0\nv 0 " + size + " 0\nf 1 2 3\n";
+  };
+  for (const char* size : {"1e30", "1e150", "1e7", "1e-7", "1e-30", "1e-300"})
+    EXPECT_THAT(refusal("a.obj", triangle(size)),
+                HasSubstr("expected 1e-06 to 1000000 m: is unit_m right?"))
+        << size;
+  for (const char* size : {"1e-6", "1", "7e5"})
+    EXPECT_EQ(read("a.obj", triangle(size)).triangle.size(), 1u) << size;
+  MeshImport millimetres;
+  millimetres.unit_m = 0.001;
+  EXPECT_THAT(refusal("a.obj", triangle("1e10"), millimetres),
+              HasSubstr("a.obj: the mesh is 1.41421e+07 m across (1.41421e+10 in the file's unit, "
+                        "which is 0.001 m)"));
+}
+
 TEST(ObjImport, ErrorsSayWhere) {
   EXPECT_THAT(refusal("s/a.obj", "v 0 0 0\nv 1 0\n"), HasSubstr("s/a.obj:2:1: a vertex with 2"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 zero\n"), HasSubstr("a.obj:1:7: \"zero\" is not a number"));

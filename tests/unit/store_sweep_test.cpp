@@ -282,6 +282,25 @@ TEST_F(StoreSweep, SweepsThatCannotBeStoredAreRefused) {
           "comes twice");
   refused([](auto& s, auto&) { s.mutable_condition(1)->add_part_temperature_k(1); },
           "temperatures for 2 parts");
+  // Names are printed: none may hold what a terminal obeys, nor may the refusal.
+  const std::string escape = "a\x1b[2J";
+  const std::string what = "\"a?[2J\" has control characters";
+  refused([&](auto& s, auto&) { s.mutable_sweep()->set_name(escape); }, "the name " + what);
+  refused([&](auto& s, auto&) { s.mutable_sweep()->mutable_band(1)->set_name(escape); },
+          "the band " + what);
+  refused([&](auto& s, auto&) { s.mutable_sweep()->mutable_part(1)->set_name(escape); },
+          "the part " + what);
+  refused([&](auto& s, auto&) { s.mutable_condition(1)->set_season(escape); },
+          "the season " + what);
+  refused([&](auto& s, auto&) { s.mutable_condition(1)->set_warning(0, escape); },
+          "the warning " + what);
+  refused(
+      [](auto& s, auto&) {
+        s.mutable_condition(1)->set_season(
+            "\xC2\x9b"
+            "31m");
+      },
+      "the season \"?31m\" has control characters");
   refused([](auto&, auto& j) { j.pop_back(); }, "its jobs compute 12 of 16 rows");
   refused([](auto&, auto& j) { j[1].set_viewpoint_index(0); }, "two jobs compute the same row");
   refused([](auto&, auto& j) { j[1].set_viewpoint_index(9); }, "does not exist");

@@ -19,9 +19,12 @@ using ::testing::Not;
 TEST(Svg, EscapesText) {
   Svg svg(100, 50, "a < b & \"c\"");
   svg.text({1, 2}, "3\u20135 \u00b5m <b>\x01", {});
+  // C1, a byte that is not UTF-8 and a tab: what XML 1.0 or a viewer may stumble over.
+  svg.text({1, 2}, "x\xC2\x9bz\xffz\t", {});
   const std::string out = svg.finish();
   EXPECT_THAT(out, HasSubstr("<title>a &lt; b &amp; &quot;c&quot;</title>"));
-  EXPECT_THAT(out, HasSubstr("3\u20135 \u00b5m &lt;b&gt;</text>"));
+  EXPECT_THAT(out, HasSubstr("3\u20135 \u00b5m &lt;b&gt;?</text>"));
+  EXPECT_THAT(out, HasSubstr("x?z?z?</text>"));
   EXPECT_THAT(out, Not(HasSubstr("\x01")));
 }
 

@@ -114,6 +114,28 @@ TEST(ParseSweep, RefusesWhatIsNoWholeNumber) {
   EXPECT_THAT(error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4294967295"));
 }
 
+// They came out as uninitialised memory.
+TEST(ParseSweep, RefusesWholeNumbersThatADoubleDoesNotHold) {
+  for (const char* number : {"9007199254740993", "10000000000000000", "9223372036854775807",
+                             "-9007199254740993", "0x7fffffffffffffff"}) {
+    EXPECT_THAT(error_of(std::string("[place]\nlatitude_deg = ") + number),
+                StartsWith("s.toml:2:1: place.latitude_deg = "))
+        << number;
+    EXPECT_THAT(error_of(std::string("[viewpoints]\nazimuth_deg = [0, ") + number + "]"),
+                HasSubstr("s.toml:2:19: viewpoints.azimuth_deg[1] = "))
+        << number;
+  }
+  // An integer that does not fit into 64 bits, and numbers that are none.
+  EXPECT_THAT(error_of("[place]\nlatitude_deg = 9223372036854775808"), StartsWith("s.toml:2:"));
+  for (const char* number : {"1e999", "-1e999", "nan", "inf"})
+    EXPECT_THAT(error_of(std::string("[place]\nlatitude_deg = ") + number), StartsWith("s.toml:2:"))
+        << number;
+  EXPECT_EQ(parsed("[air]\nvisibility_m = 9007199254740992\n").sweep.air().visibility_m(), 0x1p53);
+  EXPECT_EQ(parsed("[air]\nvisibility_m = -9007199254740992\n").sweep.air().visibility_m(),
+            -0x1p53);
+  EXPECT_EQ(parsed("[air]\nvisibility_m = 0x10\n").sweep.air().visibility_m(), 16.0);
+}
+
 TEST(ParseSweep, KeepsEachErrorOnOneLine) {
   EXPECT_EQ(error_of("\"a\\nb\" = 1").find('\n'), std::string::npos);
 }

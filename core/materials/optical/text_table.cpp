@@ -8,6 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "core/base/printable.h"
 
 namespace irsig {
 namespace {
@@ -53,10 +54,7 @@ std::vector<Field> fields_of(std::string_view line, char separator) {
 
 // Text of a file in a message: one line, and no longer than people read.
 std::string quoted(std::string_view text) {
-  std::string out(text.substr(0, 40));
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return absl::StrCat("\"", out, text.size() > 40 ? "..." : "", "\"");
+  return absl::StrCat("\"", one_line(text.substr(0, 40)), text.size() > 40 ? "..." : "", "\"");
 }
 
 std::string column_name(std::string_view text) {

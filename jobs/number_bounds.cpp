@@ -1,0 +1,313 @@
+#include "jobs/number_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "absl/strings/str_cat.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+// Reasons that several rows share. Results at the limits of ranges and sizes are compared with
+// closed forms in tests/physics/far_view_test.cpp.
+constexpr std::string_view kTemperature = "Planck's law is verified there";
+constexpr std::string_view kWavelength =
+    "where optical constants, the sun and Planck's law are known";
+constexpr std::string_view kRange =
+    "nearer is inside any target; farther, double precision no longer tells its sides apart";
+constexpr std::string_view kFarField = "farther is the far field: leave the key out";
+constexpr std::string_view kSize = "what rays in single precision are tested for";
+constexpr std::string_view kFraction = "a part of a whole";
+constexpr std::string_view kAzimuth = "one turn to either side";
+constexpr std::string_view kElevation = "nadir to zenith";
+constexpr std::string_view kRadiance = "far above any surface of 20000 K";
+constexpr std::string_view kRoughness = "smoother is a mirror, rougher no surface of facets";
+constexpr std::string_view kIndex = "far beyond any measured";
+constexpr std::string_view kReplicates = "fewer tell no error, more only cost memory";
+constexpr std::string_view kSamples = "numbered in single precision; for more, raise replicates";
+constexpr std::string_view kReflections = "deeper paths than that carry nothing";
+constexpr std::string_view kZenith = "a grazing direction sees no surface";
+constexpr std::string_view kWind = "the slopes of Cox and Munk and the Navy's aerosol end there";
+constexpr std::string_view kVisibility = "dense fog to air without particles";
+constexpr std::string_view kStep = "the finest that 64 bits resolve, to the longest wavelength";
+constexpr std::string_view kShape = "far beyond any that fits a measured surface";
+constexpr std::string_view kWeight = "only the ratios of these numbers count";
+constexpr std::string_view kSpectralValue =
+    "emissivities and reflectances end at 1; of a response only the ratios count";
+constexpr std::string_view kSeed = "every whole number of 64 bits";
+
+// The limits of a row stand as they are printed.
+constexpr auto kBounds = std::to_array<NumberBounds>({
+    {"Sweep.seed", 0, 18446744073709551615.0, kSeed},
+    {"Model.triangles", 1, 1e8, "more do not fit into a worker's memory"},
+    {"Model.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},
+    {"Model.radius_m", 1e-3, 1e5, kSize},
+    {"Model.length_m", 1e-3, 1e5, kSize},
+    {"Model.width_m", 1e-3, 1e5, kSize},
+    {"Model.height_m", 1e-3, 1e5, kSize},
+    {"Place.latitude_deg", -90, 90, "pole to pole"},
+    {"Place.longitude_deg", -180, 180, "half a turn to either side"},
+    {"Place.height_m", -500, 100e3, "the shore of the Dead Sea to the end of the air"},
+    {"Place.heading_deg", -360, 360, kAzimuth},
+
+    {"Material.emissivity", 0, 1, kFraction},
+    {"Material.n", 1e-6, 1e6, kIndex},
+    {"Material.k", 0, 1e6, kIndex},
+    {"Material.roughness", 1e-4, 1, kRoughness},
+    {"Material.normal_emissivity", 0, 0.999999, "at 1 nothing is left to reflect"},
+    {"Material.reflectance", 0, 1, kFraction},
+    {"Material.diffuse_reflectance", 0, 1, kFraction},
+    {"Material.specular_reflectance", 0, 1, kFraction},
+    {"Material.volume_reflectance", 0, 1, kFraction},
+    {"Material.grazing", 0, 0.999999, "at 1 nothing is emitted towards grazing"},
+    {"Material.lobe_width", 1e-4, 1, kRoughness},
+    {"Material.bias", 1e-6, 1e6, kShape},
+    {"Material.width", 1e-4, 1, kRoughness},
+    {"Material.tau_deg", 1e-6, 1e6, kShape},
+    {"Material.omega_deg", 1e-6, 1e6, kShape},
+    {"Material.gamma_um", 1e-6, 1e6, kShape},
+    {"Material.lambda0_um", 1e-6, 1e6, kShape},
+    {"BrdfTable.lambda_um", 1e-6, 1e9, "tables may reach beyond the bands"},
+    {"BrdfTable.theta_i_deg", 0, 89.9999, kZenith},
+    {"BrdfTable.theta_r_deg", 0, 89.9999, kZenith},
+    {"BrdfTable.phi_deg", 0, 180, "the side of incidence to the mirror's"},
+    {"BrdfTable.brdf_per_sr", 0, 1e12, "sharper than any lobe that is measured"},
+    {"SpectralPoint.lambda_um", 1e-6, 1e9, "tables may reach beyond the bands"},
+    {"SpectralPoint.value", 0, 1e12, kSpectralValue},
+    {"OpticalConstant.lambda_um", 1e-6, 1e9, "tables may reach beyond the bands"},
+    {"OpticalConstant.n", 1e-6, 1e6, kIndex},
+    {"OpticalConstant.k", 0, 1e6, kIndex},
+
+    {"Part.temperature_k", 0, kHottestK, kTemperature},
+    {"Season.part_temperature_k", 0, kHottestK, kTemperature},
+    {"Season.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
+    {"Season.air_temperature_k", 0, kHottestK, kTemperature},
+    {"Season.relative_humidity_percent", 0, 1000,
+     "above 100 refused with the dew point that it means"},
+    {"Season.pressure_pa", 5e4, 1.1e5, "at the surface, mountains included"},
+    {"Season.wind_speed_m_s", 0, 20, kWind},
+    {"Season.wind_speed_24h_m_s", 0, 20, kWind},
+    {"Season.visibility_m", 100, 100e3, kVisibility},
+
+    {"Band.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
+    {"Band.lambda_max_um", kShortestUm, kLongestUm, kWavelength},
+    {"Band.step_um", 1e-9, kLongestUm, kStep},
+
+    {"Viewpoints.range_m", 1e-3, 1e9, kRange},
+    {"Viewpoints.count", 1, kMostViewpoints, "more do not fit into memory: split the sweep"},
+    {"Viewpoints.elevation_min_deg", -90, 90, kElevation},
+    {"Viewpoints.elevation_max_deg", -90, 90, kElevation},
+    {"Viewpoints.azimuth_deg", -360, 360, kAzimuth},
+    {"Viewpoints.elevation_deg", -90, 90, kElevation},
+    {"Aspect.azimuth_deg", -360, 360, kAzimuth},
+    {"Aspect.elevation_deg", -90, 90, kElevation},
+    {"Aspect.range_m", 1e-3, 1e9, kRange},
+
+    {"Surroundings.sky_temperature_k", 0, kHottestK, kTemperature},
+    {"Surroundings.sky_radiance_w_m2_sr_um", 0, 1e12, kRadiance},
+    {"Surroundings.sea_temperature_k", 0, kHottestK, kTemperature},
+    {"Surroundings.sea_emissivity", 0, 1, kFraction},
+    {"Surroundings.lower_radiance_w_m2_sr_um", 0, 1e12, kRadiance},
+    {"Surroundings.ground_temperature_k", 0, kHottestK, kTemperature},
+    {"Surroundings.ground_emissivity", 0, 1, kFraction},
+
+    {"Air.absorption_m2_kg", 0, 1e6, "opaque within a millimetre"},
+    {"Air.pressure_pa", 0, 1e9, "denser is no gas"},
+    {"Air.gas_constant_j_kg_k", 1, 1e5, "the heaviest to the lightest gas"},
+    {"Air.visibility_m", 100, 100e3, kVisibility},
+    {"Air.air_mass", 1, 10, "open ocean to continent"},
+    {"Air.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
+
+    {"Transport.max_reflections", 0, 1000, kReflections},
+    {"Transport.job_size_vertices", 1, 1e18, "one path to more than a machine's lifetime"},
+    {"Accuracy.relative_error", 1e-6, 1, "below, rounding is larger; above, there is no number"},
+    {"Accuracy.target_paths", 1, 1e15, "more than a machine's lifetime"},
+    {"Accuracy.samples_per_replicate", 1, 8388608, kSamples},
+    {"Accuracy.time_budget_s", 1e-3, 1e9, "less than any pilot takes to 30 years"},
+    {"Accuracy.replicates", 32, 4096, kReplicates},
+    {"Accuracy.max_samples_per_replicate", 1, 8388608, kSamples},
+    {"Accuracy.absolute_error_k", 0, 1000, "a larger error is no result"},
+    {"Output.thumbnail_px", 0, 4096, "an image for every row"},
+
+    {"Profile.from_m", -1e6, 1e6, "on or near the target"},
+    {"Profile.to_m", -1e6, 1e6, "on or near the target"},
+    {"Profile.at_m", -1e6, 1e6, "on or near the target"},
+    {"Profile.points", 2, 100000, "a line has two ends; more points fill the memory"},
+    {"Profile.footprint_width_m", 1e-9, 1e6, "a point to more than a target"},
+    {"Profile.footprint_height_m", 1e-9, 1e6, "a point to more than a target"},
+    {"Profile.reflections", 0, 1000, kReflections},
+    {"Profile.apparent_temperature_stderr_k", 1e-4, 100, "below, rounding is larger"},
+    {"Profile.samples", 1, 1e12, "more than a machine's lifetime"},
+    {"Published.point_index", 0, 99999, "the points of a profile, counted from 0"},
+    {"Published.reflections", 0, 1000, kReflections},
+    {"Published.apparent_temperature_k", 0, kHottestK, kTemperature},
+
+    {"Precompute.hot_area_m2", 0, 1e12, "larger than any target"},
+    {"Precompute.hot_temperature_k", 0, kHottestK, kTemperature},
+    {"Precompute.ambient_area_m2", 0, 1e12, "larger than any target"},
+    {"Precompute.ambient_temperature_k", 0, kHottestK, kTemperature},
+    {"Precompute.air_temperature_k", 1, kHottestK, "the air's density depends on it"},
+    {"Precompute.emissivity", 0, 1, kFraction},
+    {"Precompute.reflected_exitance_w_m2_um", 0, 1e12, kRadiance},
+    {"Precompute.absorption_m2_kg", 0, 1e6, "opaque within a millimetre"},
+    {"Precompute.pressure_pa", 0, 1e9, "denser is no gas"},
+    {"Precompute.gas_constant_j_kg_k", 1, 1e5, "the heaviest to the lightest gas"},
+    {"Precompute.range_m", 1e-3, 1e9, kRange},
+    {"Precompute.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
+    {"Precompute.lambda_max_um", kShortestUm, kLongestUm, kWavelength},
+    {"Precompute.step_um", 1e-9, kLongestUm, kStep},
+
+    {"Goniometer.seed", 0, 18446744073709551615.0, kSeed},
+    {"Particles.width_m", 1e-6, 1000, "a grain to a field"},
+    {"Particles.tiles", 1, 100, "a copy is a triangle's memory again"},
+    {"Particles.coverage", 0, 0.99, "denser, no more grains find a place"},
+    {"Particles.layers", 1e-6, 50, "deeper layers are not seen"},
+    {"Particles.irregularity", 0, 0.4, "beyond, grains intersect themselves"},
+    {"Particles.subdivisions", 0, 3, "80, 320, 1280 or 5120 facets of each grain"},
+    {"GrainSize.diameter_m", 1e-7, 10, "below, light is no ray"},
+    {"GrainSize.fraction", 0, 1e12, kWeight},
+    {"GoniometerBand.center_um", kShortestUm, kLongestUm, kWavelength},
+    {"GoniometerBand.fwhm_um", 1e-9, kLongestUm, kStep},
+    {"GoniometerBand.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
+    {"GoniometerBand.lambda_max_um", kShortestUm, kLongestUm, kWavelength},
+    {"GoniometerBand.step_um", 1e-9, kLongestUm, kStep},
+    {"GoniometerSource.zenith_deg", 0, 89, kZenith},
+    {"GoniometerSource.distance_m", 1e-3, 1e4, kFarField},
+    {"GoniometerSource.angular_radius_deg", 0, 10, "larger is no source but a sky"},
+    {"GoniometerSensor.range_m", 1e-3, 1e4, kFarField},
+    {"GoniometerSensor.field_width_m", 1e-6, 1000, "a grain to a field"},
+    {"GoniometerSensor.field_height_m", 1e-6, 1000, "a grain to a field"},
+    {"GoniometerSensor.reference_height_m", -1000, 1000, "on or near the plate"},
+    {"GoniometerView.zenith_max_deg", 0, 89, kZenith},
+    {"GoniometerView.zenith_step_deg", 0.01, 90, "finer views cannot be told apart"},
+    {"GoniometerView.azimuth_step_deg", 0.01, 180, "finer views cannot be told apart"},
+    {"GoniometerView.zenith_deg", 0, 89, kZenith},
+    {"GoniometerView.azimuth_deg", 0, 360, "one turn"},
+    {"GoniometerAccuracy.samples_per_replicate", 1, 8388608, kSamples},
+    {"GoniometerAccuracy.replicates", 32, 4096, kReplicates},
+    {"GoniometerAccuracy.max_reflections", 0, 1000, kReflections},
+});
+
+std::string key_of(const FieldDescriptor& field) {
+  return absl::StrCat(field.containing_type()->name(), ".", field.name());
+}
+
+bool is_number(const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+    case FieldDescriptor::CPPTYPE_UINT32:
+    case FieldDescriptor::CPPTYPE_UINT64:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// The numbers of a field: of each element, if it is a list.
+double number_in(const Message& message, const FieldDescriptor& field, int i) {
+  const google::protobuf::Reflection& r = *message.GetReflection();
+  const bool list = field.is_repeated();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return list ? r.GetRepeatedDouble(message, &field, i) : r.GetDouble(message, &field);
+    case FieldDescriptor::CPPTYPE_UINT32:
+      return list ? r.GetRepeatedUInt32(message, &field, i) : r.GetUInt32(message, &field);
+    default:
+      return static_cast<double>(list ? r.GetRepeatedUInt64(message, &field, i)
+                                      : r.GetUInt64(message, &field));
+  }
+}
+
+bool inside(const NumberBounds& bounds, double value) {
+  return value >= bounds.least && value <= bounds.most;
+}
+
+std::string refusal(std::string_view name, double value, const NumberBounds& bounds) {
+  return absl::StrCat(std::string(name), " = ", number_text(value), ", expected a number ",
+                      text_of(bounds));
+}
+
+void check_map(const Message& message, const FieldDescriptor& field, const std::string& path,
+               Findings& findings) {
+  const FieldDescriptor& number = *field.message_type()->map_value();
+  if (!is_number(number)) return;
+  const NumberBounds& bounds = bounds_of(key_of(field));
+  const google::protobuf::Reflection& r = *message.GetReflection();
+  for (int i = 0; i < r.FieldSize(message, &field); ++i) {
+    const Message& entry = r.GetRepeatedMessage(message, &field, i);
+    const double value = number_in(entry, number, 0);
+    if (inside(bounds, value)) continue;
+    const std::string at = absl::StrCat(
+        path, ".", entry.GetReflection()->GetString(entry, field.message_type()->map_key()));
+    findings.add(at, refusal(at, value, bounds));
+  }
+}
+
+}  // namespace
+
+std::span<const NumberBounds> number_bounds() { return kBounds; }
+
+std::string number_text(double value) {
+  for (const int digits : {6, 15}) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value || std::isnan(value)) return text;
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+const NumberBounds& bounds_of(std::string_view key) {
+  const auto found = std::find_if(kBounds.begin(), kBounds.end(),
+                                  [&](const NumberBounds& bounds) { return bounds.key == key; });
+  if (found == kBounds.end()) std::abort();  // a field without a row: number_bounds_test
+  return *found;
+}
+
+std::string text_of(const NumberBounds& bounds) {
+  return absl::StrCat("from ", number_text(bounds.least), " to ", number_text(bounds.most), " (",
+                      std::string(bounds.reason), ")");
+}
+
+absl::Status check_number(std::string_view key, std::string_view name, double value) {
+  const NumberBounds& bounds = bounds_of(key);
+  return inside(bounds, value) ? absl::OkStatus()
+                               : absl::InvalidArgumentError(refusal(name, value, bounds));
+}
+
+void check_numbers(const Message& message, const std::string& path, Findings& findings) {
+  const google::protobuf::Reflection& r = *message.GetReflection();
+  std::vector<const FieldDescriptor*> present;
+  r.ListFields(message, &present);
+  for (const FieldDescriptor* field : present) {
+    const std::string at = path.empty() ? field->name() : absl::StrCat(path, ".", field->name());
+    const auto element = [&](int i) {
+      return field->is_repeated() ? absl::StrCat(at, "[", i, "]") : at;
+    };
+    const int count = field->is_repeated() ? r.FieldSize(message, field) : 1;
+    if (field->is_map()) {
+      check_map(message, *field, at, findings);
+    } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      for (int i = 0; i < count; ++i)
+        check_numbers(field->is_repeated() ? r.GetRepeatedMessage(message, field, i)
+                                           : r.GetMessage(message, field),
+                      element(i), findings);
+    } else if (is_number(*field)) {
+      const NumberBounds& bounds = bounds_of(key_of(*field));
+      for (int i = 0; i < count; ++i) {
+        const double value = number_in(message, *field, i);
+        if (!inside(bounds, value)) findings.add(element(i), refusal(element(i), value, bounds));
+      }
+    }
+  }
+}
+
+}  // namespace irsig
