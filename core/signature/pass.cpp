@@ -240,10 +240,7 @@ double Pass::goal_w_sr(std::size_t row) const {
 
 double Pass::stderr_wanted(std::size_t row) const {
   const Bounds b = bounds(row);
-  // What is unseen is met, or ruled out, by more samples.
-  const double bias = (b.source() - b.unseen) / std::sqrt(3.0);
-  const double goal = goal_w_sr(row);
-  return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
+  return irsig::stderr_wanted(goal_w_sr(row), b.source() - b.unseen);
 }
 
 // Of each stratum a rim of its mask that no sample met: less than 3 / samples of it, 19 times

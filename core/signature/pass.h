@@ -65,9 +65,8 @@ class Pass {
   // is more. [W/sr]
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
-  // The standard error that a row may keep for its numerical error to reach its goal: what the bias
-  // bounds leave. Where they take more than 0.8 of that, samples cannot mend it: the standard error
-  // is then brought to 0.6 of the goal, and the row will say that the target was missed.
+  // The standard error that a row may keep for its numerical error to reach its goal. What is
+  // unseen takes nothing of it: more samples meet it or rule it out.
   [[nodiscard]] double stderr_wanted(std::size_t row) const;
 
   // Throughput that goes on after each number of reflections, and an upper limit of it that

@@ -8,19 +8,14 @@
 #include <span>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/pilot_samples.h"
 #include "core/base/sobol.h"
 #include "core/signature/pass.h"
 #include "core/signature/shading.h"
+#include "core/signature/view_plan.h"
 
 namespace irsig {
 namespace {
-
-constexpr std::uint64_t kFirstPilot = 1, kSecondPilot = 2, kStored = 4;
-// The pilot must have seen what is rare: 32 replicates of 4096 see a path of probability 1e-4 a
-// dozen times.
-constexpr std::uint64_t kFirstSamples = 512, kSecondSamples = 4096;
-// The sampler's coordinates have 23 bits.
-constexpr std::uint64_t kMostSamples = 1u << 23;
 
 std::uint64_t hash_of(std::uint64_t state, std::initializer_list<double> values) {
   for (const double v : values) state = mix64(state ^ std::bit_cast<std::uint64_t>(v));
@@ -272,8 +267,8 @@ std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& reque
   for (std::uint32_t i = 0; i < conditions.size(); ++i) conditions[i] = i;
   for (std::uint32_t i = 0; i < bands.size(); ++i) bands[i] = i;
   const LineShading shading(simulator, request, environments, conditions, bands);
-  const Measured first = point.run(shading, kFirstSamples, kFirstPilot);
-  const Measured second = point.run(shading, kSecondSamples, kSecondPilot);
+  const Measured first = point.run(shading, kFirstProfileSamples, kFirstPilotStage);
+  const Measured second = point.run(shading, kSecondProfileSamples, kSecondPilotStage);
   rays += first.counts.rays + second.counts.rays;
   const std::uint64_t most =
       std::min<std::uint64_t>(request.accuracy.max_samples_per_replicate, kMostSamples);
@@ -287,9 +282,9 @@ std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& reque
       const Estimate t = temperature_of(simulator.bands()[b], simulator.band_grids()[b], e);
       if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
       const double wanted = e.stderr_ * profile.apparent_temperature_stderr_k / t.stderr_;
-      samples =
-          std::max(samples, samples_needed(kFirstSamples, first.statistics.estimate(q).stderr_,
-                                           kSecondSamples, e.stderr_, wanted, most));
+      samples = std::max(samples,
+                         samples_needed(kFirstProfileSamples, first.statistics.estimate(q).stderr_,
+                                        kSecondProfileSamples, e.stderr_, wanted, most));
     }
   return std::min(samples, most);
 }
@@ -335,7 +330,7 @@ absl::StatusOr<ProfileResult> simulate_profile(const Simulator& simulator,
     }
     const LineShading shading(simulator, request, *environments, request.selected_condition,
                               request.selected_band);
-    const Measured measured = point.run(shading, samples, kStored);
+    const Measured measured = point.run(shading, samples, kStoredStage);
     const ReplicateStatistics& s = measured.statistics;
     for (std::size_t row = 0; row < shading.tables().size(); ++row)
       for (std::size_t n = 0; n < orders; ++n) {

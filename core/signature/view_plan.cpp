@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/pilot_samples.h"
 #include "core/base/constants.h"
 #include "core/signature/effect_bounds.h"
 #include "core/signature/pass.h"
@@ -14,10 +15,6 @@
 namespace irsig {
 namespace {
 
-// The sampler's coordinates have 23 bits.
-constexpr std::uint64_t kMostSamples = 1u << 23;
-// Samples per replicate of the pilots of everything that is simulated.
-constexpr std::uint64_t kFirst = 128, kSecond = 1024;
 // How much of the room for omissions later reflections may take: little, since they cost little.
 constexpr double kOfLaterReflections = 0.25;
 
@@ -114,8 +111,8 @@ bool saw_enough(const Pass& pilot) {
 std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t most,
                                std::uint64_t& pilot_rays) {
   std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
-  if (samples <= kSecond && saw_enough(pilot)) return samples;
-  std::uint64_t n_before = n_first, n = kSecond;
+  if (samples <= kSecondPilotSamples && saw_enough(pilot)) return samples;
+  std::uint64_t n_before = n_first, n = kSecondPilotSamples;
   for (std::uint64_t stage = kSecondPilotStage;; ++stage) {
     const std::vector<double> before = errors_of(pilot);
     pilot.run(n, stage, Pass::Kind::kPilot);
@@ -129,10 +126,10 @@ std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t
 
 // Hits are counted with the strata in the proportion that the stored run has.
 absl::Status count_target_paths(Pass& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
-  pilot.run(kSecond, kFirstPilotStage, Pass::Kind::kPilot);
+  pilot.run(kSecondPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
   plan.pilot_rays += pilot.counts().rays;
   const double per_sample =
-      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
+      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecondPilotSamples);
   if (per_sample == 0)
     return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
   const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
@@ -367,7 +364,7 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
       if (auto status = count_target_paths(pilot, accuracy, plan); !status.ok()) return status;
       return plan;
     }
-    pilot.run(kFirst, kFirstPilotStage, Pass::Kind::kPilot);
+    pilot.run(kFirstPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
     plan.pilot_rays += pilot.counts().rays;
     if (automatic && !decided) {
       // The bounds are for the ledger, and for what late reflections may take.
@@ -376,8 +373,8 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
       plan.ledger = planner.ledger();
     }
     if (automatic && plan.parts) leave_out_late_reflections(pilot, planner, plan);
-    plan.samples_per_replicate =
-        samples_for_goal(pilot, kFirst, accuracy.max_samples_per_replicate, plan.pilot_rays);
+    plan.samples_per_replicate = samples_for_goal(
+        pilot, kFirstPilotSamples, accuracy.max_samples_per_replicate, plan.pilot_rays);
   }
   plan.limited = plan.samples_per_replicate > accuracy.max_samples_per_replicate;
   plan.samples_per_replicate =
