@@ -16,7 +16,7 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const ViewPla
            std::uint64_t seed)
     : simulator_(simulator),
       request_(request),
-      effects_(plan),
+      plan_(plan),
       conditions_(conditions.begin(), conditions.end()),
       bands_(bands.begin(), bands.end()),
       band_offset_(band_offset),
@@ -27,12 +27,10 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const ViewPla
   for (const std::uint32_t c : conditions_) {
     const ConditionSpec& condition = request.condition[c];
     int index = -1;
-    const ViewPlan::Lights& lights = plan.condition[c];
-    if (sun_shines(condition) && plan.max_reflections > 0 &&
-        (lights.direct_sun || lights.mirrored_sun)) {
+    if (sun_shines(condition) && plan.effects.follows_sun(c)) {
       const SunDirection sun{condition.sun_direction,
                              condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
-                             lights.mirrored_sun ? condition.sea_wind_m_s : 0};
+                             plan.effects.sun[c].mirrored ? condition.sea_wind_m_s : 0};
       const auto same = std::find_if(suns_.begin(), suns_.end(), [&](const SunDirection& s) {
         return s.direction == sun.direction && s.angular_radius_rad == sun.angular_radius_rad &&
                s.sea_wind_m_s == sun.sea_wind_m_s;
@@ -46,9 +44,8 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const ViewPla
                             environments.directions, &environments.behind);
   for (std::size_t i = 0; i < conditions_.size(); ++i)
     shading_.emplace_back(request.condition[conditions_[i]], environments.condition[conditions_[i]],
-                          classes_, sun_of_condition[i], node_um,
-                          DarkSources{!plan.sky, !plan.lower, !plan.parts,
-                                      !plan.condition[conditions_[i]].direct_sun});
+                          classes_, sun_of_condition[i], node_um, plan.effects,
+                          plan.effects.sun[conditions_[i]]);
   unseen_sun_ = unseen_sun(simulator.target(), simulator.carried_materials(), view.frame,
                            view.range_m, suns_);
   for (std::size_t row = 0; row < rows(); ++row) brightest_.push_back(find_brightest_w_m2_sr(row));
@@ -57,9 +54,9 @@ Pass::Pass(const Simulator& simulator, const ViewRequest& request, const ViewPla
 void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   const auto& grids = simulator_.band_grids();
   PathSettings settings;
-  settings.max_reflections = effects_.max_reflections;
-  settings.no_second_hit = effects_.no_second_hit;
-  settings.hot_lights = !effects_.no_second_hit;
+  settings.max_reflections = plan_.effects.max_reflections;
+  settings.no_second_hit = plan_.effects.no_second_hit;
+  settings.hot_lights = !plan_.effects.no_second_hit;
   settings.lower_is_sea = over_sea(request_);
   settings.sea_z_m = -simulator_.target().centre.z;
   settings.earth_radius_m = settings.lower_is_sea ? kEarthRadiusM : 0;
@@ -86,17 +83,19 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
     for (const ConditionShading& shading : shading_)
       for (const std::uint32_t b : bands_)
         in_band_.push_back(shading.table(basis, band_offset_[b], grids[b].band_weight));
-  plan_ = kind == Kind::kStoredWithPictures ? image_plan(tracer) : ImagePlan{};
-  image_.assign(static_cast<std::size_t>(plan_.width_px) * plan_.height_px * plan_.padded, 0.0);
+  image_plan_ = kind == Kind::kStoredWithPictures ? plan_images(tracer) : ImagePlan{};
+  image_.assign(
+      static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px * image_plan_.padded,
+      0.0);
   counts_ = {};
   beyond_m2_ = {};
   basis_w_sr_.assign(rows(), 0.0);
   samples_ = samples;
   statistics_.clear();
   last_ = ReplicateStatistics(rows());
-  beyond_ = ReplicateStatistics(effects_.max_reflections + 1);
+  beyond_ = ReplicateStatistics(plan_.effects.max_reflections + 1);
 
-  const std::vector<PathWeights> weights = tracer.trace(plan_, image_, counts_);
+  const std::vector<PathWeights> weights = tracer.trace(image_plan_, image_, counts_);
   const double inverse_replicates = 1.0 / request_.accuracy.replicates;
   std::vector<RowWeights> summed;
   std::vector<double> last(rows());
@@ -183,14 +182,14 @@ Pass::Bounds Pass::bounds(std::size_t row) const {
              environment.sky_interpolation * cause(Cause::kSkyReflected) +
                  environment.lower_interpolation * cause(Cause::kSeaReflected),
              {}};
-  if (!effects_.omitted.empty())
-    out.omitted = effects_.omitted[conditions_[c] * simulator_.bands().size() + b];
-  const bool left_out = effects_.max_reflections < request_.max_reflections;
+  if (!plan_.omitted.empty())
+    out.omitted = plan_.omitted[conditions_[c] * simulator_.bands().size() + b];
+  const bool left_out = plan_.effects.max_reflections < request_.max_reflections;
   // Without any reflection the plan's bounds say it all; without other parts they say the rest.
-  if (left_out && (effects_.max_reflections == 0 || !effects_.parts)) return out;
+  if (left_out && (plan_.effects.max_reflections == 0 || !plan_.effects.parts)) return out;
   const double truncation =
-      truncation_bound(beyond_m2_, beyond_spacing(effects_.max_reflections), last_.estimate(row),
-                       beyond_m2_[2] * brightest_w_m2_sr(row));
+      truncation_bound(beyond_m2_, beyond_spacing(plan_.effects.max_reflections),
+                       last_.estimate(row), beyond_m2_[2] * brightest_w_m2_sr(row));
   if (!left_out) {
     out.truncation = truncation;
     return out;
@@ -226,10 +225,9 @@ double Pass::beyond_limit_m2(std::uint32_t reflections) const {
 }
 
 double Pass::absolute_floor_w_sr(std::size_t row) const {
-  if (effects_.absolute_floor_w_m2_sr.empty()) return 0;
-  return effects_
-             .absolute_floor_w_m2_sr[conditions_[row / bands_.size()] * simulator_.bands().size() +
-                                     bands_[row % bands_.size()]] *
+  if (plan_.absolute_floor_w_m2_sr.empty()) return 0;
+  return plan_.absolute_floor_w_m2_sr[conditions_[row / bands_.size()] * simulator_.bands().size() +
+                                      bands_[row % bands_.size()]] *
          statistics_[row].estimate(kAreaQuantity).value;
 }
 
@@ -259,7 +257,7 @@ double Pass::unseen_rim_w_sr(std::size_t row) const {
 // (docs/methods.md)
 double Pass::unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
                          std::size_t offset) const {
-  if (effects_.max_reflections == 0) return 0;
+  if (plan_.effects.max_reflections == 0) return 0;
   const double n = static_cast<double>(samples_) * request_.accuracy.replicates;
   // What one event among all primary samples would be worth, per unit radiance. [m2]
   const double none_seen_m2 =
@@ -267,21 +265,21 @@ double Pass::unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
   double sum = 0;
   // A hot part: roulette makes an aimed ray stand for up to 1 / kFaintHot others.
   for (std::uint32_t p = 0; p < classes_.parts; ++p)
-    if (simulator_.target().part[p].hot && effects_.parts && !effects_.no_second_hit)
+    if (simulator_.target().part[p].hot && plan_.effects.parts && !plan_.effects.no_second_hit)
       sum = std::max(sum, kFaintHot * none_seen_m2 * shading.part_w_m2_sr(p, grid, offset));
   if (shading.sun_index() < 0) return sum;
   const auto j = static_cast<std::size_t>(shading.sun_index());
   const UnseenSun& unseen = unseen_sun_[j];
   double per_irradiance = 0;
   if (counts_.sun_met_first[j] < kSeenOften) per_irradiance += unseen.glint;
-  if (effects_.max_reflections >= 2 && counts_.sun_met_later[j] < kSeenOften) {
+  if (plan_.effects.max_reflections >= 2 && counts_.sun_met_later[j] < kSeenOften) {
     per_irradiance += unseen.caustic;
     if (counts_.bright_to_bright > 0) per_irradiance += none_seen_m2 * unseen.chain_per_sr;
   }
   return sum + per_irradiance * shading.sun_w_m2(grid, offset);
 }
 
-ImagePlan Pass::image_plan(const PathTracer& tracer) const {
+ImagePlan Pass::plan_images(const PathTracer& tracer) const {
   ImagePlan plan;
   const double longest = std::max(view_.frame.width_m, view_.frame.height_m);
   const auto side = [&](double s) {

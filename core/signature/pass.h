@@ -45,7 +45,7 @@ class Pass {
   }
   [[nodiscard]] const std::vector<double>& image() const { return image_; }
   [[nodiscard]] const ViewFrame& frame() const { return view_.frame; }
-  [[nodiscard]] const ImagePlan& plan() const { return plan_; }
+  [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
   // The bias bounds of a row. Reflections that the plan leaves out are `omitted`, those that the
   // request does not allow `truncation`.                                                    [W/sr]
@@ -90,14 +90,14 @@ class Pass {
                                    std::size_t offset) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row) const;
   [[nodiscard]] double unseen_rim_w_sr(std::size_t row) const;
-  [[nodiscard]] ImagePlan image_plan(const PathTracer& tracer) const;
+  [[nodiscard]] ImagePlan plan_images(const PathTracer& tracer) const;
 
   void find_energy(std::span<const PathWeights> weights, std::span<const RowWeights> summed,
                    const SpectralBasis* basis);
 
   const Simulator& simulator_;
   const ViewRequest& request_;
-  const ViewPlan& effects_;
+  const ViewPlan& plan_;
   std::vector<std::uint32_t> conditions_, bands_;
   const std::vector<std::size_t>& band_offset_;
   std::uint64_t seed_;
@@ -117,7 +117,7 @@ class Pass {
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
   PathCounts counts_;
   std::uint64_t samples_ = 0;
-  ImagePlan plan_;
+  ImagePlan image_plan_;
   std::vector<double> image_;
   const AimedView& view_;
 };

@@ -110,9 +110,12 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
 ConditionShading::ConditionShading(const ConditionSpec& condition,
                                    const ViewEnvironment& environment, const SourceClasses& classes,
                                    int sun_index, const std::vector<double>& node_um,
-                                   const DarkSources& dark)
+                                   const EffectSet& effects, const EffectSet::Sun& sun)
     : classes_(classes),
-      dark_(dark),
+      sky_(effects.sky),
+      lower_(effects.lower),
+      parts_(effects.parts),
+      direct_sun_(sun.direct),
       sun_index_(sun_index),
       nodes_(node_um.size()),
       none_(node_um.size(), 0.0),
@@ -139,10 +142,10 @@ ConditionShading::ConditionShading(const ConditionSpec& condition,
 }
 
 bool ConditionShading::is_dark(std::uint32_t c) const {
-  if (c < classes_.sky()) return dark_.parts;
-  if (c < classes_.lower()) return dark_.sky;
-  if (c < classes_.sun(0)) return dark_.lower;
-  return dark_.sun && c < classes_.glint(0);
+  if (c < classes_.sky()) return !parts_;
+  if (c < classes_.lower()) return !sky_;
+  if (c < classes_.sun(0)) return !lower_;
+  return !direct_sun_ && c < classes_.glint(0);
 }
 
 const std::vector<double>& ConditionShading::source(std::uint32_t first, std::uint32_t c) const {

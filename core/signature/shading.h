@@ -38,18 +38,14 @@ struct SourceTable {
                                                 double range_m, bool sun,
                                                 const std::vector<double>& node_um);
 
-// Sources that are left out: their radiance is 0.
-struct DarkSources {
-  bool sky = false, lower = false, parts = false, sun = false;
-};
-
 // The sources of one condition on the sweep's nodes, and how they meet the weights of a replicate.
 class ConditionShading {
  public:
-  // environment: outlives this.
+  // environment: outlives this. effects, sun: those of the view and of this condition; what they
+  // leave out is dark.
   ConditionShading(const ConditionSpec& condition, const ViewEnvironment& environment,
                    const SourceClasses& classes, int sun_index, const std::vector<double>& node_um,
-                   const DarkSources& dark = {});
+                   const EffectSet& effects = {}, const EffectSet::Sun& sun = {});
 
   // Radiance of class c behind first part f at node i; for the sun: irradiance. At the target, and
   // what of it arrives at the sensor. A class behind the target is no source: it has the latter
@@ -117,7 +113,7 @@ class ConditionShading {
   [[nodiscard]] std::array<std::array<Rows, 2>, kCauses> cause_rows() const;
 
   SourceClasses classes_;
-  DarkSources dark_;
+  bool sky_, lower_, parts_, direct_sun_;  // whether reflections see them
   int sun_index_;  // which sun of the path tracer shines in this condition; -1: none
   std::size_t nodes_;
   std::vector<std::vector<double>> part_, part_apparent_;  // blackbody radiance of each part

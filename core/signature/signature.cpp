@@ -202,7 +202,7 @@ absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
   if (prepared == nullptr) {
     auto surroundings = ViewSurroundings::make(request, target_, viewpoint.range_m, node_um_);
     if (!surroundings.ok()) return surroundings.status();
-    auto seen = surroundings->see(request.selected_condition, plan);
+    auto seen = surroundings->see(request.selected_condition, plan.effects);
     if (!seen.ok()) return seen.status();
     prepared = std::make_shared<const PreparedView>(
         PreparedView{make_aimed_view(target_, viewpoint), *std::move(seen)});
@@ -224,7 +224,7 @@ absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
   out.guarded_negative = pass.counts().guarded_negative;
   out.guarded_path_limit = pass.counts().truncated_paths;
   out.seed = seed;
-  const ImagePlan& image = pass.plan();
+  const ImagePlan& image = pass.image_plan();
   out.image_width_px = image.width_px;
   out.image_height_px = image.height_px;
   // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
@@ -288,7 +288,7 @@ absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
     else
       r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
     r.absolute_floor_w_sr = pass.absolute_floor_w_sr(row);
-    r.reflections = plan.max_reflections;
+    r.reflections = plan.effects.max_reflections;
     r.energy = pass.energy(row);
     r.effect = plan.ledger[r.condition * band_.size() + r.band];
     add_shares(r);

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
+#include "core/effects/effect_set.h"
 #include "core/effects/plan.h"
 #include "core/environment/air.h"
 #include "core/environment/environment.h"
@@ -144,15 +145,7 @@ struct ViewPlan {
   std::uint64_t samples_per_replicate = 0;
   bool limited = false;  // more would have been needed than the request allows
   std::uint64_t pilot_rays = 0;
-  std::uint32_t max_reflections = 0;
-  bool no_second_hit = false;  // of a convex target: no reflected ray is traced
-  struct Lights {              // of one condition
-    bool direct_sun = true, diffuse_sun = true, mirrored_sun = true, path_sun = true,
-         background_sun = true;
-  };
-  std::vector<Lights> condition;                // of the request
-  bool sky = true, lower = true, parts = true;  // whether reflections see them
-  bool joined_lines = true;
+  EffectSet effects;
   // All that follows: [condition x band of the simulator].
   std::vector<double> absolute_floor_w_m2_sr;    // what AccuracySpec::absolute_error_k is worth
   std::vector<RowBounds::Bound> omitted;         // reflections after max_reflections are not in it

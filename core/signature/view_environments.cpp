@@ -39,8 +39,7 @@ bool over_sea(const ViewRequest& request) {
 
 ViewPlan plan_with_everything(const ViewRequest& request) {
   ViewPlan plan;
-  plan.max_reflections = request.max_reflections;
-  plan.condition.resize(request.condition.size());
+  plan.effects = EffectSet::everything(request.condition.size(), request.max_reflections);
   return plan;
 }
 
@@ -113,7 +112,7 @@ ViewEnvironments ViewSurroundings::without_light() {
 }
 
 absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint32_t> conditions,
-                                                       const ViewPlan& plan) {
+                                                       const EffectSet& effects) {
   ViewEnvironments out;
   out.condition.resize(request_->condition.size());
   if (!look_) {
@@ -124,25 +123,18 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     }
     return out;
   }
-  const bool reflections = plan.max_reflections > 0,
-             reflected = reflections && (plan.sky || plan.lower);
+  const bool reflected = effects.surroundings();
   // Not so that it could depend on which conditions are asked for.
   bool with_azimuths = false;
-  for (std::size_t c = 0; c < plan.condition.size(); ++c)
-    with_azimuths |=
-        reflected && plan.condition[c].diffuse_sun && has_atmospheric_sun(request_->condition[c]);
+  for (std::size_t c = 0; c < effects.sun.size(); ++c)
+    with_azimuths |= effects.scattered_sun(c) && has_atmospheric_sun(request_->condition[c]);
+  EffectSet wanted = effects;
+  if (!with_azimuths)
+    for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
   out.behind = behind_;
   if (reflected) out.directions = request_->environment->nodes(with_azimuths);
   for (const std::uint32_t c : conditions) {
-    const ViewPlan::Lights& lights = plan.condition[c];
-    LightUse use;
-    use.reflected = reflected;
-    use.direct_sun = reflections && (lights.direct_sun || lights.mirrored_sun);
-    use.diffuse_sun = reflected && lights.diffuse_sun && with_azimuths;
-    use.path_sun = lights.path_sun;
-    use.background_sun = lights.background_sun;
-    use.joined_lines = plan.joined_lines;
-    auto seen = look_->see(c, use, with_azimuths);
+    auto seen = look_->see(c, wanted, with_azimuths);
     if (!seen.ok()) return seen.status();
     out.condition[c] = *std::move(seen);
     if (!reflected) {
@@ -159,10 +151,10 @@ absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, c
                                                    const std::vector<double>& node_um) {
   auto surroundings = ViewSurroundings::make(request, target, range_m, node_um);
   if (!surroundings.ok()) return surroundings.status();
-  ViewPlan everything = plan_with_everything(request);
   // Directions also where a request allows no reflections: profiles see the background by them.
-  everything.max_reflections = std::max(everything.max_reflections, 1u);
-  return surroundings->see(conditions, everything);
+  return surroundings->see(
+      conditions,
+      EffectSet::everything(request.condition.size(), std::max(request.max_reflections, 1u)));
 }
 
 }  // namespace irsig

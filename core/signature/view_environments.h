@@ -36,9 +36,9 @@ class ViewSurroundings {
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
   // Emission and the line's air alone: what a pilot without reflections needs.
   [[nodiscard]] ViewEnvironments without_light();
-  // What the plan wants, of these conditions.
+  // What these effects want, of these conditions.
   [[nodiscard]] absl::StatusOr<ViewEnvironments> see(std::span<const std::uint32_t> conditions,
-                                                     const ViewPlan& plan);
+                                                     const EffectSet& effects);
 
  private:
   ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);

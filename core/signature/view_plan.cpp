@@ -57,19 +57,20 @@ void without_allowed_reflections(std::vector<std::vector<LedgerEntry>>& ledger) 
 // Writes what was decided into the plan.
 void carry_out(const EffectPlanner& planner, const ViewRequest& request, const Target& target,
                bool trust_convexity, ViewPlan& plan) {
-  plan.max_reflections = planner.reflections() ? request.max_reflections : 0;
-  plan.sky = planner.on_anywhere(Effect::kSkyReflected);
-  plan.lower = planner.on_anywhere(Effect::kLowerReflected);
-  plan.parts = planner.on_anywhere(Effect::kInterReflection);
-  plan.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
-  if (!plan.parts || (trust_convexity && target.convex))
-    plan.max_reflections = std::min(plan.max_reflections, 1u);
-  plan.no_second_hit = trust_convexity && target.convex;
-  plan.condition.resize(request.condition.size());
-  for (std::size_t c = 0; c < plan.condition.size(); ++c)
-    plan.condition[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
-                         planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
-                         planner.on(Effect::kBackgroundSun, c)};
+  EffectSet& effects = plan.effects;
+  effects.max_reflections = planner.reflections() ? request.max_reflections : 0;
+  effects.sky = planner.on_anywhere(Effect::kSkyReflected);
+  effects.lower = planner.on_anywhere(Effect::kLowerReflected);
+  effects.parts = planner.on_anywhere(Effect::kInterReflection);
+  effects.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
+  if (!effects.parts || (trust_convexity && target.convex))
+    effects.max_reflections = std::min(effects.max_reflections, 1u);
+  effects.no_second_hit = trust_convexity && target.convex;
+  effects.sun.resize(request.condition.size());
+  for (std::size_t c = 0; c < effects.sun.size(); ++c)
+    effects.sun[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
+                      planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
+                      planner.on(Effect::kBackgroundSun, c)};
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
@@ -184,13 +185,14 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
                                              ViewSurroundings& surroundings, EffectPlanner& planner,
                                              ViewPlan& plan) {
   const std::vector<std::uint32_t> conditions = all_of(request.condition.size());
-  if (request.environment == nullptr || plan.max_reflections == 0 || !(plan.sky || plan.lower))
-    return surroundings.see(conditions, plan);
-  const bool forced_off = !plan.joined_lines;
+  if (request.environment == nullptr || plan.effects.max_reflections == 0 ||
+      !(plan.effects.sky || plan.effects.lower))
+    return surroundings.see(conditions, plan.effects);
+  const bool forced_off = !plan.effects.joined_lines;
   if (!forced_off && !fewer_lines_may_fit(rows, bands, planner))
-    return surroundings.see(conditions, plan);
-  plan.joined_lines = false;
-  auto seen = surroundings.see(conditions, plan);
+    return surroundings.see(conditions, plan.effects);
+  plan.effects.joined_lines = false;
+  auto seen = surroundings.see(conditions, plan.effects);
   if (!seen.ok()) return seen.status();
   const bool left_out =
       planner.leave_out(Effect::kJoinedLines, fewer_lines_bounds(rows, bands, [&](std::size_t c) {
@@ -199,8 +201,8 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (left_out || forced_off) return seen;
-  plan.joined_lines = true;
-  return surroundings.see(conditions, plan);
+  plan.effects.joined_lines = true;
+  return surroundings.see(conditions, plan.effects);
 }
 
 // The user may leave out what he likes, but not without an error that can be stated.
@@ -223,7 +225,7 @@ absl::Status check_forced(const std::vector<RowBounds>& rows, const EffectPlanne
 
 // After the first number of reflections at which what is still under way hardly matters.
 void leave_out_late_reflections(const Pass& pilot, const EffectPlanner& planner, ViewPlan& plan) {
-  for (std::uint32_t n = 1; n < plan.max_reflections; ++n) {
+  for (std::uint32_t n = 1; n < plan.effects.max_reflections; ++n) {
     std::vector<RowBounds::Bound> bounds;
     for (std::size_t row = 0; row < pilot.rows(); ++row) {
       const double bound =
@@ -232,7 +234,7 @@ void leave_out_late_reflections(const Pass& pilot, const EffectPlanner& planner,
     }
     EffectPlanner trial = planner;
     if (!trial.take_room(bounds)) continue;
-    plan.max_reflections = n;
+    plan.effects.max_reflections = n;
     return;
   }
 }
@@ -307,7 +309,7 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
   // What is left out follows from a pilot of the emission alone, unless nothing could be.
   const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
   ViewPlan emission_plan = plan;
-  emission_plan.max_reflections = 0;
+  emission_plan.effects.max_reflections = 0;
   std::optional<ViewEnvironments> emission_environments;
   std::optional<Pass> emission;
   std::vector<RowBounds> rows = effects_without_bounds(*this, request);
@@ -343,10 +345,10 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
     plan.prepared = prepared;
     return plan;
   }
-  if (automatic && plan.max_reflections == 0 && request.max_reflections > 0) {
+  if (automatic && plan.effects.max_reflections == 0 && request.max_reflections > 0) {
     // The pilot of the emission was the pilot of all there is.
     emission_plan.omitted = plan.omitted;
-    auto seen = surroundings->see(conditions, plan);
+    auto seen = surroundings->see(conditions, plan.effects);
     if (!seen.ok()) return seen.status();
     prepared->environments = *std::move(seen);
     plan.prepared = prepared;
@@ -354,7 +356,7 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
         *emission, emission_size, accuracy.max_samples_per_replicate, plan.pilot_rays);
   } else {
     auto seen = decided ? see_planned(request, rows, band_.size(), *surroundings, planner, plan)
-                        : surroundings->see(conditions, plan);
+                        : surroundings->see(conditions, plan.effects);
     if (!seen.ok()) return seen.status();
     prepared->environments = *std::move(seen);
     plan.prepared = prepared;
@@ -372,7 +374,7 @@ absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
       planner = EffectPlanner(rows, band_.size(), request.effects);
       plan.ledger = planner.ledger();
     }
-    if (automatic && plan.parts) leave_out_late_reflections(pilot, planner, plan);
+    if (automatic && plan.effects.parts) leave_out_late_reflections(pilot, planner, plan);
     plan.samples_per_replicate = samples_for_goal(
         pilot, kFirstPilotSamples, accuracy.max_samples_per_replicate, plan.pilot_rays);
   }

@@ -82,10 +82,10 @@ TEST(Effects, AConvexTargetNeedsNoReflectedRays) {
   const Scene s = by_day(box(2), 0.6, 300, 0.003);
   const ViewPlan plan = plan_of(s);
   EXPECT_EQ(state(plan, 0, Effect::kInterReflection), EffectState::kAbsent);
-  EXPECT_EQ(plan.max_reflections, 1u);
+  EXPECT_EQ(plan.effects.max_reflections, 1u);
   ViewPlan traced = plan;
-  traced.no_second_hit = false;
-  traced.max_reflections = 8;
+  traced.effects.no_second_hit = false;
+  traced.effects.max_reflections = 8;
   const ViewResult with = measured(s, traced), without = measured(s, plan);
   EXPECT_LT(without.rays, 0.6 * static_cast<double>(with.rays));
   for (std::size_t row = 0; row < with.row.size(); ++row) {
@@ -122,12 +122,12 @@ TEST(Effects, AHotTargetOutshinesItsReflections) {
   // One that is not convex keeps those of its own light.
   const Scene ship = by_day(generated("frigate", 3000), 0.9, 900, 0.02);
   const ViewPlan of_ship = plan_of(ship);
-  EXPECT_GE(of_ship.max_reflections, 1u);
+  EXPECT_GE(of_ship.effects.max_reflections, 1u);
   EXPECT_EQ(state(of_ship, 0, Effect::kSkyReflected), EffectState::kOff);
   expect_within_bounds(ship, of_ship);
   const Scene s = by_day(box(20), 0.9, 900, 0.02);
   const ViewPlan plan = plan_of(s);
-  EXPECT_EQ(plan.max_reflections, 0u);
+  EXPECT_EQ(plan.effects.max_reflections, 0u);
   for (std::size_t row = 0; row < 4; ++row)
     EXPECT_EQ(state(plan, row, Effect::kSkyReflected), EffectState::kOff) << row;
   expect_within_bounds(s, plan);
@@ -157,8 +157,8 @@ TEST(Effects, TheSunGoesWhereItCannotMatterAndStaysWhereItMay) {
 TEST(Effects, LateReflectionsGoWithTheirBound) {
   const Scene s = by_day(generated("frigate", 3000), 0.8, 300, 0.02);
   const ViewPlan plan = plan_of(s);
-  EXPECT_LT(plan.max_reflections, 8u);
-  EXPECT_GE(plan.max_reflections, 1u);
+  EXPECT_LT(plan.effects.max_reflections, 8u);
+  EXPECT_GE(plan.effects.max_reflections, 1u);
   expect_within_bounds(s, plan);
 }
 
@@ -166,7 +166,7 @@ TEST(Effects, NothingIsLeftOutWithoutAGoal) {
   Scene s = by_day(generated("frigate", 3000), 0.9, 900, 0);
   s.request.accuracy.samples_per_replicate = 64;
   const ViewPlan plan = plan_of(s);
-  EXPECT_EQ(plan.max_reflections, 8u);
+  EXPECT_EQ(plan.effects.max_reflections, 8u);
   for (const auto& row : plan.ledger)
     for (const LedgerEntry& e : row) {
       EXPECT_NE(e.state, EffectState::kOff);
