@@ -1,7 +1,7 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 #include "worker/thumbnail_encoder.h"

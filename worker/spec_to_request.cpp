@@ -52,9 +52,9 @@ absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
 
 Surroundings surroundings_of(const schema::Surroundings& s) {
   Surroundings out;
-  // The target stands on the ground as it floats on the sea.
-  const bool below = s.kind() == "sea" || s.kind() == "ground";
-  out.kind = below ? SurroundingsKind::kSea : SurroundingsKind::kNone;
+  out.kind = s.kind() == "sea"      ? SurroundingsKind::kSea
+             : s.kind() == "ground" ? SurroundingsKind::kGround
+                                    : SurroundingsKind::kNone;
   out.sky_temperature_k = s.has_sky_temperature_k() ? s.sky_temperature_k() : -1;
   out.sky_radiance_w_m2_sr_um = s.sky_radiance_w_m2_sr_um();
   out.sea_temperature_k = s.sea_temperature_k();

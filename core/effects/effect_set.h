@@ -40,6 +40,13 @@ struct EffectSet {
     return surroundings() && sun[condition].diffuse;
   }
 
+  // Whether the other calls for the same light of air, sky and surface: how often it is reflected
+  // and whether by other parts makes no difference to that.
+  [[nodiscard]] bool same_light(const EffectSet& other) const {
+    return reflections() == other.reflections() && sky == other.sky && lower == other.lower &&
+           joined_lines == other.joined_lines && sun == other.sun;
+  }
+
   bool operator==(const EffectSet&) const = default;
 };
 

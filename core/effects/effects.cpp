@@ -1,6 +1,7 @@
 #include "core/effects/effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace irsig {
 
@@ -131,6 +132,15 @@ std::string_view name_of(EffectReason reason) {
       return "forced";
   }
   return "?";
+}
+
+bool LedgerEntry::operator==(const LedgerEntry& other) const {
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  return effect == other.effect && state == other.state && reason == other.reason &&
+         same(bound_w_sr, other.bound_w_sr) &&
+         same(apparent_bound_w_sr, other.apparent_bound_w_sr) &&
+         same(contrast_bound_w_sr, other.contrast_bound_w_sr) &&
+         same(share_w_sr, other.share_w_sr) && same(time_s, other.time_s);
 }
 
 }  // namespace irsig

@@ -258,5 +258,40 @@ TEST(AbsoluteFloor, IsWorthItsKelvinAndEndsTheSearchForDarkRows) {
   }
 }
 
+// A plan is a value: the same request gives an equal one, what is changed differs and is printed,
+// and a copy measures what the plan itself measures.
+TEST(Effects, APlanIsAValue) {
+  const Scene s = by_day(box(2), 0.6, 300, 0.003);
+  const ViewPlan plan = plan_of(s), again = plan_of(s);
+  EXPECT_TRUE(plan == again);
+  EXPECT_EQ(to_string(plan), to_string(again));
+  EXPECT_NE(to_string(plan).find("direct_sun"), std::string::npos);
+  ViewPlan other = plan;
+  other.effects.sun[1].path = !other.effects.sun[1].path;
+  EXPECT_FALSE(plan == other);
+  EXPECT_NE(to_string(plan), to_string(other));
+  other = plan;
+  other.ledger[0][0].bound_w_sr = 1;
+  EXPECT_FALSE(plan == other);
+  EXPECT_NE(to_string(plan), to_string(other));
+
+  // What was made on the way to a plan changes nothing, and is not used for another one.
+  const auto prepared = s.simulator->prepare(s.request);
+  ASSERT_TRUE(prepared.ok()) << prepared.status();
+  EXPECT_TRUE(prepared->plan == plan);
+  const auto whole = s.simulator->measure(s.request, *prepared);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  PlannedView changed = *prepared;
+  for (EffectSet::Sun& sun : changed.plan.effects.sun) sun = {false, false, false, false, false};
+  const auto without = s.simulator->measure(s.request, changed);
+  ASSERT_TRUE(without.ok()) << without.status();
+  const ViewResult alone = measured(s, plan), alone_without = measured(s, changed.plan);
+  for (std::size_t row = 0; row < alone.row.size(); ++row) {
+    EXPECT_EQ(whole->row[row].replicate_contrast_w_sr, alone.row[row].replicate_contrast_w_sr);
+    EXPECT_EQ(without->row[row].replicate_contrast_w_sr,
+              alone_without.row[row].replicate_contrast_w_sr);
+  }
+}
+
 }  // namespace
 }  // namespace irsig

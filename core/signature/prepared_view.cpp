@@ -1,10 +1,10 @@
-#include "core/signature/view_environments.h"
+#include "core/signature/prepared_view.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/signature/shading.h"
+#include "core/spectral/solar.h"
 
 namespace irsig {
 namespace {
@@ -22,20 +22,39 @@ std::vector<float> behind_rings(double low, double high) {
 // A side of the horizon that lines of sight miss by less is lit nevertheless: they are rounded.
 constexpr double kGrazingRad = 1e-4;
 
+// What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
+// homogeneous air or none.
+ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
+                                  bool sun, const std::vector<double>& node_um) {
+  const std::size_t n = node_um.size();
+  AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
+  ViewEnvironment out;
+  out.sun.assign(n, 0.0);
+  std::vector<double> sky(n), lower(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (sun) out.sun[i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
+    sky[i] = sky_radiance_w_m2_sr_um(condition.surroundings, node_um[i]);
+    lower[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], out.sun[i],
+                                         condition.sun_cos_zenith);
+  }
+  const auto behind_air = [&](const std::vector<double>& radiance) {
+    std::vector<double> seen(n);
+    for (std::size_t i = 0; i < n; ++i) seen[i] = radiance[i] * path.transmittance[i];
+    return seen;
+  };
+  out.sun_apparent = behind_air(out.sun);
+  out.node_apparent = {behind_air(sky), behind_air(lower)};
+  out.behind_apparent = out.node_apparent;
+  out.node = {std::move(sky), std::move(lower)};
+  out.transmittance = std::move(path.transmittance);
+  out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
+  return out;
+}
+
 // Whether the atmosphere has a sun for this condition.
 bool has_atmospheric_sun(const ConditionSpec& c) { return c.sun && c.sun_direction.z < 0; }
 
 }  // namespace
-
-bool sun_shines(const ConditionSpec& condition) {
-  return condition.sun && condition.sun_scale > 0 &&
-         condition.sun_cos_zenith >
-             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
-}
-
-bool over_sea(const ViewRequest& request) {
-  return request.condition.front().surroundings.kind == SurroundingsKind::kSea;
-}
 
 ViewPlan plan_with_everything(const ViewRequest& request) {
   ViewPlan plan;
