@@ -71,6 +71,7 @@ ViewResult measure_view(const Bench& bench, double zenith_deg, double azimuth_de
   settings.samples = spec.samples_per_replicate;
   settings.replicates = spec.replicates;
   settings.background = true;
+  settings.always_last = true;
   SourceGeometry around;
   around.sun = bench.source;
   const PathTracer tracer(bench.target, bench.material, footprint.view, around, settings);
@@ -111,9 +112,7 @@ ViewResult measure_view(const Bench& bench, double zenith_deg, double azimuth_de
         const double leaked = mean_of(c, f, layout.first_lower());
         at[sources + 1] += mean_of(c, f, layout.first_sky()) + leaked;
         at[sources + 3] += leaked;
-        if (!w.last.empty())
-          for (const SourceId id : layout.without_sun())
-            at[sources + 4] += mean_in(w.last, c, f, id);
+        for (const SourceId id : layout.without_sun()) at[sources + 4] += mean_in(w.last, c, f, id);
       }
       at[sources + 2] = at[sources] + at[sources + 1];
     }

@@ -105,7 +105,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
   work.chosen.resize(most + 1);
 
   std::vector<PathWeights> out(settings_.replicates);
-  const bool keep_last = settings_.max_reflections >= 2;
+  const bool keep_last = settings_.max_reflections >= 2 || settings_.always_last;
   const std::size_t orders = settings_.max_reflections + 1;
   const SourceWeights none(firsts(), layout_, nodes_);
   for (PathWeights& w : out) {

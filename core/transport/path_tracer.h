@@ -55,6 +55,9 @@ struct PathSettings {
   // throughput is small are followed for longer (less scatter from roulette, more rays).
   double persistence = 1;
   bool by_order = false;  // weights are kept apart by the number of reflections
+  // PathWeights::last is kept also where there are fewer than two reflections, of which no series
+  // can be made.
+  bool always_last = false;
   // Primary rays that miss the target end in the sky or below the horizon, as a first "part" of
   // their own behind the target's parts.
   bool background = false;
@@ -73,7 +76,7 @@ struct PathWeights {
   SourceWeights weight;
   std::vector<SourceWeights> of_order;  // with by_order instead, [0 .. max_reflections]
   // What paths of exactly max_reflections reflections contributed: part of `weight`. Empty if that
-  // is fewer than two.
+  // is fewer than two, unless PathSettings::always_last.
   SourceWeights last;
   double projected_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
