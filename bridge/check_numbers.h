@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 #include "core/signature/profile.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 
 namespace irsig {
 

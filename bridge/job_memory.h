@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 
 namespace irsig {

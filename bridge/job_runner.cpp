@@ -10,7 +10,7 @@
 #include "bridge/result_to_proto.h"
 #include "bridge/spec_to_request.h"
 #include "core/base/arithmetic_fingerprint.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 
 namespace irsig {
 namespace {
@@ -38,12 +38,12 @@ class CoreJobRunner final : public JobRunner {
     if (request->thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
-    auto plan = simulator_->plan(*request);
-    if (!plan.ok()) return plan.status();
+    auto planned = simulator_->prepare(*request);
+    if (!planned.ok()) return planned.status();
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
-      plan->samples_per_replicate = accuracy.samples_per_replicate();
-    const auto view = simulator_->measure(*request, *plan);
+      planned->plan.samples_per_replicate = accuracy.samples_per_replicate();
+    const auto view = simulator_->measure(*request, *planned);
     if (!view.ok()) return view.status();
     if (auto status = check_numbers(*view); !status.ok()) return status;
     auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);

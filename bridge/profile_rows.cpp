@@ -61,7 +61,7 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
   for (int i = 0; i < sweep.sweep().profile_size(); ++i) {
     const schema::Profile& asked = sweep.sweep().profile(i);
     const ProfileSpec spec = spec_of(asked);
-    const auto measured = simulate_profile(simulator, request, spec);
+    const auto measured = simulate_profile(simulator.scene(), request, spec);
     if (!measured.ok())
       return {measured.status().code(),
               absl::StrCat("profile[", i, "]: ", measured.status().message())};

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "absl/status/status.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 

@@ -2,7 +2,7 @@
 
 #include "absl/status/statusor.h"
 #include "bridge/thumbnail_encoder.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 

@@ -52,11 +52,10 @@ absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
 }
 
 absl::StatusOr<Surroundings> surroundings_of(const schema::Surroundings& s) {
-  // The target stands on the ground as it floats on the sea.
   const auto kind = named<SurroundingsKind>("surroundings.kind", s.kind(),
                                             {{"none", SurroundingsKind::kNone},
                                              {"sea", SurroundingsKind::kSea},
-                                             {"ground", SurroundingsKind::kSea}});
+                                             {"ground", SurroundingsKind::kGround}});
   if (!kind.ok()) return kind.status();
   Surroundings out;
   out.kind = *kind;

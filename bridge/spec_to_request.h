@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 
 namespace irsig {

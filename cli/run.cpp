@@ -11,6 +11,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
+#include "core/base/printable.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"
@@ -18,6 +19,7 @@
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
+#include "view/print.h"
 #include "view/profile.h"
 
 namespace irsig {
@@ -44,7 +46,7 @@ class ProgressLine {
  public:
   void show(const std::string& text) {
     if (terminal_) {
-      print_note("\r{}\x1b[K", text);
+      fmt::print(stderr, "\r{}\x1b[K", one_line(text));
     } else if (!shown_ || Steady::now() - at_ >= std::chrono::seconds(5)) {
       print_note("{}\n", text);
       at_ = Steady::now();

@@ -4,14 +4,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/geo/sun.h"
+#include "core/spectral/solar.h"
 #include "jobs/resolve.h"
 
 namespace irsig {
 namespace {
-
-// E490's total at 1 AU [W/m2], as core/spectral/solar.h has it (tests/unit/resolve_test.cpp
-// compares them: this folder may not depend on core_spectral).
-constexpr double kSolarConstantWM2 = 1366.1;
 
 void check_place(const schema::Sweep& sweep, Findings& findings) {
   if (!sweep.has_place()) {

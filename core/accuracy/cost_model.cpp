@@ -15,12 +15,6 @@ double goal_w_sr(const RowPilot& row, double relative_error) {
   return std::max(relative_error * row.value_w_sr, row.floor_w_sr);
 }
 
-// As core/signature/pass.cpp shares an error between bias and sampling.
-double stderr_wanted(const RowPilot& row, double relative_error) {
-  const double bias = row.bias_w_sr / std::sqrt(3.0), goal = goal_w_sr(row, relative_error);
-  return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
-}
-
 // Over all rows, from pilots of n1 and n2 samples, or of n2 alone (n1 = 0).
 std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std::uint64_t n1,
                              std::uint64_t n2) {
@@ -29,8 +23,10 @@ std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std:
     const double e1 = n1 > 0 ? stderr_at(pilot.samples, row.stderr_w_sr, n1) : 0;
     const double e2 = stderr_at(pilot.samples, row.stderr_w_sr, n2);
     if (e2 > 0)
-      needed = std::max(needed, samples_needed(n1, e1, n2, e2, stderr_wanted(row, relative_error),
-                                               std::uint64_t{1} << 40));
+      needed = std::max(needed,
+                        samples_needed(n1, e1, n2, e2,
+                                       stderr_wanted(goal_w_sr(row, relative_error), row.bias_w_sr),
+                                       std::uint64_t{1} << 40));
   }
   return needed;
 }

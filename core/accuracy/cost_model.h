@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "core/accuracy/pilot_samples.h"
+
 namespace irsig {
 
 // What a sweep will take, from pilots of a few of its views: arithmetic alone, nothing is traced
@@ -16,9 +18,6 @@ namespace irsig {
 // decides it (core/signature/view_plan.cpp): by samples_needed from its own pilots of
 // kFirstPilotSamples and, where that one asks for more than kSecondPilotSamples, of so many, with a
 // third pilot where much more is asked for.
-
-inline constexpr std::uint64_t kFirstPilotSamples = 128, kSecondPilotSamples = 1024;
-inline constexpr std::uint64_t kFirstProfileSamples = 512, kSecondProfileSamples = 4096;
 
 // One row of a view (a condition and a band).
 struct RowPilot {

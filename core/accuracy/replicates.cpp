@@ -25,6 +25,11 @@ double numerical_error(double stderr_of_mean, double sum_of_bias_bounds) {
   return std::sqrt(stderr_of_mean * stderr_of_mean + sum_of_bias_bounds * sum_of_bias_bounds / 3);
 }
 
+double stderr_wanted(double goal, double sum_of_bias_bounds) {
+  const double bias = sum_of_bias_bounds / std::sqrt(3.0);
+  return bias < 0.8 * goal ? std::sqrt(goal * goal - bias * bias) : 0.6 * goal;
+}
+
 double truncation_bound(const std::array<double, 3>& beyond, std::uint32_t spacing,
                         const Estimate& last, double at_most) {
   if (!(beyond[0] > 0 && beyond[1] > 0 && beyond[2] > 0)) return at_most;

@@ -28,10 +28,14 @@ class ReplicateStatistics {
   std::uint32_t count_ = 0;
 };
 
-// Numerical error of a value: sqrt(stderr^2 + (sum of |bias bounds|)^2 / 3) - a bias known only to
-// lie in
-// +-bound counts as uniformly distributed there.
+// Numerical error of a value: sqrt(stderr^2 + (sum of |bias bounds|)^2 / 3). A bias known only to
+// lie within a bound of 0 counts as uniformly distributed there.
 [[nodiscard]] double numerical_error(double stderr_of_mean, double sum_of_bias_bounds);
+
+// The standard error that a value may keep for its numerical error to reach `goal`: what its bias
+// bounds leave. Where they take more than 0.8 of the goal, samples cannot mend it: the standard
+// error is then brought to 0.6 of the goal, and the value will miss it.
+[[nodiscard]] double stderr_wanted(double goal, double sum_of_bias_bounds);
 
 // What reflections after the last one allowed could have added.
 //

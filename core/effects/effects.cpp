@@ -1,6 +1,7 @@
 #include "core/effects/effects.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace irsig {
 
@@ -12,14 +13,12 @@ const std::array<EffectInfo, kEffects>& effect_table() {
       {Effect::kDirectSun, "direct_sun", "sunlight reflected by the target",
        "mid-wave by day; long-wave where mirrors catch the sun",
        "irradiance outside the air x largest BRDF x projected area; mirrors: every facet by "
-       "itself, "
-       "nothing in the way",
+       "itself, nothing in the way",
        "one ray to the sun for each reflection that it could matter to", true},
       {Effect::kDiffuseSun, "diffuse_sun", "sunlight scattered by the sky, reflected by the target",
        "mid-wave by day",
        "what air scatters once is at most the irradiance outside it, on any facet; towards a "
-       "mirror "
-       "the largest phase function",
+       "mirror the largest phase function",
        "24 azimuths of the sky instead of one, at every view", true, 2.0e-3},
       {Effect::kMirroredSun, "mirrored_sun",
        "the sun that waves mirror towards the target, reflected by it",
@@ -40,9 +39,8 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "light that meets the target more than once: reflections of its own parts, orders 2 to "
        "max_reflections",
        "cavities, corners, shiny parts beside hot ones",
-       "0 for a convex target; else what is still reflected after each order (pilot, upper limit) "
-       "x "
-       "the brightest source",
+       "0 for a convex target; else what is still reflected after each order (pilot, upper "
+       "limit) x the brightest source",
        "rays of the second and later orders", true},
       {Effect::kHotPartsReflected, "hot_parts_reflected",
        "hot parts reflected by others, aimed at from every facet",
@@ -64,8 +62,8 @@ const std::array<EffectInfo, kEffects>& effect_table() {
        "irradiance outside the air x phase function or glitter in the direction of sight",
        "the sky and the sea under the sun", true, 0.1e-3},
       {Effect::kJoinedLines, "joined_lines",
-       "the air's lines in reflected light, joined with those of the line of sight ring by ring of "
-       "the sky",
+       "the air's lines in reflected light, joined with those of the line of sight ring by ring "
+       "of the sky",
        "the apparent intensity of reflecting targets at some range",
        "what is reflected of sky and sea x the range of the rings' ratios between those computed",
        "one line of sight for each of 16 rings of sky and sea; off: for 6", true, 0.4e-3},
@@ -134,6 +132,15 @@ std::string_view name_of(EffectReason reason) {
       return "forced";
   }
   return "?";
+}
+
+bool LedgerEntry::operator==(const LedgerEntry& other) const {
+  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  return effect == other.effect && state == other.state && reason == other.reason &&
+         same(bound_w_sr, other.bound_w_sr) &&
+         same(apparent_bound_w_sr, other.apparent_bound_w_sr) &&
+         same(contrast_bound_w_sr, other.contrast_bound_w_sr) &&
+         same(share_w_sr, other.share_w_sr) && same(time_s, other.time_s);
 }
 
 }  // namespace irsig

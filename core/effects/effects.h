@@ -96,6 +96,9 @@ struct LedgerEntry {
   double share_w_sr;  // measured: what it contributes to the intensity at the target
   // Of one processor, for the whole view, estimated from counts: spent (on) or saved (off).    [s]
   double time_s;
+
+  // Numbers that are not known are equal.
+  bool operator==(const LedgerEntry& other) const;
 };
 
 }  // namespace irsig

@@ -22,6 +22,7 @@ struct RowBounds {
   struct Bound {
     bool absent = false;
     double source = 0, apparent = 0, contrast = 0;
+    bool operator==(const Bound&) const = default;
   };
   std::array<Bound, kEffects> effect;
   // Of all that is reflected, the sun's light apart.

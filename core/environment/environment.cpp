@@ -240,30 +240,38 @@ absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
     if (const absl::Status s = parts->add(parts_->condition[c].spec.weather); !s.ok()) return s;
   }
   Look look(std::move(parts));
+  const EffectSet everything = EffectSet::everything(parts_->condition.size(), 1);
   std::vector<ViewEnvironment> out;
   for (const std::uint32_t c : conditions) {
-    absl::StatusOr<ViewEnvironment> seen = look.see(c, LightUse(), true);
+    absl::StatusOr<ViewEnvironment> seen = look.see(c, everything, true);
     if (!seen.ok()) return seen.status();
     out.push_back(*std::move(seen));
   }
   return out;
 }
 
-absl::StatusOr<ViewEnvironment> Environment::Look::see(std::uint32_t condition, const LightUse& use,
+absl::StatusOr<ViewEnvironment> Environment::Look::see(std::uint32_t condition,
+                                                       const EffectSet& effects,
                                                        bool with_azimuths) {
   const Environment::Parts& of = parts_->of;
   if (condition >= of.condition.size()) {
     return absl::InvalidArgumentError(absl::StrCat("there is no condition ", condition));
   }
   const Environment::Parts::Condition& c = of.condition[condition];
-  const bool diffuse_sun = use.reflected && use.diffuse_sun;
+  if (effects.sun.size() != of.condition.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("effects of ", effects.sun.size(),
+                                                   " conditions, expected ", of.condition.size()));
+  }
+  const bool diffuse_sun = effects.scattered_sun(condition);
   if (c.sun_is_up() && diffuse_sun && !with_azimuths) {
     return absl::InvalidArgumentError(absl::StrCat(
         "condition ", condition, ": scattered sunlight is reflected, but nodes have no azimuths"));
   }
-  const bool any_sun = use.direct_sun || diffuse_sun || use.path_sun || use.background_sun;
+  const bool any_sun = effects.follows_sun(condition) || diffuse_sun ||
+                       effects.sun[condition].path || effects.sun[condition].background;
   const SunLight* sun = c.sun_is_up() && any_sun ? &of.sun_of(c) : nullptr;
-  return parts_->light_of(c.spec.weather).seen_under(sun, use, with_azimuths ? of.nodes : of.rings);
+  return parts_->light_of(c.spec.weather)
+      .seen_under(sun, effects, condition, with_azimuths ? of.nodes : of.rings);
 }
 
 const LightBounds& Environment::Look::bounds(std::uint32_t condition) {

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/imported_path.h"
+#include "core/effects/effect_set.h"
 #include "core/environment/direction_nodes.h"
 #include "core/environment/sea_surface.h"
 
@@ -71,26 +72,13 @@ struct ViewEnvironment {
   // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
   // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.
   double sky_interpolation = 0, lower_interpolation = 0;
-  // Of leaving out LightUse::joined_lines, relative to what is reflected of sky and surface at the
+  // Of leaving out EffectSet::joined_lines, relative to what is reflected of sky and surface at the
   // target: the most by which any mean over directions of the apparent nodes can differ, in the
   // worst quarter of a micrometre. 0 with it.
   double joined_lines_bound = 0;
   // One sigma of the models, not of the numerics.
   Spectrum model_error_transmittance, model_error_path_radiance;
   double sky_model_relative = 0, lower_model_relative = 0, sun_model_relative = 0;
-};
-
-// What of a condition's light one view is to be given. What is left out is 0 in ViewEnvironment.
-struct LightUse {
-  bool reflected = true;   // node, node_apparent: what the target can reflect of sky and surface
-  bool direct_sun = true;  // sun, sun_apparent
-  bool diffuse_sun =
-      true;              // scattered sunlight in the nodes (and what grey surfaces reflect of it)
-  bool path_sun = true;  // scattered sunlight in path_radiance
-  bool background_sun = true;  // sunlight in behind_apparent
-  // Nodes behind the line's air: the air's lines joined at every ring that is computed exactly (8
-  // of a side), or at three of them.
-  bool joined_lines = true;
 };
 
 // The most that light can be, known before any sky is computed. On the sweep's wavelengths.
@@ -150,11 +138,14 @@ class Environment {
     Look& operator=(Look&&) noexcept;
     ~Look();
     [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
-    // What is returned depends on the line, the condition and its use alone. The nodes are those of
+    // What is returned depends on the line, the condition and the effects alone; what they leave
+    // out is 0. `effects`: of as many conditions as the environment has. Of lines behind nodes
+    // EffectSet::joined_lines says whether the air's lines are joined at every ring that is
+    // computed exactly (8 of a side), or at three of them. The nodes are those of
     // nodes(with_azimuths): INVALID_ARGUMENT if a sun is up whose scattered light is to be
     // reflected and they have none.
-    [[nodiscard]] absl::StatusOr<ViewEnvironment> see(std::uint32_t condition, const LightUse& use,
-                                                      bool with_azimuths);
+    [[nodiscard]] absl::StatusOr<ViewEnvironment> see(std::uint32_t condition,
+                                                      const EffectSet& effects, bool with_azimuths);
 
    private:
     friend class Environment;

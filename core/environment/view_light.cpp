@@ -208,18 +208,20 @@ double ViewLight::joined_lines_bound(Solar* solar) {
   return bound;
 }
 
-ViewEnvironment ViewLight::seen_under(const SunLight* sun, const LightUse& use,
-                                      const DirectionNodes& nodes) {
+ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effects,
+                                      std::uint32_t condition, const DirectionNodes& nodes) {
   ViewEnvironment out;
   if (sun && !sun->shines()) sun = nullptr;
   const std::vector<double> dark(wavelengths_.um.size(), 0.0);
-  const bool diffuse_sun = sun && use.diffuse_sun && use.reflected;
+  const EffectSet::Sun& use = effects.sun[condition];
+  const bool direct_sun = effects.follows_sun(condition);
+  const bool diffuse_sun = sun && effects.scattered_sun(condition);
   std::optional<Solar> solar;
-  if (sun && (use.direct_sun || diffuse_sun || use.background_sun)) {
+  if (sun && (direct_sun || diffuse_sun || use.background)) {
     solar.emplace(*sun, leg_, light_.sky.size(), light_.lower.size());
   }
   AirSpectrum scattered(kAirBandCount, 0.0);
-  if (sun && use.path_sun && !leg_.imported_radiance) {
+  if (sun && use.path && !leg_.imported_radiance) {
     scattered = sun->scattered_by(leg_.layers, line_.direction);
   }
   AirSpectrum error = error_.radiance_w_m2_sr_um;
@@ -231,18 +233,18 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const LightUse& use,
   out.model_error_path_radiance = leg_.per_wavelength(error);
   out.path_radiance = leg_.plus_solar(leg_.spread_thermal(path_radiance_), scattered);
   out.sun = out.sun_apparent = dark;
-  if (sun && use.direct_sun) {
+  if (sun && direct_sun) {
     out.sun = leg_.plus_solar(dark, sun->irradiance);
     out.sun_apparent = leg_.plus_solar(dark, solar->irradiance());
   }
-  if (use.reflected) {
-    add_nodes(out, diffuse_sun ? sun : nullptr, diffuse_sun ? &*solar : nullptr, use.joined_lines,
-              nodes);
+  if (effects.surroundings()) {
+    add_nodes(out, diffuse_sun ? sun : nullptr, diffuse_sun ? &*solar : nullptr,
+              effects.joined_lines, nodes);
   } else {
     out.node.assign(nodes.count(), dark);
     out.node_apparent = out.node;
   }
-  const bool background_sun = sun && use.background_sun;
+  const bool background_sun = sun && use.background;
   add_behind(out, background_sun ? sun : nullptr, background_sun ? &*solar : nullptr);
   // Products of band means err by up to 40 % for the sky's and 11 % for the sun's lines over 5 km.
   out.sky_model_relative =

@@ -23,8 +23,8 @@ class ViewLight {
 
   //   sun    null: none, or nothing of it is used
   //   nodes  with those azimuths that `sun` has if its scattered light is used
-  [[nodiscard]] ViewEnvironment seen_under(const SunLight* sun, const LightUse& use,
-                                           const DirectionNodes& nodes);
+  [[nodiscard]] ViewEnvironment seen_under(const SunLight* sun, const EffectSet& effects,
+                                           std::uint32_t condition, const DirectionNodes& nodes);
 
  private:
   struct Solar;  // what the sun adds, behind near air

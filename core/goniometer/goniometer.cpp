@@ -71,45 +71,48 @@ ViewResult measure_view(const Bench& bench, double zenith_deg, double azimuth_de
   settings.samples = spec.samples_per_replicate;
   settings.replicates = spec.replicates;
   settings.background = true;
-  const PathTracer tracer(bench.target, bench.material, footprint.view, bench.source, settings);
+  settings.always_last = true;
+  SourceGeometry around;
+  around.sun = bench.source;
+  const PathTracer tracer(bench.target, bench.material, footprint.view, around, settings);
   std::vector<double> no_image;
   ViewResult out;
   const std::vector<PathWeights> traced = tracer.trace({}, no_image, out.counts);
 
-  const SourceClasses& classes = tracer.classes();
-  const std::size_t sources = bench.source.size(), channels = bench.channel.size();
+  const SourceLayout& layout = tracer.layout();
+  const std::size_t parts = bench.target.part.size(), sources = bench.source.size(),
+                    channels = bench.channel.size();
   const std::size_t per_channel = sources + 5;  // emissivity, dhr, their sum, leaked, last
   ReplicateStatistics statistics(channels * per_channel);
   std::vector<double> row(channels * per_channel);
   const double inverse_area = 1 / footprint.footprint_m2;
   const double inverse_replicates = 1.0 / spec.replicates;
   for (const PathWeights& w : traced) {
-    const auto mean_in = [&](const std::vector<double>& table, const ChannelWeights& c,
-                             std::uint32_t first, std::uint32_t cls) {
-      const double* node = table.data() + (first * classes.count() + cls) * tracer.nodes();
+    const auto mean_in = [&](const SourceWeights& table, const ChannelWeights& c,
+                             std::uint32_t first, SourceId id) {
+      const double* node = table.find(first, id);
+      if (node == nullptr) return 0.0;
       if (!tracer.spectral()) return inverse_area * *node;
       double sum = 0;
       for (std::size_t i = 0; i < c.weight.size(); ++i) sum += c.weight[i] * node[c.first_node + i];
       return inverse_area * sum;
     };
-    const auto mean_of = [&](const ChannelWeights& c, std::uint32_t first, std::uint32_t cls) {
-      return mean_in(w.weight, c, first, cls);
+    const auto mean_of = [&](const ChannelWeights& c, std::uint32_t first, SourceId id) {
+      return mean_in(w.weight, c, first, id);
     };
     std::fill(row.begin(), row.end(), 0.0);
     for (std::size_t k = 0; k < channels; ++k) {
       const ChannelWeights& c = bench.channel[k];
       double* at = row.data() + k * per_channel;
-      for (std::uint32_t f = 0; f < classes.parts; ++f) {
+      for (std::uint32_t f = 0; f < parts; ++f) {
         for (std::uint32_t j = 0; j < sources; ++j)
-          at[j] += mean_of(c, f, classes.sun(j)) / bench.irradiance[j];
-        at[sources] += mean_of(c, f, classes.own());
-        for (std::uint32_t q = 0; q < classes.parts; ++q)
-          at[sources] += mean_of(c, f, classes.part(q));
-        const double leaked = mean_of(c, f, classes.lower());
-        at[sources + 1] += mean_of(c, f, classes.sky()) + leaked;
+          at[j] += mean_of(c, f, layout.sun(j)) / bench.irradiance[j];
+        at[sources] += mean_of(c, f, layout.seen(f));
+        for (std::uint32_t q = 0; q < parts; ++q) at[sources] += mean_of(c, f, layout.reflected(q));
+        const double leaked = mean_of(c, f, layout.first_lower());
+        at[sources + 1] += mean_of(c, f, layout.first_sky()) + leaked;
         at[sources + 3] += leaked;
-        for (std::uint32_t cls = 0; cls < classes.sun(0); ++cls)
-          at[sources + 4] += mean_in(w.last, c, f, cls);
+        for (const SourceId id : layout.without_sun()) at[sources + 4] += mean_in(w.last, c, f, id);
       }
       at[sources + 2] = at[sources] + at[sources + 1];
     }

@@ -26,8 +26,8 @@ struct BandIntegral {
 };
 class BandOf {
  public:
-  BandOf(const BandGrid& grid, std::size_t offset, const std::vector<double>& transmittance)
-      : grid_(grid), offset_(offset), transmittance_(transmittance) {}
+  BandOf(const BandOnAxis& band, const std::vector<double>& transmittance)
+      : grid_(band.grid), offset_(band.first_node), transmittance_(transmittance) {}
   [[nodiscard]] BandIntegral operator()(const std::vector<double>& spectrum) const {
     BandIntegral sum{0, 0};
     for (std::size_t i = 0; i < grid_.node_um.size(); ++i) {
@@ -66,15 +66,15 @@ struct SurfaceLimits {
   double gathered = 1;     // light on a facet, that from other facets included / from outside
   double least_dhr = 1;
 };
-SurfaceLimits surface_limits(const Simulator& simulator) {
-  const Target& target = simulator.target();
+SurfaceLimits surface_limits(const PreparedScene& scene) {
+  const Target& target = scene.target;
   SurfaceLimits out;
   double most = 0;
-  std::vector<bool> seen(simulator.carried_materials().size(), false);
+  std::vector<bool> seen(scene.carried_material().size(), false);
   for (const PartSpec& part : target.part) {
     if (seen[part.material]) continue;
     seen[part.material] = true;
-    const Material& m = simulator.carried_materials()[part.material];
+    const Material& m = scene.carried_material()[part.material];
     double dhr = 0;
     for (int k = 1; k <= 64; ++k) {
       const double here = m.dhr_max(static_cast<float>(k) / 64);
@@ -124,14 +124,14 @@ bool dark(const std::vector<double>& spectrum) {
 }
 
 // What nothing in the scene causes; all other bounds are unknown.
-RowBounds known_absences(const Simulator& simulator, const ViewRequest& request, std::size_t c) {
+RowBounds known_absences(const PreparedScene& scene, const ViewRequest& request, std::size_t c) {
   RowBounds row;
   for (const EffectInfo& e : effect_table())
     at(row, e.effect) = {false, kInfinite, kInfinite, kInfinite};
   const bool sun = sun_shines(request.condition[c]), air = request.environment != nullptr;
   const bool homogeneous = !air && request.air.model != AirModel::kVacuum;
   bool hot = false;
-  for (const PartSpec& part : simulator.target().part) hot |= part.hot;
+  for (const PartSpec& part : scene.target.part) hot |= part.hot;
   const auto absent = [&](Effect effect, bool is) {
     if (is) at(row, effect) = {true, 0, 0, 0};
   };
@@ -141,46 +141,44 @@ RowBounds known_absences(const Simulator& simulator, const ViewRequest& request,
   absent(Effect::kMirroredSun, !sun || !(request.condition[c].sea_wind_m_s > 0));
   absent(Effect::kPathSun, !sun || !air);
   absent(Effect::kBackgroundSun, !sun || !air);
-  absent(Effect::kInterReflection, simulator.target().convex);
-  absent(Effect::kHotPartsReflected, !hot || simulator.target().convex);
+  absent(Effect::kInterReflection, scene.target.convex);
+  absent(Effect::kHotPartsReflected, !hot || scene.target.convex);
   absent(Effect::kTransmission, !air && !homogeneous);
   absent(Effect::kPathRadiance, !air && !(homogeneous && request.air.path_emission));
   absent(Effect::kJoinedLines, !air);
   absent(Effect::kAirToHorizon, !air);
   absent(Effect::kRefraction, !air);
   bool spectral = false;
-  for (const Material& m : simulator.carried_materials()) spectral |= !m.grey();
+  for (const Material& m : scene.carried_material()) spectral |= !m.grey();
   absent(Effect::kSpectralVariation, !spectral);
   return row;
 }
 
 }  // namespace
 
-std::vector<double> absolute_floors(const Simulator& simulator, const ViewRequest& request,
-                                    ViewSurroundings& surroundings,
-                                    const std::vector<std::size_t>& band_offset) {
+std::vector<double> absolute_floors(const PreparedScene& scene, const ViewRequest& request,
+                                    ViewSurroundings& surroundings) {
   std::vector<double> out;
   const double kelvin = request.accuracy.absolute_error_k;
   if (!(kelvin > 0)) return out;
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
     const LightBounds& light = surroundings.bounds(c);
-    for (std::size_t b = 0; b < simulator.bands().size(); ++b) {
-      const BandGrid& grid = simulator.band_grids()[b];
-      const BandOf band(grid, band_offset[b], light.transmittance);
+    for (std::size_t b = 0; b < scene.axis.bands(); ++b) {
+      const BandOf band(scene.axis.band(b), light.transmittance);
       const double t =
-          apparent_temperature_k(simulator.bands()[b], grid, band(light.thermal).source);
+          apparent_temperature_k(scene.band[b], scene.axis.grids()[b], band(light.thermal).source);
       out.push_back(t > 0 ? kelvin * (band.blackbody(t + 1).source - band.blackbody(t).source) : 0);
     }
   }
   return out;
 }
 
-std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
+std::vector<RowBounds> effects_without_bounds(const PreparedScene& scene,
                                               const ViewRequest& request) {
   std::vector<RowBounds> out;
   for (std::size_t c = 0; c < request.condition.size(); ++c)
-    for (std::size_t b = 0; b < simulator.bands().size(); ++b)
-      out.push_back(known_absences(simulator, request, c));
+    for (std::size_t b = 0; b < scene.axis.bands(); ++b)
+      out.push_back(known_absences(scene, request, c));
   return out;
 }
 
@@ -200,16 +198,15 @@ PilotLimits limits_of(const Pass& pilot) {
   return out;
 }
 
-PilotLimits best_case(const Simulator& simulator, const ViewRequest& request, const ViewPlan& plan,
-                      ViewSurroundings& surroundings, const std::vector<std::size_t>& band_offset,
-                      std::uint64_t samples) {
+PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+                      ViewSurroundings& surroundings, std::uint64_t samples) {
   PilotLimits out;
   out.area_m2 = 1;
-  out.beyond_m2 = surface_limits(simulator).least_dhr + kNoneSeen / static_cast<double>(samples);
+  out.beyond_m2 = surface_limits(scene).least_dhr + kNoneSeen / static_cast<double>(samples);
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
     const LightBounds& light = surroundings.bounds(c);
-    for (std::size_t b = 0; b < simulator.bands().size(); ++b) {
-      const BandOf band(simulator.band_grids()[b], band_offset[b], light.transmittance);
+    for (std::size_t b = 0; b < scene.axis.bands(); ++b) {
+      const BandOf band(scene.axis.band(b), light.transmittance);
       const double hottest = band.blackbody(hottest_k(request.condition[c])).source;
       const std::size_t row = out.row.size();
       out.row.push_back(
@@ -220,42 +217,38 @@ PilotLimits best_case(const Simulator& simulator, const ViewRequest& request, co
   return out;
 }
 
-std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewRequest& request,
+std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewRequest& request,
                                      const PilotLimits& pilot, const AimedView* view,
-                                     ViewSurroundings& surroundings,
-                                     const std::vector<std::size_t>& band_offset) {
-  const std::size_t bands = simulator.bands().size();
-  const SurfaceLimits surface = surface_limits(simulator);
+                                     ViewSurroundings& surroundings) {
+  const std::size_t bands = scene.axis.bands();
+  const SurfaceLimits surface = surface_limits(scene);
   const double q0 = pilot.beyond_m2, area_m2 = pilot.area_m2;
-  std::vector<double> node_um;
-  for (const BandGrid& grid : simulator.band_grids())
-    node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
   std::vector<RowBounds> out;
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
     const ConditionSpec& condition = request.condition[c];
     const LightBounds& light = surroundings.bounds(c);
     const std::vector<double> sun_arrives =
-        arriving_sunlight(light, request.environment != nullptr, node_um);
+        arriving_sunlight(light, request.environment != nullptr, scene.axis.node_um());
     const bool sun = sun_shines(condition);
     UnseenSun mirrored;
     if (sun && surface.narrow && view != nullptr)
-      mirrored =
-          unseen_sun(simulator.target(), simulator.carried_materials(), view->frame, view->range_m,
-                     {{condition.sun_direction,
-                       condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0}})
-              .front();
+      mirrored = unseen_sun(scene.target, scene.carried_material(), view->frame, view->range_m,
+                            {{condition.sun_direction,
+                              condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0}})
+                     .front();
     for (std::size_t b = 0; b < bands; ++b) {
-      const BandOf band(simulator.band_grids()[b], band_offset[b], light.transmittance);
-      const BandOf sunlight(simulator.band_grids()[b], band_offset[b], sun_arrives);
-      RowBounds row = known_absences(simulator, request, c);
+      const BandOf band(scene.axis.band(b), light.transmittance);
+      const BandOf sunlight(scene.axis.band(b), sun_arrives);
+      RowBounds row = known_absences(scene, request, c);
       const PilotLimits::Row& known = pilot.row[c * bands + b];
       row.goal_w_sr =
           std::max(request.accuracy.relative_error * known.emitted, known.absolute_floor);
       double arrives = 0, width = 0;
-      for (std::size_t i = 0; i < simulator.band_grids()[b].node_um.size(); ++i) {
-        width += simulator.band_grids()[b].band_weight[i];
-        arrives +=
-            simulator.band_grids()[b].band_weight[i] * light.transmittance[band_offset[b] + i];
+      const BandOnAxis on_axis = scene.axis.band(b);
+      for (std::size_t i = 0; i < on_axis.nodes(); ++i) {
+        const double weight = on_axis.grid.band_weight[i];
+        width += weight;
+        arrives += weight * light.transmittance[on_axis.first_node + i];
       }
       row.aperture_goal_w_sr = std::max(request.accuracy.relative_error * known.apparent,
                                         known.absolute_floor * arrives / width);
@@ -263,7 +256,7 @@ std::vector<RowBounds> effect_bounds(const Simulator& simulator, const ViewReque
       // Light of any source that is not the sun's, reflected once or more: Q0 x the brightest.
       const BandIntegral thermal = band(light.thermal);
       const BandIntegral part = band.blackbody(hottest_k(condition));
-      const bool convex = simulator.target().convex;
+      const bool convex = scene.target.convex;
       const BandIntegral brightest{std::max(thermal.source, convex ? 0 : part.source),
                                    std::max(thermal.apparent, convex ? 0 : part.apparent)};
       row.reflected = times(q0, brightest);

@@ -15,15 +15,14 @@ struct PilotLimits {
     double emitted, apparent;  // at least
     double absolute_floor;
   };
-  std::vector<Row> row;  // [condition x band of the simulator]
+  std::vector<Row> row;  // [condition x band of the scene]
 };
 // Of a pass over all conditions and bands.
 [[nodiscard]] PilotLimits limits_of(const Pass& pilot);
 // What no pilot of a view can better, for 1 m2 of target: the hottest part behind the material that
 // reflects least, `samples` in all. What fits not even then does not need a pilot.
-[[nodiscard]] PilotLimits best_case(const Simulator& simulator, const ViewRequest& request,
+[[nodiscard]] PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request,
                                     const ViewPlan& plan, ViewSurroundings& surroundings,
-                                    const std::vector<std::size_t>& band_offset,
                                     std::uint64_t samples);
 
 // The most that each effect can contribute to each row of a view, [condition x band of the
@@ -41,22 +40,20 @@ struct PilotLimits {
 // is the most that arrives of light bounded by a smooth spectrum, lines or not. Of sunlight that is
 // the one outside the air. `view`: for the facets of mirrors; null: as if none were turned to the
 // sun.
-[[nodiscard]] std::vector<RowBounds> effect_bounds(const Simulator& simulator,
+[[nodiscard]] std::vector<RowBounds> effect_bounds(const PreparedScene& scene,
                                                    const ViewRequest& request,
                                                    const PilotLimits& pilot, const AimedView* view,
-                                                   ViewSurroundings& surroundings,
-                                                   const std::vector<std::size_t>& band_offset);
+                                                   ViewSurroundings& surroundings);
 
 // The same without goals and bounds: what is absent only.
-[[nodiscard]] std::vector<RowBounds> effects_without_bounds(const Simulator& simulator,
+[[nodiscard]] std::vector<RowBounds> effects_without_bounds(const PreparedScene& scene,
                                                             const ViewRequest& request);
 
 // What the request's absolute error is worth per projected area, at the temperature of the warmest
-// of what surrounds the target: [condition x band of the simulator], 0 where all of it is dark;
+// of what surrounds the target: [condition x band of the scene], 0 where all of it is dark;
 // empty if the request states none. [W/(m2 sr)]
-[[nodiscard]] std::vector<double> absolute_floors(const Simulator& simulator,
+[[nodiscard]] std::vector<double> absolute_floors(const PreparedScene& scene,
                                                   const ViewRequest& request,
-                                                  ViewSurroundings& surroundings,
-                                                  const std::vector<std::size_t>& band_offset);
+                                                  ViewSurroundings& surroundings);
 
 }  // namespace irsig

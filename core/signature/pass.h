@@ -2,13 +2,18 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/signature/plan.h"
+#include "core/signature/prepared_scene.h"
+#include "core/signature/prepared_view.h"
+#include "core/signature/request.h"
+#include "core/signature/result.h"
 #include "core/signature/shading.h"
-#include "core/signature/signature.h"
 #include "core/signature/unseen.h"
-#include "core/signature/view_environments.h"
+#include "core/sources/view_sources.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {
@@ -18,14 +23,20 @@ namespace irsig {
 // and so is the stored run.
 class Pass {
  public:
-  // plan: its effects; its number of samples is not looked at. environments: of the request's
-  // conditions as far as they are among `conditions`; node_um, band_offset: the simulator's nodes
-  // and where each band's begin. All must outlive it.
-  Pass(const Simulator& simulator, const ViewRequest& request, const ViewPlan& plan,
-       const AimedView& view, const ViewEnvironments& environments,
-       std::span<const std::uint32_t> conditions, std::span<const std::uint32_t> bands,
-       const std::vector<double>& node_um, const std::vector<std::size_t>& band_offset,
-       std::uint64_t seed);
+  // The rows that are computed: conditions of the request x bands of the scene.
+  struct Rows {
+    std::vector<std::uint32_t> condition, band;
+  };
+  // plan: its effects and bounds; its number of samples is not looked at. view: with the light of
+  // the conditions. The scene outlives it; what is wanted of the rest is kept.
+  Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+       std::shared_ptr<const PreparedView> view, Rows rows, std::uint64_t seed);
+  Pass(const Pass&) = delete;
+  Pass& operator=(const Pass&) = delete;
+
+  // What the plan has come to say since.
+  void leave_out(std::vector<RowBounds::Bound> omitted) { plan_.omitted = std::move(omitted); }
+  void cut_reflections(std::uint32_t most) { plan_.effects.max_reflections = most; }
 
   enum class Replicated : std::uint8_t { kSource, kApparent, kContrast };
 
@@ -33,19 +44,23 @@ class Pass {
   enum class Kind { kPilot, kStored, kStoredWithPictures };
   void run(std::uint64_t samples, std::uint64_t stage, Kind kind);
 
-  [[nodiscard]] std::size_t rows() const { return conditions_.size() * bands_.size(); }
-  [[nodiscard]] const std::vector<std::uint32_t>& conditions() const { return conditions_; }
-  [[nodiscard]] const std::vector<std::uint32_t>& bands() const { return bands_; }
+  [[nodiscard]] std::size_t rows() const { return rows_.condition.size() * rows_.band.size(); }
+  [[nodiscard]] std::uint32_t condition_of(std::size_t row) const {
+    return rows_.condition[row / rows_.band.size()];
+  }
+  [[nodiscard]] std::uint32_t band_of(std::size_t row) const {
+    return rows_.band[row % rows_.band.size()];
+  }
   [[nodiscard]] const PathCounts& counts() const { return counts_; }
   [[nodiscard]] const ReplicateStatistics& statistics(std::size_t row) const {
     return statistics_[row];
   }
-  [[nodiscard]] const ConditionShading& shading(std::size_t row) const {
-    return shading_[row / bands_.size()];
+  [[nodiscard]] const ConditionSources& light(std::size_t row) const {
+    return sources_.wanted(row / rows_.band.size());
   }
   [[nodiscard]] const std::vector<double>& image() const { return image_; }
-  [[nodiscard]] const ViewFrame& frame() const { return view_.frame; }
-  [[nodiscard]] const ImagePlan& plan() const { return plan_; }
+  [[nodiscard]] const ViewFrame& frame() const { return view_->aimed->frame; }
+  [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
   // The bias bounds of a row. Reflections that the plan leaves out are `omitted`, those that the
   // request does not allow `truncation`.                                                    [W/sr]
@@ -65,9 +80,8 @@ class Pass {
   // is more. [W/sr]
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
-  // The standard error that a row may keep for its numerical error to reach its goal: what the bias
-  // bounds leave. Where they take more than 0.8 of that, samples cannot mend it: the standard error
-  // is then brought to 0.6 of the goal, and the row will say that the target was missed.
+  // The standard error that a row may keep for its numerical error to reach its goal. What is
+  // unseen takes nothing of it: more samples meet it or rule it out.
   [[nodiscard]] double stderr_wanted(std::size_t row) const;
 
   // Throughput that goes on after each number of reflections, and an upper limit of it that
@@ -79,7 +93,7 @@ class Pass {
   [[nodiscard]] double brightest_w_m2_sr(std::size_t row) const { return brightest_[row]; }
   // Of one band, all conditions alike. Not of pilots.
   [[nodiscard]] const EnergyLedger& energy(std::size_t row) const {
-    return energy_[row % bands_.size()];
+    return energy_[row % rows_.band.size()];
   }
   // [replicate]
   [[nodiscard]] const std::vector<double>& replicates(std::size_t row, Replicated what) const {
@@ -87,28 +101,33 @@ class Pass {
   }
 
  private:
-  [[nodiscard]] double unseen_w_sr(const ConditionShading& shading, const BandGrid& grid,
-                                   std::size_t offset) const;
+  [[nodiscard]] BandOnAxis axis_band(std::size_t row) const {
+    return scene_.axis.band(band_of(row));
+  }
+  // In a plan's lists.
+  [[nodiscard]] std::size_t planned_row(std::size_t row) const {
+    return condition_of(row) * scene_.axis.bands() + band_of(row);
+  }
+  [[nodiscard]] PathSettings path_settings(std::uint64_t samples, std::uint64_t stage) const;
+  void collect(std::span<const PathWeights> weights, Kind kind);
+  void find_basis_errors(std::span<const SummedWeights> sums);
+  void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
+  [[nodiscard]] double unseen_w_sr(std::size_t row) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row) const;
   [[nodiscard]] double unseen_rim_w_sr(std::size_t row) const;
-  [[nodiscard]] ImagePlan image_plan(const PathTracer& tracer) const;
+  [[nodiscard]] ImagePlan plan_images() const;
 
-  void find_energy(std::span<const PathWeights> weights, std::span<const RowWeights> summed,
-                   const SpectralBasis* basis);
-
-  const Simulator& simulator_;
-  const ViewRequest& request_;
-  const ViewPlan& effects_;
-  std::vector<std::uint32_t> conditions_, bands_;
-  const std::vector<std::size_t>& band_offset_;
+  const PreparedScene& scene_;
+  AccuracySpec accuracy_;
+  std::uint32_t allowed_reflections_, thumbnail_px_;
+  ViewPlan plan_;
+  std::shared_ptr<const PreparedView> view_;
+  Rows rows_;
   std::uint64_t seed_;
-  const ViewEnvironments& environments_;
-  SourceClasses classes_;
-  std::vector<SunDirection> suns_;
+  ViewSources sources_;
   std::vector<UnseenSun> unseen_sun_;
-  std::vector<double> brightest_;          // [row]
-  std::vector<ConditionShading> shading_;  // [condition]
-  std::vector<SourceTable> in_band_;       // [row]
+  std::vector<double> brightest_;     // [row]
+  std::vector<SourceTable> in_band_;  // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;        // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_;  // [row]
@@ -118,9 +137,8 @@ class Pass {
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
   PathCounts counts_;
   std::uint64_t samples_ = 0;
-  ImagePlan plan_;
+  ImagePlan image_plan_;
   std::vector<double> image_;
-  const AimedView& view_;
 };
 
 }  // namespace irsig

@@ -3,31 +3,26 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numbers>
+#include <memory>
 #include <numeric>
-#include <span>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/pilot_samples.h"
 #include "core/base/sobol.h"
-#include "core/signature/pass.h"
-#include "core/signature/shading.h"
+#include "core/signature/make_plan.h"
+#include "core/signature/prepared_view.h"
+#include "core/sources/view_sources.h"
 
 namespace irsig {
 namespace {
-
-constexpr std::uint64_t kFirstPilot = 1, kSecondPilot = 2, kStored = 4;
-// The pilot must have seen what is rare: 32 replicates of 4096 see a path of probability 1e-4 a
-// dozen times.
-constexpr std::uint64_t kFirstSamples = 512, kSecondSamples = 4096;
-// The sampler's coordinates have 23 bits.
-constexpr std::uint64_t kMostSamples = 1u << 23;
 
 std::uint64_t hash_of(std::uint64_t state, std::initializer_list<double> values) {
   for (const double v : values) state = mix64(state ^ std::bit_cast<std::uint64_t>(v));
   return state;
 }
 
-// What a unit weight of each (first part, class) is worth in one band: [w] grey, [w][node] else.
+// What a unit weight of each source is worth in one band: [source] grey, [source][node] else.
 struct PointTable {
   std::vector<double> source, apparent;
   double path_w_m2_sr = 0;  // what the air adds to a footprint
@@ -37,87 +32,57 @@ struct PointTable {
 // Conditions x bands as seen along one line of sight.
 class LineShading {
  public:
-  LineShading(const Simulator& simulator, const ViewRequest& request,
-              const ViewEnvironments& environments, std::span<const std::uint32_t> conditions,
-              std::span<const std::uint32_t> bands)
-      : bands_(bands.begin(), bands.end()), directions_(environments.directions) {
-    const auto& grids = simulator.band_grids();
-    for (const BandGrid& grid : grids) {
-      band_offset_.push_back(node_um_.size());
-      node_um_.insert(node_um_.end(), grid.node_um.begin(), grid.node_um.end());
-    }
-    for (const std::uint32_t c : conditions) {
-      const int sun = sun_of(request.condition[c]);
-      sun_of_condition_.push_back(sun);
-    }
-    classes_ = source_classes(simulator.target().part.size(), suns_, over_sea(request), directions_,
-                              nullptr);
-    bool spectral = false;
-    for (const Material& m : simulator.materials()) spectral |= !m.grey();
-    const std::size_t nodes = spectral ? node_um_.size() : 1;
-    for (std::size_t i = 0; i < conditions.size(); ++i) {
-      const ConditionShading shading(request.condition[conditions[i]],
-                                     environments.condition[conditions[i]], classes_,
-                                     sun_of_condition_[i], node_um_);
-      for (const std::uint32_t b : bands_)
-        table_.push_back(table_of(shading, grids[b], band_offset_[b], spectral, nodes));
-    }
+  LineShading(const PreparedScene& scene, const ViewRequest& request,
+              std::shared_ptr<const ViewEnvironments> environments,
+              const std::vector<std::uint32_t>& conditions, const std::vector<std::uint32_t>& bands)
+      : sources_({.condition = request.condition,
+                  .wanted = conditions,
+                  .parts = scene.target.part.size(),
+                  .surface_z_m = scene.surface_z_m(),
+                  .contrast = false},
+                 EffectSet::everything(request.condition.size(), 1), std::move(environments),
+                 scene.axis.node_um()),
+        spectral_(std::any_of(scene.material.begin(), scene.material.end(),
+                              [](const Material& m) { return !m.grey(); })),
+        columns_(spectral_ ? scene.axis.nodes() : 1) {
+    for (std::size_t i = 0; i < conditions.size(); ++i)
+      for (const std::uint32_t b : bands)
+        table_.push_back(table_of(sources_.wanted(i), scene.axis.band(b)));
   }
 
-  [[nodiscard]] const std::vector<SunDirection>& suns() const { return suns_; }
-  [[nodiscard]] const SourceClasses& classes() const { return classes_; }
-  [[nodiscard]] const DirectionNodes& directions() const { return directions_; }
+  [[nodiscard]] const ViewSources& sources() const { return sources_; }
+  // Of a table, for one source.
+  [[nodiscard]] std::size_t columns() const { return columns_; }
   // Conditions x bands.
   [[nodiscard]] const std::vector<PointTable>& tables() const { return table_; }
 
  private:
-  // The index of a condition's sun among those that shine; -1: none does.
-  int sun_of(const ConditionSpec& condition) {
-    if (!sun_shines(condition)) return -1;
-    const double radius = condition.sun_angular_radius_deg * std::numbers::pi / 180;
-    const auto same = std::find_if(suns_.begin(), suns_.end(), [&](const SunDirection& s) {
-      return s.direction == condition.sun_direction && s.angular_radius_rad == radius &&
-             s.sea_wind_m_s == condition.sea_wind_m_s;
-    });
-    if (same != suns_.end()) return static_cast<int>(same - suns_.begin());
-    suns_.push_back({condition.sun_direction, radius, 0, condition.sea_wind_m_s});
-    return static_cast<int>(suns_.size()) - 1;
-  }
-
-  [[nodiscard]] PointTable table_of(const ConditionShading& shading, const BandGrid& grid,
-                                    std::size_t offset, bool spectral, std::size_t nodes) const {
-    const std::size_t n = grid.node_um.size();
+  [[nodiscard]] PointTable table_of(const ConditionSources& light, const BandOnAxis& band) const {
     PointTable table;
-    const std::size_t bins = static_cast<std::size_t>(classes_.parts + 1) * classes_.count();
-    table.source.assign(bins * nodes, 0.0);
-    table.apparent.assign(bins * nodes, 0.0);
-    for (std::uint32_t f = 0; f <= classes_.parts; ++f)
-      for (std::uint32_t c = 0; c < classes_.count(); ++c) {
-        // Behind the target nothing is reflected: the sky or the lower hemisphere itself.
-        if (f == classes_.parts && (c < classes_.sky() || c >= classes_.sun(0))) continue;
-        const double* radiance = shading.source(f, c).data() + offset;
-        const double* seen = shading.apparent(f, c).data() + offset;
-        double* source = table.source.data() + (f * classes_.count() + c) * nodes;
-        double* apparent = table.apparent.data() + (f * classes_.count() + c) * nodes;
-        for (std::size_t i = 0; i < n; ++i) {
-          const std::size_t at = spectral ? offset + i : 0;
-          source[at] += grid.band_weight[i] * radiance[i];
-          apparent[at] += grid.band_weight[i] * seen[i];
-        }
+    const SourceRange all = sources_.layout().all();
+    table.source.assign(all.size() * columns_, 0.0);
+    table.apparent.assign(all.size() * columns_, 0.0);
+    for (const SourceId id : all) {
+      const double* radiance = light.radiance(id).data() + band.first_node;
+      const double* seen = light.apparent(id).data() + band.first_node;
+      double* source = table.source.data() + index_of(id) * columns_;
+      double* apparent = table.apparent.data() + index_of(id) * columns_;
+      for (std::size_t i = 0; i < band.nodes(); ++i) {
+        const std::size_t at = spectral_ ? band.first_node + i : 0;
+        source[at] += band.grid.band_weight[i] * radiance[i];
+        apparent[at] += band.grid.band_weight[i] * seen[i];
       }
-    for (std::size_t i = 0; i < n; ++i)
-      table.path_w_m2_sr += grid.band_weight[i] * shading.environment().path_radiance[offset + i];
-    table.brightest_w_m2_sr = shading.brightest_w_m2_sr(grid, offset);
+    }
+    for (std::size_t i = 0; i < band.nodes(); ++i)
+      table.path_w_m2_sr +=
+          band.grid.band_weight[i] * light.environment().path_radiance[band.first_node + i];
+    table.brightest_w_m2_sr = light.brightest_w_m2_sr(band);
     return table;
   }
 
-  std::vector<std::uint32_t> bands_;
-  DirectionNodes directions_;
-  std::vector<double> node_um_;
-  std::vector<std::size_t> band_offset_;
-  std::vector<SunDirection> suns_;
-  std::vector<int> sun_of_condition_;
-  SourceClasses classes_;
+  ViewSources sources_;
+  bool spectral_;
+  std::size_t columns_;
   std::vector<PointTable> table_;
 };
 
@@ -131,14 +96,14 @@ struct Measured {
 
 class PointMeasurement {
  public:
-  PointMeasurement(const Simulator& simulator, const ViewRequest& request,
+  PointMeasurement(const PreparedScene& scene, const ViewRequest& request,
                    const ProfileSpec& profile, Vec<Body> at)
-      : simulator_(simulator), request_(request), profile_(profile) {
+      : scene_(scene), request_(request), profile_(profile) {
     const Viewpoint& v = request.viewpoint;
     const Vec<Body> sensor =
         v.range_m * body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
-    view_ = make_footprint_view(simulator.target(), sensor, at, profile.width_m, profile.height_m);
-    seed_ = hash_of(simulator.scene_hash() ^ mix64(request.seed),
+    view_ = make_footprint_view(scene.target, sensor, at, profile.width_m, profile.height_m);
+    seed_ = hash_of(scene.hash ^ mix64(request.seed),
                     {v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, at.x, at.y, at.z,
                      profile.width_m, profile.height_m});
   }
@@ -149,9 +114,6 @@ class PointMeasurement {
                              std::uint64_t stage) const {
     PathSettings settings;
     settings.max_reflections = profile_.reflections.back();
-    settings.lower_is_sea = over_sea(request_);
-    settings.sea_z_m = -simulator_.target().centre.z;
-    settings.earth_radius_m = settings.lower_is_sea ? kEarthRadiusM : 0;
     settings.seed = mix64(seed_ + stage);
     settings.samples = samples;
     settings.replicates = request_.accuracy.replicates;
@@ -160,9 +122,8 @@ class PointMeasurement {
     settings.split = 1;
     settings.by_order = true;
     settings.background = true;
-    settings.directions = shading.directions();
-    const PathTracer tracer(simulator_.target(), simulator_.materials(), view_.view, shading.suns(),
-                            settings);
+    const PathTracer tracer(scene_.target, scene_.material, view_.view,
+                            shading.sources().geometry(), settings);
     Measured out;
     out.beyond.assign(profile_.reflections.size(), 0.0);
     const std::size_t orders = profile_.reflections.size(), rows = shading.tables().size();
@@ -171,7 +132,7 @@ class PointMeasurement {
     std::vector<double> values(2 * rows * orders + 1);
     for (const PathWeights& weights : tracer.trace(ImagePlan{}, no_image, out.counts)) {
       for (std::size_t row = 0; row < rows; ++row)
-        shade(weights, tracer, shading.tables()[row], values.data() + 2 * row * orders);
+        shade(weights, shading, row, values.data() + 2 * row * orders);
       values.back() = weights.projected_area_m2 / view_.footprint_m2;
       out.statistics.add(values);
       add_beyond(weights, tracer, out.beyond);
@@ -181,17 +142,27 @@ class PointMeasurement {
 
  private:
   // Adds up the orders 0 .. N of each number of reflections N asked for.
-  void shade(const PathWeights& weights, const PathTracer& tracer, const PointTable& table,
+  void shade(const PathWeights& weights, const LineShading& shading, std::size_t row,
              double* out) const {
-    const std::size_t bins = tracer.bins();
+    const PointTable& table = shading.tables()[row];
+    const std::size_t columns = shading.columns();
+    const std::uint32_t parts = static_cast<std::uint32_t>(scene_.target.part.size());
     double source = 0, apparent = 0;
+    const auto add = [&](SourceId id, const double* w) {
+      const double* at_target = table.source.data() + index_of(id) * columns;
+      const double* at_sensor = table.apparent.data() + index_of(id) * columns;
+      for (std::size_t i = 0; i < columns; ++i) {
+        source += w[i] * at_target[i];
+        apparent += w[i] * at_sensor[i];
+      }
+    };
     std::size_t next = 0;
     for (std::uint32_t order = 0; order <= profile_.reflections.back(); ++order) {
-      const double* w = weights.weight.data() + order * bins;
-      for (std::size_t i = 0; i < bins; ++i) {
-        source += w[i] * table.source[i];
-        apparent += w[i] * table.apparent[i];
-      }
+      const SourceWeights& of_order = weights.of_order[order];
+      for (std::uint32_t first = 0; first < parts; ++first)
+        of_order.for_each(first, shading.sources().layout().all(), add);
+      // Behind the target nothing is reflected: the sky or the lower hemisphere itself.
+      of_order.for_each(parts, shading.sources().layout().around(), add);
       if (order != profile_.reflections[next]) continue;
       out[2 * next] = source / view_.footprint_m2;
       out[2 * next + 1] = apparent / view_.footprint_m2 + table.path_w_m2_sr;
@@ -204,7 +175,6 @@ class PointMeasurement {
   void add_beyond(const PathWeights& weights, const PathTracer& tracer,
                   std::vector<double>& beyond) const {
     const std::size_t nodes = tracer.nodes();
-    const SourceClasses& classes = tracer.classes();
     std::vector<double> later(nodes, weights.truncated_m2);
     std::size_t next = profile_.reflections.size();
     for (std::uint32_t order = profile_.reflections.back() + 1; order-- > 0;) {
@@ -213,15 +183,15 @@ class PointMeasurement {
         beyond[next] += *std::max_element(later.begin(), later.end()) /
                         (view_.footprint_m2 * request_.accuracy.replicates);
       }
-      const double* w = weights.weight.data() + order * tracer.bins();
-      for (std::uint32_t f = 0; f < tracer.firsts(); ++f)
-        for (std::uint32_t c = 0; c < classes.sun(0); ++c)
-          for (std::size_t i = 0; i < nodes; ++i)
-            later[i] += w[(f * classes.count() + c) * nodes + i];
+      for (std::uint32_t first = 0; first < tracer.firsts(); ++first)
+        weights.of_order[order].for_each(first, tracer.layout().without_sun(),
+                                         [&](SourceId /*id*/, const double* w) {
+                                           for (std::size_t i = 0; i < nodes; ++i) later[i] += w[i];
+                                         });
     }
   }
 
-  const Simulator& simulator_;
+  const PreparedScene& scene_;
   const ViewRequest& request_;
   const ProfileSpec& profile_;
   FootprintView view_;
@@ -265,15 +235,16 @@ absl::Status check(const ViewRequest& request, const ProfileSpec& profile) {
 
 // Samples of a replicate for the standard error that is wanted under every condition and in every
 // band, at the largest number of reflections.
-std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& request,
-                            const ViewEnvironments& environments, const ProfileSpec& profile,
-                            const PointMeasurement& point, std::uint64_t& rays) {
-  std::vector<std::uint32_t> conditions(request.condition.size()), bands(simulator.bands().size());
+std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& request,
+                            std::shared_ptr<const ViewEnvironments> environments,
+                            const ProfileSpec& profile, const PointMeasurement& point,
+                            std::uint64_t& rays) {
+  std::vector<std::uint32_t> conditions(request.condition.size()), bands(scene.axis.bands());
   for (std::uint32_t i = 0; i < conditions.size(); ++i) conditions[i] = i;
   for (std::uint32_t i = 0; i < bands.size(); ++i) bands[i] = i;
-  const LineShading shading(simulator, request, environments, conditions, bands);
-  const Measured first = point.run(shading, kFirstSamples, kFirstPilot);
-  const Measured second = point.run(shading, kSecondSamples, kSecondPilot);
+  const LineShading shading(scene, request, std::move(environments), conditions, bands);
+  const Measured first = point.run(shading, kFirstProfileSamples, kFirstPilotStage);
+  const Measured second = point.run(shading, kSecondProfileSamples, kSecondPilotStage);
   rays += first.counts.rays + second.counts.rays;
   const std::uint64_t most =
       std::min<std::uint64_t>(request.accuracy.max_samples_per_replicate, kMostSamples);
@@ -284,17 +255,17 @@ std::uint64_t pilot_samples(const Simulator& simulator, const ViewRequest& reque
       const std::uint32_t b = bands[row % bands.size()];
       const std::size_t q = 2 * (row * orders + n);
       const Estimate e = second.statistics.estimate(q);
-      const Estimate t = temperature_of(simulator.bands()[b], simulator.band_grids()[b], e);
+      const Estimate t = temperature_of(scene.band[b], scene.axis.grids()[b], e);
       if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
       const double wanted = e.stderr_ * profile.apparent_temperature_stderr_k / t.stderr_;
-      samples =
-          std::max(samples, samples_needed(kFirstSamples, first.statistics.estimate(q).stderr_,
-                                           kSecondSamples, e.stderr_, wanted, most));
+      samples = std::max(samples,
+                         samples_needed(kFirstProfileSamples, first.statistics.estimate(q).stderr_,
+                                        kSecondProfileSamples, e.stderr_, wanted, most));
     }
   return std::min(samples, most);
 }
 
-double quadrature_bound(const Simulator& simulator, const ConditionSpec& condition,
+double quadrature_bound(const PreparedScene& scene, const ConditionSpec& condition,
                         std::uint32_t band, double value) {
   double coldest = 1e9, hottest = 1;
   for (const double t : condition.part_temperature_k) {
@@ -303,39 +274,36 @@ double quadrature_bound(const Simulator& simulator, const ConditionSpec& conditi
   }
   if (condition.surroundings.sky_temperature_k > 0)
     coldest = std::min(coldest, condition.surroundings.sky_temperature_k);
-  return std::abs(value) * quadrature_relative_bound(simulator.bands()[band],
-                                                     simulator.band_grids()[band],
+  return std::abs(value) * quadrature_relative_bound(scene.band[band], scene.axis.grids()[band],
                                                      std::clamp(coldest, 1.0, hottest), hottest);
 }
 
 }  // namespace
 
-absl::StatusOr<ProfileResult> simulate_profile(const Simulator& simulator,
+absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
                                                const ViewRequest& request,
                                                const ProfileSpec& profile) {
   if (absl::Status status = check(request, profile); !status.ok()) return status;
   const std::size_t orders = profile.reflections.size();
   std::vector<std::uint32_t> conditions(request.condition.size());
   std::iota(conditions.begin(), conditions.end(), 0u);
-  std::vector<double> simulator_nodes;
-  for (const BandGrid& grid : simulator.band_grids())
-    simulator_nodes.insert(simulator_nodes.end(), grid.node_um.begin(), grid.node_um.end());
   ProfileResult out;
   for (std::uint32_t p = 0; p < profile.point.size(); ++p) {
-    const PointMeasurement point(simulator, request, profile, profile.point[p]);
-    const auto environments = view_environments(request, simulator.target(), point.range_m(),
-                                                conditions, simulator_nodes);
-    if (!environments.ok()) return environments.status();
+    const PointMeasurement point(scene, request, profile, profile.point[p]);
+    auto seen =
+        view_environments(request, scene.target, point.range_m(), conditions, scene.axis.node_um());
+    if (!seen.ok()) return seen.status();
+    const auto environments = std::make_shared<const ViewEnvironments>(*std::move(seen));
     std::uint64_t samples;
     if (profile.samples > 0) {
       const double wanted = std::ceil(profile.samples / request.accuracy.replicates / 16) * 16;
       samples = static_cast<std::uint64_t>(std::min(wanted, static_cast<double>(kMostSamples)));
     } else {
-      samples = pilot_samples(simulator, request, *environments, profile, point, out.counts.rays);
+      samples = pilot_samples(scene, request, environments, profile, point, out.counts.rays);
     }
-    const LineShading shading(simulator, request, *environments, request.selected_condition,
+    const LineShading shading(scene, request, environments, request.selected_condition,
                               request.selected_band);
-    const Measured measured = point.run(shading, samples, kStored);
+    const Measured measured = point.run(shading, samples, kStoredStage);
     const ReplicateStatistics& s = measured.statistics;
     for (std::size_t row = 0; row < shading.tables().size(); ++row)
       for (std::size_t n = 0; n < orders; ++n) {
@@ -347,10 +315,10 @@ absl::StatusOr<ProfileResult> simulate_profile(const Simulator& simulator,
         r.radiance_w_m2_sr = s.estimate(2 * (row * orders + n));
         r.apparent_radiance_w_m2_sr = s.estimate(2 * (row * orders + n) + 1);
         r.truncation_bound_w_m2_sr = measured.beyond[n] * shading.tables()[row].brightest_w_m2_sr;
-        r.quadrature_bound_w_m2_sr = quadrature_bound(simulator, request.condition[r.condition],
-                                                      r.band, r.radiance_w_m2_sr.value);
-        r.apparent_temperature_k = temperature_of(
-            simulator.bands()[r.band], simulator.band_grids()[r.band], r.radiance_w_m2_sr);
+        r.quadrature_bound_w_m2_sr = quadrature_bound(scene, request.condition[r.condition], r.band,
+                                                      r.radiance_w_m2_sr.value);
+        r.apparent_temperature_k =
+            temperature_of(scene.band[r.band], scene.axis.grids()[r.band], r.radiance_w_m2_sr);
         r.target_fraction = s.estimate(2 * shading.tables().size() * orders).value;
       }
     out.samples.push_back(measured.counts.samples);

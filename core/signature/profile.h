@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/signature.h"
+#include "core/accuracy/replicates.h"
+#include "core/signature/prepared_scene.h"
+#include "core/signature/request.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {
@@ -49,7 +51,7 @@ struct ProfileResult {
 //
 // Replicates and selection as in the request; accuracy, max_reflections and thumbnail_px of the
 // request are not used. Errors: INVALID_ARGUMENT for a specification that makes no sense.
-[[nodiscard]] absl::StatusOr<ProfileResult> simulate_profile(const Simulator& simulator,
+[[nodiscard]] absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
                                                              const ViewRequest& request,
                                                              const ProfileSpec& profile);
 

@@ -2,7 +2,9 @@
 
 #include <vector>
 
-#include "core/signature/signature.h"
+#include "core/materials/material.h"
+#include "core/scene/target.h"
+#include "core/sources/source_geometry.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {

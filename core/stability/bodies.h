@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/scene/mesh.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 
 namespace irsig {
 

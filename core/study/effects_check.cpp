@@ -9,7 +9,7 @@ namespace irsig {
 namespace {
 
 struct Run {
-  ViewPlan plan;
+  PlannedView planned;
   ViewResult result;
   double cpu_s = 0;
 };
@@ -17,11 +17,11 @@ struct Run {
 absl::StatusOr<Run> plan_and_measure(const Simulator& simulator, const ViewRequest& request,
                                      const CpuClock& cpu_s) {
   const double start_s = cpu_s();
-  auto plan = simulator.plan(request);
-  if (!plan.ok()) return plan.status();
-  auto result = simulator.measure(request, *plan);
+  auto planned = simulator.prepare(request);
+  if (!planned.ok()) return planned.status();
+  auto result = simulator.measure(request, *planned);
   if (!result.ok()) return result.status();
-  return Run{*std::move(plan), *std::move(result), cpu_s() - start_s};
+  return Run{*std::move(planned), *std::move(result), cpu_s() - start_s};
 }
 
 struct RunsOfQuantity {
@@ -104,15 +104,15 @@ absl::StatusOr<std::vector<CheckedRow>> compare_rows(const ViewResult& chosen,
   return out;
 }
 
-absl::Status add_reference(const Simulator& simulator, ViewRequest request, ViewPlan plan,
+absl::Status add_reference(const Simulator& simulator, ViewRequest request, PlannedView planned,
                            const EffectsCheckOptions& options, CheckedView& view) {
   const double wanted =
                    std::ceil(options.reference_paths * static_cast<double>(view.chosen_samples)),
                most = static_cast<double>(
                    std::max(options.most_reference_samples, view.chosen_samples));
   request.seed += 1;
-  plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
-  const auto reference = simulator.measure(request, plan);
+  planned.plan.samples_per_replicate = static_cast<std::uint64_t>(std::min(wanted, most));
+  const auto reference = simulator.measure(request, planned);
   if (!reference.ok()) return reference.status();
   for (std::size_t i = 0; i < view.row.size(); ++i) take_reference(reference->row[i], view.row[i]);
   view.referenced = true;
@@ -172,13 +172,13 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
     chosen = *std::move(a);
     all = *std::move(b);
   }
-  view.chosen_samples = chosen.plan.samples_per_replicate;
-  view.all_samples = all.plan.samples_per_replicate;
+  view.chosen_samples = chosen.planned.plan.samples_per_replicate;
+  view.all_samples = all.planned.plan.samples_per_replicate;
   // The same paths: as many as the chosen run has.
-  if (all.plan.samples_per_replicate != chosen.plan.samples_per_replicate) {
-    ViewPlan plan = all.plan;
-    plan.samples_per_replicate = chosen.plan.samples_per_replicate;
-    auto result = simulator.measure(with_all, plan);
+  if (all.planned.plan.samples_per_replicate != chosen.planned.plan.samples_per_replicate) {
+    PlannedView planned = all.planned;
+    planned.plan.samples_per_replicate = chosen.planned.plan.samples_per_replicate;
+    auto result = simulator.measure(with_all, planned);
     if (!result.ok()) return result.status();
     all.result = *std::move(result);
   }
@@ -186,7 +186,7 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
   if (!rows.ok()) return rows.status();
   view.row = *std::move(rows);
   if (options.reference_paths > 0) {
-    const absl::Status status = add_reference(simulator, with_all, all.plan, options, view);
+    const absl::Status status = add_reference(simulator, with_all, all.planned, options, view);
     if (!status.ok()) return status;
   }
   return view;

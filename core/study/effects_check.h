@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "core/study/work_precision.h"
 
 namespace irsig {

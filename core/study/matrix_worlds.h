@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 
 namespace irsig {
 

@@ -51,13 +51,14 @@ absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator, Vi
                                                   std::vector<StatedRow> rows,
                                                   const LongerRun& longer) {
   request.thumbnail_px = 0;
-  auto plan = simulator.plan(request);
-  if (!plan.ok()) return plan.status();
-  if (longer.row_samples > 0) plan->samples_per_replicate = longer.row_samples;
-  const auto own = static_cast<double>(plan->samples_per_replicate);
+  auto planned = simulator.prepare(request);
+  if (!planned.ok()) return planned.status();
+  std::uint64_t& samples_per_replicate = planned->plan.samples_per_replicate;
+  if (longer.row_samples > 0) samples_per_replicate = longer.row_samples;
+  const auto own = static_cast<double>(samples_per_replicate);
   const double samples =
       std::min(std::ceil(longer.times * own), static_cast<double>(longer.most_samples));
-  plan->samples_per_replicate = static_cast<std::uint64_t>(samples);
+  samples_per_replicate = static_cast<std::uint64_t>(samples);
   request.seed += longer.seed_offset;
   request.selected_condition.clear();
   request.selected_band.clear();
@@ -69,7 +70,7 @@ absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator, Vi
     std::sort(selected->begin(), selected->end());
     selected->erase(std::unique(selected->begin(), selected->end()), selected->end());
   }
-  const auto reference = simulator.measure(request, *plan);
+  const auto reference = simulator.measure(request, *planned);
   if (!reference.ok()) return reference.status();
   for (StatedRow& row : rows) {
     const auto same =

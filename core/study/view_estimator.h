@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/signature/pass.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
+#include "core/sources/view_sources.h"
+#include "core/transport/path_tracer.h"
 
 namespace irsig {
 
@@ -64,11 +65,9 @@ class ViewEstimator {
 
  private:
   ViewEstimator(const Simulator& simulator, const ViewRequest& request);
-  struct Suns {
-    std::vector<SunDirection> sun;
-    std::vector<int> of_row;
-  };
-  [[nodiscard]] Suns suns_of(std::span<const ViewRow> rows) const;
+  // conditions: those whose light is wanted.
+  [[nodiscard]] ViewSources sources_of(std::span<const std::uint32_t> conditions,
+                                       bool contrast) const;
   [[nodiscard]] PathSettings settings(const EstimatorKnobs& knobs) const;
   void trace_together(std::span<const ViewRow> rows, const PathSettings& settings,
                       const Target& target, const AimedView& view, ViewValue& out) const;
@@ -79,9 +78,7 @@ class ViewEstimator {
   const ViewRequest& request_;
   Target unmarked_;  // without hot parts
   AimedView whole_;  // of the latter: one stratum, the bounding rectangle
-  ViewEnvironments environments_;
-  std::vector<double> node_um_;
-  std::vector<std::size_t> band_offset_;
+  std::shared_ptr<const ViewEnvironments> environments_;
 };
 
 }  // namespace irsig

@@ -87,8 +87,7 @@ void PathTracer::aim_at_suns(Work& work, std::uint32_t order) const {
       const Sun::Light light = sun.towards(x, r * list.cos_y[k], r * list.sin_y[k]);
       const Float3 wi = light.direction;
       const float cos_i = dot(n, wi);
-      if (cos_i <= 0 || (settings_.lower_is_sea && wi.z > 0))
-        continue;  // that piece of the disk has set
+      if (cos_i <= 0 || (plane_ && wi.z > 0)) continue;  // that piece of the disk has set
       const Reflection at = reflection(n, wi, wo, cos_i, vertex.cos_o[v]);
       const Material& material = materials_[vertex.material[v]];
       float f = light.irradiance;
@@ -166,8 +165,7 @@ void PathTracer::aim_at_hot_lights(Work& work, std::uint32_t order) const {
     if (light.cos_l <= 0) continue;
     const float cos_i = dot(n, wi);
     if (cos_i <= 0) continue;
-    if (settings_.lower_is_sea &&
-        light.at.z > static_cast<float>(settings_.sea_z_m + target_.offset_m()))
+    if (plane_ && light.at.z > static_cast<float>(plane_->z_m + target_.offset_m()))
       continue;  // under water
     const Reflection at = reflection(n, wi, wo, cos_i, vertex.cos_o[v]);
     const Material& material = materials_[vertex.material[v]];
@@ -183,7 +181,8 @@ void PathTracer::aim_at_hot_lights(Work& work, std::uint32_t order) const {
     if (!sound(s.weight, *work.counts)) continue;
     const Float3 segment{light.at.x - x.x, light.at.y - x.y, light.at.z - x.z};
     const std::uint32_t ray = work.hot_shadow.push(x, segment, s);
-    work.hot_class[ray] = classes_.part(target_.facet[light.facet].part);
+    work.hot_source[ray] =
+        layout_.reflected(sources_.emitters.of(light.facet, target_.facet[light.facet].part));
     if constexpr (kSpectral) {
       float* row = work.hot_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_;
       material.spectral_brdf_per_sr(at, row);
@@ -295,7 +294,7 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
       const Sun& sun = work.sun[j];
       Sun::Light light{};
       if (material.narrowest_slope() >= sun.narrow_slope || !sun.met_by(x, direction, light) ||
-          (settings_.lower_is_sea && direction.z > 0))
+          (plane_ && direction.z > 0))
         continue;
       const float aimed = work.sun_keep[j * work.most + v] * light.density_per_sr;
       const float drawn = vertex.survival[v] * material.density_per_sr(local.at);
@@ -330,7 +329,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
       const PathState& s = batch.state[i];
       if (s.spectral_max > 0) ++met[j];
       add<kSpectral>(
-          work, s, order + 1, classes_.sun(j), s.weight,
+          work, s, order + 1, layout_.sun(j), s.weight,
           batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
     }
   }
@@ -344,7 +343,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
     const PathState& s = batch.state[i];
-    add<kSpectral>(work, s, order + 1, work.hot_class[i], s.weight,
+    add<kSpectral>(work, s, order + 1, work.hot_source[i], s.weight,
                    batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
   }
 }

@@ -6,9 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "core/environment/direction_nodes.h"
 #include "core/materials/material.h"
 #include "core/scene/target.h"
+#include "core/sources/source_geometry.h"
+#include "core/sources/source_layout.h"
+#include "core/sources/source_weights.h"
 #include "core/transport/cell_order.h"
 #include "core/transport/hot_lights.h"
 #include "core/transport/primary_rays.h"
@@ -32,51 +34,10 @@ inline constexpr float kNarrowRadii = 2.0f;
 // surface's 1 / pi. Such sights are counted.
 inline constexpr float kBrightSlope = 0.04f;
 
-// Where a path ends. The classes of one first-hit part f are stored side by side:
-//   own            emitted by f itself (no reflection)
-//   part(q)        emitted by part q, reflected towards the sensor (last of all) by f
-//   sky(k), lower(k)  from above and below the horizon, at direction node k of the side
-//   sun(j)         direct sun j, per unit irradiance normal to the beam
-//   glint(j, k)    sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
-//   irradiance
-//                  normal to the beam and unit reflectance
-//   behind(k)      not part of the intensity: what of f's silhouette stands before direction node k
-//                  (seen from the sensor, beyond the target), for the contrast
-struct SourceClasses {
-  std::uint32_t parts = 0, suns = 0;
-  std::uint32_t sky_nodes = 1, lower_nodes = 1, behind_nodes = 0;
-  std::uint32_t glint_nodes = 0;  // of each sun
-  [[nodiscard]] std::uint32_t own() const { return 0; }
-  [[nodiscard]] std::uint32_t part(std::uint32_t q) const { return 1 + q; }
-  [[nodiscard]] std::uint32_t sky(std::uint32_t k = 0) const { return 1 + parts + k; }
-  [[nodiscard]] std::uint32_t lower(std::uint32_t k = 0) const { return sky(sky_nodes) + k; }
-  [[nodiscard]] std::uint32_t sun(std::uint32_t j) const { return lower(lower_nodes) + j; }
-  [[nodiscard]] std::uint32_t glint(std::uint32_t j, std::uint32_t k = 0) const {
-    return sun(suns) + j * glint_nodes + k;
-  }
-  [[nodiscard]] std::uint32_t behind(std::uint32_t k) const { return glint(suns) + k; }
-  [[nodiscard]] std::uint32_t count() const { return behind(behind_nodes); }
-};
-
-struct SunDirection {
-  Vec<Body> direction;  // unit vector towards the sun's centre
-  double angular_radius_rad;
-  // > 0: a lamp this far from the target's centre, of the same intensity in all directions. Its
-  // weights are per unit irradiance at the centre.
-  double distance_m = 0;
-  // > 0: a sea roughened by this wind mirrors it. [m/s]
-  double sea_wind_m_s = 0;
-};
-
-// behind: null if the contrast is not wanted; lower_is_sea: as in PathSettings.
-[[nodiscard]] SourceClasses source_classes(std::size_t parts, std::span<const SunDirection> suns,
-                                           bool lower_is_sea, const DirectionNodes& directions,
-                                           const DirectionNodes* behind);
-
 // What the paths are accumulated into pictures with: `images` in-band pictures of width x height
-// pixels over the view's bounding rectangle. source[(f * classes + c) * padded + i] is what a unit
-// weight of class (f, c) adds to picture i: an in-band radiance for grey materials. With spectral
-// materials it has a further index, the node: a weight at each node.
+// pixels over the view's bounding rectangle. source[id * padded + i] is what a unit weight of a
+// source adds to picture i: an in-band radiance for grey materials. With spectral materials it is
+// source[(id * images + i) * nodes + node]: a weight at each node.
 struct ImagePlan {
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t images = 0, padded = 0;  // padded: images rounded up to a multiple of 8
@@ -86,9 +47,6 @@ struct ImagePlan {
 
 struct PathSettings {
   std::uint32_t max_reflections = 3;
-  bool lower_is_sea = false;  // a point below z = 0 is under water: what is met there is the sea
-  double sea_z_m = 0;         // the waterline in coordinates relative to the centre (body z, down)
-  double earth_radius_m = 0;  // > 0: the sea's curvature hides what lies behind it (primary rays)
   std::uint64_t seed = 0;     // of the job; replicates derive theirs from it
   std::uint64_t samples = 0;  // primary samples of the main stratum, each replicate
   std::uint32_t replicates = 32;
@@ -97,13 +55,12 @@ struct PathSettings {
   // throughput is small are followed for longer (less scatter from roulette, more rays).
   double persistence = 1;
   bool by_order = false;  // weights are kept apart by the number of reflections
+  // PathWeights::last is kept also where there are fewer than two reflections, of which no series
+  // can be made.
+  bool always_last = false;
   // Primary rays that miss the target end in the sky or below the horizon, as a first "part" of
   // their own behind the target's parts.
   bool background = false;
-  // Where the radiance of sky and sea is known, around the target; and along the lines of sight
-  // beyond it (absent: the contrast is not wanted).
-  DirectionNodes directions;
-  std::optional<DirectionNodes> behind;
   // Off: hot parts and the sun's disk are found as they were before lights were weighted against
   // drawn directions (hot parts by chance, the sun by aimed rays only). For comparisons.
   bool hot_lights = true, sun_disk_by_chance = true;
@@ -113,13 +70,14 @@ struct PathSettings {
   bool no_second_hit = false;
 };
 
-// The weights of one replicate: intensity = sum over (f, c) of weight x source radiance of (f, c).
-// [m^2] Grey: one number for each (f, c). Spectral: one for each (f, c, node). With by_order, one
-// such table for each number of reflections 0 .. max_reflections, one after the other.
+// The weights of one replicate: intensity = sum over first parts and sources of weight x the
+// source's radiance. [m^2]
 struct PathWeights {
-  std::vector<double> weight;
-  // What paths of exactly max_reflections reflections contributed: one table, part of `weight`.
-  std::vector<double> last;
+  SourceWeights weight;
+  std::vector<SourceWeights> of_order;  // with by_order instead, [0 .. max_reflections]
+  // What paths of exactly max_reflections reflections contributed: part of `weight`. Empty if that
+  // is fewer than two, unless PathSettings::always_last.
+  SourceWeights last;
   double projected_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
   // beyond_spacing(N); 0 where there is no such number). The last is lost. Spectral: of each path
@@ -179,19 +137,16 @@ struct PathCounts {
 // share them, and no ray of a path depends on a sun.
 class PathTracer {
  public:
+  // target, materials and view outlive it.
   PathTracer(const Target& target, std::span<const Material> materials, const AimedView& view,
-             std::vector<SunDirection> suns, PathSettings settings);
+             SourceGeometry sources, PathSettings settings);
 
-  [[nodiscard]] const SourceClasses& classes() const { return classes_; }
+  // Where weights of which source stand.
+  [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   [[nodiscard]] bool spectral() const { return spectral_; }
-  [[nodiscard]] std::size_t nodes() const { return nodes_; }  // 1 if grey
-  // First "parts" in a table of weights, and the numbers in one.
-  [[nodiscard]] std::uint32_t firsts() const {
-    return classes_.parts + (settings_.background ? 1 : 0);
-  }
-  [[nodiscard]] std::size_t bins() const {
-    return static_cast<std::size_t>(firsts()) * classes_.count() * nodes_;
-  }
+  [[nodiscard]] std::size_t nodes() const { return nodes_; }  // columns of weights: 1 if grey
+  // First parts in a table of weights: with PathSettings::background one more than parts.
+  [[nodiscard]] std::uint32_t firsts() const { return parts_ + (settings_.background ? 1 : 0); }
 
   // Traces all replicates, side by side: rays of different replicates that are aimed at the same
   // small piece of the image share a packet. image (if the plan is not empty) has width x height x
@@ -207,8 +162,21 @@ class PathTracer {
   template <bool kSpectral>
   void trace_batch(Work& work) const;
   void aim_batch(Work& work, const CoverageMask& mask) const;
+  // Where the rays of work.batch end: its stages, in their order.
   template <bool kSpectral>
   void arrive(Work& work, std::uint32_t order) const;
+  struct Arrivals;
+  struct Ray;
+  struct Hit;
+  enum class Met : std::uint8_t { kTarget, kAbove, kBelow, kNothing };
+  [[nodiscard]] Met find_hit(const Arrivals& all, Work& work, const Ray& ray, Hit& hit) const;
+  template <bool kSpectral>
+  void end_beyond(const Arrivals& all, Work& work, const Ray& ray, bool above) const;
+  void begin_path(Work& work, const Ray& ray, const Hit& hit) const;
+  [[nodiscard]] float unaimed_weight(const Work& work, const Ray& ray, const Hit& hit) const;
+  template <bool kSpectral>
+  void add_emission(const Arrivals& all, Work& work, const Ray& ray, const Hit& hit) const;
+  void list_vertex(const Arrivals& all, Work& work, const Ray& ray, const Hit& hit) const;
   template <bool kSpectral>
   void depart(Work& work, std::uint32_t order) const;
   template <bool kSpectral>
@@ -227,16 +195,18 @@ class PathTracer {
   template <bool kSpectral>
   void trace_glint(Work& work, std::uint32_t order) const;
   template <bool kSpectral>
-  void add(Work& work, const PathState& path, std::uint32_t order, std::uint32_t source_class,
-           float weight, const float* spectrum) const;
+  void add(Work& work, const PathState& path, std::uint32_t order, SourceId source, float weight,
+           const float* spectrum) const;
   template <bool kSpectral>
   void trace_shadows(Work& work, std::uint32_t order) const;
 
   const Target& target_;
   std::span<const Material> materials_;
-  std::vector<SunDirection> suns_;
+  SourceGeometry sources_;
+  std::optional<Plane> plane_;  // of sea or ground
   PathSettings settings_;
-  SourceClasses classes_;
+  std::uint32_t parts_;
+  SourceLayout layout_;
   bool spectral_ = false;
   bool any_narrow_ = false;  // a material with a lobe not much wider than some sun
   bool any_bright_ = false;  // a material with a lobe below kBrightSlope

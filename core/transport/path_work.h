@@ -99,23 +99,23 @@ struct PathTracer::Work {
   double* image;
   PathCounts* counts;
   std::vector<Sun> sun;
-  std::uint32_t capacity = 0;  // primary rays of a batch
-  std::uint32_t most = 0;      // after splitting
-  std::size_t bins = 0;        // (f, c, node) of one replicate
-  std::vector<double> weight;  // [replicate][bin], of the current stratum
-  std::vector<double> last;    // those of the last order alone
-  std::vector<double> area;    // [replicate]
-  std::vector<double> beyond;  // [replicate][order]: PathWeights::beyond_order_m2
-  float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density
+  std::uint32_t capacity = 0;         // primary rays of a batch
+  std::uint32_t most = 0;             // after splitting
+  std::uint32_t orders = 1;           // tables of weights of one replicate
+  std::vector<SourceWeights> weight;  // [replicate][order], of the current stratum
+  std::vector<SourceWeights> last;    // [replicate]: those of the last order alone
+  std::vector<double> area;           // [replicate]
+  std::vector<double> beyond;         // [replicate][order]: PathWeights::beyond_order_m2
+  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
   std::vector<SeedPair> late_seeds;         // [replicate][pair], of one later order
   std::uint32_t stratum = 0;
   RayBatch batch, next;
-  std::vector<RayBatch> shadow;          // one for each sun
-  RayBatch hot_shadow;                   // to the hot lights
-  std::vector<std::uint32_t> hot_class;  // where they would be added
-  RayBatch glint_shadow;                 // from the sea to suns that it mirrors
+  std::vector<RayBatch> shadow;      // one for each sun
+  RayBatch hot_shadow;               // to the hot lights
+  std::vector<SourceId> hot_source;  // of which emitters
+  RayBatch glint_shadow;             // from the sea to suns that it mirrors
   std::vector<std::uint32_t> glint_sun;
   std::vector<GlintShare> glint_at;
   std::vector<float> row;  // a spectrum being made
@@ -134,40 +134,34 @@ struct PathTracer::Work {
 };
 
 template <bool kSpectral>
-inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t order,
-                            std::uint32_t source_class, float weight, const float* spectrum) const {
-  const std::size_t pixel = path.pixel;
-  const std::size_t bin = static_cast<std::size_t>(path.first) * classes_.count() + source_class;
+inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t order, SourceId source,
+                            float weight, const float* spectrum) const {
   const ImagePlan& plan = *work.plan;
+  double* out = work.weight[path.replicate * work.orders + (settings_.by_order ? order : 0)].row(
+      path.first, source);
+  const bool is_last = order == settings_.max_reflections && !work.last.empty();
+  double* image =
+      plan.empty() ? nullptr : work.image + static_cast<std::size_t>(path.pixel) * plan.padded;
   if constexpr (kSpectral) {
-    double* out = work.weight.data() + path.replicate * work.bins +
-                  (settings_.by_order ? order * bins() : 0) + bin * nodes_;
     for (std::size_t i = 0; i < nodes_; ++i) out[i] += static_cast<double>(weight * spectrum[i]);
-    if (order == settings_.max_reflections && !work.last.empty()) {
-      double* last = work.last.data() + path.replicate * bins() + bin * nodes_;
+    if (is_last) {
+      double* last = work.last[path.replicate].row(path.first, source);
       for (std::size_t i = 0; i < nodes_; ++i) last[i] += static_cast<double>(weight * spectrum[i]);
     }
-    if (!plan.empty()) {
-      const float* source = plan.source.data() + bin * plan.images * nodes_;
-      double* image = work.image + pixel * plan.padded;
-      for (std::uint32_t k = 0; k < plan.images; ++k, source += nodes_) {
-        float sum = 0;
-        for (std::size_t i = 0; i < nodes_; ++i) sum += spectrum[i] * source[i];
-        image[k] += static_cast<double>(work.area_per_sample * weight * sum);
-      }
+    if (image == nullptr) return;
+    const float* shown = plan.source.data() + index_of(source) * plan.images * nodes_;
+    for (std::uint32_t k = 0; k < plan.images; ++k, shown += nodes_) {
+      float sum = 0;
+      for (std::size_t i = 0; i < nodes_; ++i) sum += spectrum[i] * shown[i];
+      image[k] += static_cast<double>(work.area_per_sample * weight * sum);
     }
   } else {
-    work.weight[path.replicate * work.bins + (settings_.by_order ? order * bins() : 0) + bin] +=
-        static_cast<double>(weight);
-    if (order == settings_.max_reflections && !work.last.empty())
-      work.last[path.replicate * bins() + bin] += static_cast<double>(weight);
-    if (!plan.empty()) {
-      const float* source = plan.source.data() + bin * plan.padded;
-      double* image = work.image + pixel * plan.padded;
-      const float w = work.area_per_sample * weight;
-      for (std::uint32_t k = 0; k < plan.padded; ++k)
-        image[k] += static_cast<double>(w * source[k]);
-    }
+    *out += static_cast<double>(weight);
+    if (is_last) *work.last[path.replicate].row(path.first, source) += static_cast<double>(weight);
+    if (image == nullptr) return;
+    const float* shown = plan.source.data() + index_of(source) * plan.padded;
+    const float w = work.area_per_sample * weight;
+    for (std::uint32_t k = 0; k < plan.padded; ++k) image[k] += static_cast<double>(w * shown[k]);
   }
 }
 

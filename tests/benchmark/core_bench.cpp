@@ -13,8 +13,7 @@
 #include <vector>
 
 #include "core/base/constants.h"
-#include "core/signature/shading.h"
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
 #include "core/transport/path_tracer.h"
 
 namespace irsig {
@@ -170,12 +169,17 @@ void against_replay(const Simulator& simulator, std::uint64_t samples, const Cas
       with(true, TracerGuard::kEdges), with(true, TracerGuard::kVertices)};
   std::vector<double> over_robust[4];
   for (const Viewpoint& view : views) {
-    PathSettings settings{
-        what.reflections, true, -target.centre.z, kEarthRadiusM, 1, samples / 32, 32, 1};
+    PathSettings settings;
+    settings.max_reflections = what.reflections;
+    settings.seed = 1;
+    settings.samples = samples / 32;
+    SourceGeometry sources;
+    sources.boundary = Sea{{-target.centre.z, kEarthRadiusM}};
+    sources.sun = what.suns;
     std::vector<double> no_image;
     const AimedView aimed = make_aimed_view(target, view);
     const auto trace = [&](PathCounts& counts) {
-      const PathTracer tracer(target, simulator.materials(), aimed, what.suns, settings);
+      const PathTracer tracer(target, simulator.materials(), aimed, sources, settings);
       const double start = cpu_s();
       tracer.trace({}, no_image, counts);
       return cpu_s() - start;

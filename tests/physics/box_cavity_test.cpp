@@ -92,8 +92,8 @@ TEST(BoxCavity, EveryWallDepthAndNumberOfReflections) {
     std::vector<std::uint32_t> reflections;
     for (const std::size_t i : rows)
       reflections.push_back(static_cast<std::uint32_t>(table.number(i, "reflections")));
-    const auto result =
-        simulate_profile(*simulator, view_of(*simulator, 240), looking_at(scene[2], reflections));
+    const auto result = simulate_profile(simulator->scene(), view_of(*simulator, 240),
+                                         looking_at(scene[2], reflections));
     ASSERT_TRUE(result.ok()) << result.status();
     ASSERT_EQ(result->row.size(), rows.size());
     EXPECT_EQ(result->counts.guarded_nonfinite, 0U);
@@ -133,7 +133,7 @@ TEST(BoxCavity, AWorldOfOneTemperatureIsBlack) {
       const auto simulator = box(walls, depth_m);
       ProfileSpec profile = looking_at("0.5", {0, 1, 40});
       profile.apparent_temperature_stderr_k = 0.004;
-      const auto result = simulate_profile(*simulator, view_of(*simulator, 306), profile);
+      const auto result = simulate_profile(simulator->scene(), view_of(*simulator, 306), profile);
       ASSERT_TRUE(result.ok()) << result.status();
       const ProfileRow& row = result->row.back();
       expect_within_t(row.radiance_w_m2_sr, planck_band_radiance_w_m2_sr(8, 14, 306), 4,
@@ -155,8 +155,8 @@ TEST(BoxCavity, NumbersOfReflectionsComeFromTheSamePaths) {
     p->samples = 1 << 16;
   }
   const ViewRequest request = view_of(*simulator, 240);
-  const auto a = simulate_profile(*simulator, request, alone);
-  const auto b = simulate_profile(*simulator, request, among);
+  const auto a = simulate_profile(simulator->scene(), request, alone);
+  const auto b = simulate_profile(simulator->scene(), request, among);
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_NEAR(a->row[0].radiance_w_m2_sr.value, b->row[2].radiance_w_m2_sr.value, 1e-9);
   EXPECT_NEAR(a->row[0].radiance_w_m2_sr.stderr_, b->row[2].radiance_w_m2_sr.stderr_, 1e-9);
@@ -168,7 +168,7 @@ TEST(BoxCavity, BesideTheTargetIsTheSky) {
   request.viewpoint = {180, -5, 1e5};  // from below, looking up
   ProfileSpec profile = looking_at("0.5", {0, 3});
   profile.point = {{0, 3, -2}};
-  const auto result = simulate_profile(*simulator, request, profile);
+  const auto result = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(result.ok()) << result.status();
   for (const ProfileRow& row : result->row) {
     EXPECT_NEAR(row.apparent_temperature_k.value, 240, 1e-4);
@@ -188,7 +188,7 @@ TEST(BoxCavity, UnderWaterIsTheSea) {
   ProfileSpec profile = looking_at("0.5", {0, 2});
   profile.point = {{1, 0, 0.1}, {1, 0, -0.1}};
   profile.apparent_temperature_stderr_k = 0.1;
-  const auto result = simulate_profile(*simulator, request, profile);
+  const auto result = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_NEAR(result->row[0].apparent_temperature_k.value, 288, 1e-3);
   EXPECT_EQ(result->row[0].target_fraction, 0);
@@ -197,7 +197,7 @@ TEST(BoxCavity, UnderWaterIsTheSea) {
   // From 3.6 m above the sea, 40 km away, which is 122 m below the horizontal plane of the box: its
   // horizon ends 6.8 km away, and the box is 33 km behind that.
   request.viewpoint = {0, -std::asin(122.0 / 40000) * 180 / std::numbers::pi, 40000};
-  const auto far = simulate_profile(*simulator, request, profile);
+  const auto far = simulate_profile(simulator->scene(), request, profile);
   ASSERT_TRUE(far.ok()) << far.status();
   EXPECT_NEAR(far->row[2].apparent_temperature_k.value, 288, 1e-3);
 }
@@ -208,7 +208,7 @@ TEST(BoxCavity, SenselessProfilesAreRefused) {
   const auto refused = [&](auto change) {
     ProfileSpec profile = looking_at("0.5", {0, 1});
     change(profile);
-    return simulate_profile(*simulator, request, profile).status().code() ==
+    return simulate_profile(simulator->scene(), request, profile).status().code() ==
            absl::StatusCode::kInvalidArgument;
   };
   EXPECT_TRUE(refused([](ProfileSpec& p) { p.point.clear(); }));

@@ -77,8 +77,9 @@ Orders trace(const Simulator& simulator, std::uint32_t max_reflections, std::uin
     std::vector<double> sum(max_reflections + 1, 0.0);
     double running = 0;
     for (std::uint32_t n = 0; n <= max_reflections; ++n) {
-      const double* table = w.weight.data() + n * tracer.bins();
-      running += table[tracer.classes().own()] + table[tracer.classes().part(0)];
+      const SourceWeights& table = w.of_order[n];
+      running +=
+          table.value(0, tracer.layout().seen(0)) + table.value(0, tracer.layout().reflected(0));
       sum[n] = running / w.projected_area_m2;
     }
     statistics.add(sum);

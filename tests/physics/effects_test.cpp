@@ -82,10 +82,10 @@ TEST(Effects, AConvexTargetNeedsNoReflectedRays) {
   const Scene s = by_day(box(2), 0.6, 300, 0.003);
   const ViewPlan plan = plan_of(s);
   EXPECT_EQ(state(plan, 0, Effect::kInterReflection), EffectState::kAbsent);
-  EXPECT_EQ(plan.max_reflections, 1u);
+  EXPECT_EQ(plan.effects.max_reflections, 1u);
   ViewPlan traced = plan;
-  traced.no_second_hit = false;
-  traced.max_reflections = 8;
+  traced.effects.no_second_hit = false;
+  traced.effects.max_reflections = 8;
   const ViewResult with = measured(s, traced), without = measured(s, plan);
   EXPECT_LT(without.rays, 0.6 * static_cast<double>(with.rays));
   for (std::size_t row = 0; row < with.row.size(); ++row) {
@@ -122,12 +122,12 @@ TEST(Effects, AHotTargetOutshinesItsReflections) {
   // One that is not convex keeps those of its own light.
   const Scene ship = by_day(generated("frigate", 3000), 0.9, 900, 0.02);
   const ViewPlan of_ship = plan_of(ship);
-  EXPECT_GE(of_ship.max_reflections, 1u);
+  EXPECT_GE(of_ship.effects.max_reflections, 1u);
   EXPECT_EQ(state(of_ship, 0, Effect::kSkyReflected), EffectState::kOff);
   expect_within_bounds(ship, of_ship);
   const Scene s = by_day(box(20), 0.9, 900, 0.02);
   const ViewPlan plan = plan_of(s);
-  EXPECT_EQ(plan.max_reflections, 0u);
+  EXPECT_EQ(plan.effects.max_reflections, 0u);
   for (std::size_t row = 0; row < 4; ++row)
     EXPECT_EQ(state(plan, row, Effect::kSkyReflected), EffectState::kOff) << row;
   expect_within_bounds(s, plan);
@@ -157,8 +157,8 @@ TEST(Effects, TheSunGoesWhereItCannotMatterAndStaysWhereItMay) {
 TEST(Effects, LateReflectionsGoWithTheirBound) {
   const Scene s = by_day(generated("frigate", 3000), 0.8, 300, 0.02);
   const ViewPlan plan = plan_of(s);
-  EXPECT_LT(plan.max_reflections, 8u);
-  EXPECT_GE(plan.max_reflections, 1u);
+  EXPECT_LT(plan.effects.max_reflections, 8u);
+  EXPECT_GE(plan.effects.max_reflections, 1u);
   expect_within_bounds(s, plan);
 }
 
@@ -166,7 +166,7 @@ TEST(Effects, NothingIsLeftOutWithoutAGoal) {
   Scene s = by_day(generated("frigate", 3000), 0.9, 900, 0);
   s.request.accuracy.samples_per_replicate = 64;
   const ViewPlan plan = plan_of(s);
-  EXPECT_EQ(plan.max_reflections, 8u);
+  EXPECT_EQ(plan.effects.max_reflections, 8u);
   for (const auto& row : plan.ledger)
     for (const LedgerEntry& e : row) {
       EXPECT_NE(e.state, EffectState::kOff);
@@ -255,6 +255,41 @@ TEST(AbsoluteFloor, IsWorthItsKelvinAndEndsTheSearchForDarkRows) {
     const double per_k =
         planck_band_radiance_w_m2_sr(low, high, 288) - planck_band_radiance_w_m2_sr(low, high, 287);
     EXPECT_NEAR(r.absolute_floor_w_sr / (r.projected_area_m2.value * per_k), 1, 0.05);
+  }
+}
+
+// A plan is a value: the same request gives an equal one, what is changed differs and is printed,
+// and a copy measures what the plan itself measures.
+TEST(Effects, APlanIsAValue) {
+  const Scene s = by_day(box(2), 0.6, 300, 0.003);
+  const ViewPlan plan = plan_of(s), again = plan_of(s);
+  EXPECT_TRUE(plan == again);
+  EXPECT_EQ(to_string(plan), to_string(again));
+  EXPECT_NE(to_string(plan).find("direct_sun"), std::string::npos);
+  ViewPlan other = plan;
+  other.effects.sun[1].path = !other.effects.sun[1].path;
+  EXPECT_FALSE(plan == other);
+  EXPECT_NE(to_string(plan), to_string(other));
+  other = plan;
+  other.ledger[0][0].bound_w_sr = 1;
+  EXPECT_FALSE(plan == other);
+  EXPECT_NE(to_string(plan), to_string(other));
+
+  // What was made on the way to a plan changes nothing, and is not used for another one.
+  const auto prepared = s.simulator->prepare(s.request);
+  ASSERT_TRUE(prepared.ok()) << prepared.status();
+  EXPECT_TRUE(prepared->plan == plan);
+  const auto whole = s.simulator->measure(s.request, *prepared);
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  PlannedView changed = *prepared;
+  for (EffectSet::Sun& sun : changed.plan.effects.sun) sun = {false, false, false, false, false};
+  const auto without = s.simulator->measure(s.request, changed);
+  ASSERT_TRUE(without.ok()) << without.status();
+  const ViewResult alone = measured(s, plan), alone_without = measured(s, changed.plan);
+  for (std::size_t row = 0; row < alone.row.size(); ++row) {
+    EXPECT_EQ(whole->row[row].replicate_contrast_w_sr, alone.row[row].replicate_contrast_w_sr);
+    EXPECT_EQ(without->row[row].replicate_contrast_w_sr,
+              alone_without.row[row].replicate_contrast_w_sr);
   }
 }
 

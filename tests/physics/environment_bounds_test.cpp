@@ -275,29 +275,30 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
     const auto views = *e->view(l, std::vector<std::uint32_t>{0, 3});
     const ViewEnvironment &night = views[0], &day = views[1];
     for (unsigned mask = 0; mask < 32; ++mask) {
-      LightUse use;
-      use.reflected = (mask & 1) != 0;
-      use.direct_sun = (mask & 2) != 0;
-      use.diffuse_sun = (mask & 4) != 0;
-      use.path_sun = (mask & 8) != 0;
-      use.background_sun = (mask & 16) != 0;
-      const bool scattered = use.reflected && use.diffuse_sun;
+      EffectSet effects = EffectSet::everything(e->conditions(), 1);
+      effects.sky = effects.lower = (mask & 1) != 0;
+      EffectSet::Sun& use = effects.sun[3];
+      use.direct = use.mirrored = (mask & 2) != 0;
+      use.diffuse = (mask & 4) != 0;
+      use.path = (mask & 8) != 0;
+      use.background = (mask & 16) != 0;
+      const bool reflected = effects.sky, scattered = reflected && use.diffuse;
       // Nothing is left over from what was asked for before; one at a time also of the conditions.
       const bool alone = l.range_m == 500 && std::has_single_bit(mask);
       const auto own = alone ? environment(w.spec) : nullptr;
       const Environment* fresh = alone ? own.get() : e.get();
       for (const bool with_azimuths : {true, false}) {
-        const auto seen = fresh->look(l)->see(3, use, with_azimuths);
+        const auto seen = fresh->look(l)->see(3, effects, with_azimuths);
         if (scattered && !with_azimuths) {
           EXPECT_EQ(seen.status().code(), absl::StatusCode::kInvalidArgument);
           continue;
         }
         ASSERT_TRUE(seen.ok()) << seen.status();
         EXPECT_EQ(seen->transmittance, day.transmittance);
-        EXPECT_EQ(seen->path_radiance, use.path_sun ? day.path_radiance : night.path_radiance);
+        EXPECT_EQ(seen->path_radiance, use.path ? day.path_radiance : night.path_radiance);
         EXPECT_EQ(seen->behind_apparent,
-                  use.background_sun ? day.behind_apparent : night.behind_apparent);
-        if (use.direct_sun) {
+                  use.background ? day.behind_apparent : night.behind_apparent);
+        if (use.direct) {
           EXPECT_EQ(seen->sun, day.sun);
           EXPECT_EQ(seen->sun_apparent, day.sun_apparent);
         } else {
@@ -309,14 +310,14 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
         const std::uint32_t per_node = e->nodes().azimuths() / nodes.azimuths();
         const ViewEnvironment& same = scattered ? day : night;
         for (std::uint32_t n = 0; n < nodes.count(); ++n) {
-          if (use.reflected) {
+          if (reflected) {
             EXPECT_EQ(seen->node[n], same.node[n * per_node]);
             EXPECT_EQ(seen->node_apparent[n], same.node_apparent[n * per_node]);
           } else {
             EXPECT_TRUE(zero(seen->node[n]) && zero(seen->node_apparent[n]));
           }
         }
-        EXPECT_EQ(seen->sky_interpolation, use.reflected ? same.sky_interpolation : 0);
+        EXPECT_EQ(seen->sky_interpolation, reflected ? same.sky_interpolation : 0);
         EXPECT_EQ(seen->joined_lines_bound, 0);
       }
     }
@@ -327,13 +328,14 @@ TEST(EnvironmentLooks, BoundsAndLightOfManyConditionsInAnyOrder) {
   const auto e = environment(weathers()[3].spec);
   const Environment::Line l = lines()[2];
   auto a = *e->look(l), b = *e->look(l);
+  const EffectSet everything = EffectSet::everything(e->conditions(), 1);
   const LightBounds first = a.bounds(2);
-  const ViewEnvironment after = *a.see(2, LightUse(), true);
-  for (const std::uint32_t c : {4u, 0u, 1u}) ASSERT_TRUE(b.see(c, LightUse(), true).ok());
-  EXPECT_EQ(b.see(2, LightUse(), true)->node_apparent, after.node_apparent);
+  const ViewEnvironment after = *a.see(2, everything, true);
+  for (const std::uint32_t c : {4u, 0u, 1u}) ASSERT_TRUE(b.see(c, everything, true).ok());
+  EXPECT_EQ(b.see(2, everything, true)->node_apparent, after.node_apparent);
   EXPECT_EQ(b.bounds(2).diffuse_sun, first.diffuse_sun);
   EXPECT_EQ(b.bounds(2).background_sun, first.background_sun);
-  EXPECT_EQ(b.see(9, LightUse(), true).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(b.see(9, everything, true).status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_FALSE(e->look(line(1000, -5, 0)).ok());
 }
 
@@ -364,10 +366,10 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
            {line(500, 5, 0), line(5000, 0.03, 0), line(50e3, 10, 0), line(15e3, 60, 90)}) {
         auto look = *e->look(l);
         for (const std::uint32_t c : {0u, 1u, 3u}) {
-          LightUse use;
-          const ViewEnvironment all = *look.see(c, use, true);
-          use.joined_lines = false;
-          const ViewEnvironment three = *look.see(c, use, true);
+          EffectSet effects = EffectSet::everything(e->conditions(), 1);
+          const ViewEnvironment all = *look.see(c, effects, true);
+          effects.joined_lines = false;
+          const ViewEnvironment three = *look.see(c, effects, true);
           EXPECT_EQ(three.node, all.node);
           EXPECT_EQ(three.behind_apparent, all.behind_apparent);
           EXPECT_EQ(all.joined_lines_bound, 0);

@@ -269,6 +269,19 @@ TEST(Goniometer, EmissivityAndReflectanceAddUpToOne) {
               checks.largest_closure, checks.largest_closure_t, r.leaked);
 }
 
+// Rationale: what arrives after exactly max_reflections reflections was read from a table that is
+//   not kept for fewer than two of them.
+// Expected: of a flat plate in an isothermal world 1 - rho without reflections (nothing but its
+//   emission), rho with one.
+// Source: closed form.
+TEST(Goniometer, FewReflectionsHaveALastOneToo) {
+  GoniometerSpec spec = hemisphere(0.1);
+  spec.max_reflections = 0;
+  EXPECT_NEAR(measured(plate_scene(grey_paint(0.37), 2.0), spec).last_reflection, 0.63, 3e-5);
+  spec.max_reflections = 1;
+  EXPECT_NEAR(measured(plate_scene(grey_paint(0.37), 2.0), spec).last_reflection, 0.37, 1e-3);
+}
+
 // Rationale: the result may depend on the seed, never on the machine's number of cores.
 // Expected: equal bits with 1, 2 and 5 threads.
 // Source: each view has a seed of its own.

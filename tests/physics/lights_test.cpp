@@ -39,10 +39,9 @@ Estimate traced(const PathTracer& tracer, PathCounts& counts, const Value& value
   EXPECT_EQ(counts.guarded_nonfinite + counts.guarded_negative, 0u);
   return statistics.estimate(0);
 }
-double weight(const PathTracer& tracer, const PathWeights& w, std::uint32_t source_class) {
+double weight(const PathTracer& tracer, const PathWeights& w, SourceId source) {
   double sum = 0;
-  for (std::uint32_t f = 0; f < tracer.firsts(); ++f)
-    sum += w.weight[f * tracer.classes().count() + source_class];
+  for (std::uint32_t f = 0; f < tracer.firsts(); ++f) sum += w.weight.value(f, source);
   return sum;
 }
 
@@ -91,10 +90,11 @@ TEST(NearMirror, FlatPlateShowsTheSunsDisk) {
       const auto simulator = simulator_of(scene_of(plate, mirror(m), mwir()));
       const AimedView view = make_aimed_view(simulator->target(), {0, 0, 1e6});
       const PathTracer tracer(simulator->target(), simulator->materials(), view,
-                              {{{std::cos(d), std::sin(d), 0}, radius}}, settings(1, 1u << 14));
+                              lit_by({{{std::cos(d), std::sin(d), 0}, radius}}),
+                              settings(1, 1u << 14));
       PathCounts counts;
       const Estimate e = traced(tracer, counts, [&](const PathWeights& w) {
-        return weight(tracer, w, tracer.classes().sun(0)) / w.projected_area_m2;
+        return weight(tracer, w, tracer.layout().sun(0)) / w.projected_area_m2;
       });
       const double expected = kNormalReflectance * seen / (kPi * std::pow(std::tan(radius), 2));
       // Allowed: 2.2e-5, the squared tangent of the disk's radius (points of the disk are uniform
@@ -115,10 +115,11 @@ TEST(NearMirror, SphereInTheSun) {
     const auto simulator = simulator_of(scene_of(ball, mirror(m), mwir()));
     const AimedView view = make_aimed_view(simulator->target(), {0, 0, 1e6});
     const PathTracer tracer(simulator->target(), simulator->materials(), view,
-                            {{{1, 0, 0}, radius_rad}}, settings(1, m < 0.05 ? 1u << 18 : 1u << 17));
+                            lit_by({{{1, 0, 0}, radius_rad}}),
+                            settings(1, m < 0.05 ? 1u << 18 : 1u << 17));
     PathCounts counts;
     const Estimate e = traced(tracer, counts, [&](const PathWeights& w) {
-      return weight(tracer, w, tracer.classes().sun(0));
+      return weight(tracer, w, tracer.layout().sun(0));
     });
     double expected = 0;
     const int steps = 100000;
@@ -144,10 +145,10 @@ TEST(NearMirror, BothWaysOfFindingTheSunAgree) {
     PathSettings s = settings(1, 1u << 18);
     s.sun_disk_by_chance = by_chance;
     const PathTracer tracer(simulator->target(), simulator->materials(), view,
-                            {{normalized(Vec<Body>{1, 0, -0.3}), 0.266 * kPi / 180}}, s);
+                            lit_by({{normalized(Vec<Body>{1, 0, -0.3}), 0.266 * kPi / 180}}), s);
     PathCounts counts;
     e[by_chance ? 1 : 0] = traced(tracer, counts, [&](const PathWeights& w) {
-      return weight(tracer, w, tracer.classes().sun(0));
+      return weight(tracer, w, tracer.layout().sun(0));
     });
     if (by_chance) {
       EXPECT_GT(counts.sun_met_first[0], 100u);
@@ -166,11 +167,11 @@ TEST(Lamp, FiniteDistance) {
       simulator_of(scene_of(generated("disk", 20000, size), grey(1 - rho), mwir()));
   const AimedView view = make_aimed_view(simulator->target(), {20, 0, 1e5});
   const PathTracer tracer(simulator->target(), simulator->materials(), view,
-                          {{{std::cos(angle), 0, std::sin(angle)}, 1e-3, 1.0}},
+                          lit_by({{{std::cos(angle), 0, std::sin(angle)}, 1e-3, 1.0}}),
                           settings(1, 1u << 14));
   PathCounts counts;
   const Estimate e = traced(tracer, counts, [&](const PathWeights& w) {
-    return weight(tracer, w, tracer.classes().sun(0));
+    return weight(tracer, w, tracer.layout().sun(0));
   });
   double expected = 0;  // over the disk
   const int rings = 400, sectors = 400;
@@ -194,10 +195,10 @@ TEST(Lamp, SeenInANearMirror) {
   const AimedView view = make_aimed_view(simulator->target(), {0, 0, 1e6});
   const double radius_rad = 0.05;  // 0.1 m at 2 m
   const PathTracer tracer(simulator->target(), simulator->materials(), view,
-                          {{{1, 0, 0}, radius_rad, 2.0}}, settings(1, 1u << 14));
+                          lit_by({{{1, 0, 0}, radius_rad, 2.0}}), settings(1, 1u << 14));
   PathCounts counts;
   const Estimate e = traced(tracer, counts, [&](const PathWeights& w) {
-    return weight(tracer, w, tracer.classes().sun(0));
+    return weight(tracer, w, tracer.layout().sun(0));
   });
   // Parallel light from the lamp's disk, radius 2 m x tan: the same area of the mirror; radiance =
   // intensity / area = E d^2 / area.
@@ -219,7 +220,7 @@ TEST(PathSettings, OrdersAddUpAndTheBackgroundFillsTheRest) {
   const FootprintView footprint = make_footprint_view(target, sensor, {0, 0, -5}, 100, 30);
   PathSettings s = settings(6, 1024);
   s.background = true;
-  const std::vector<SunDirection> suns{{normalized(Vec<Body>{0, 1, -1}), 0.005}};
+  const SourceGeometry suns = lit_by({{normalized(Vec<Body>{0, 1, -1}), 0.005}});
   const PathTracer whole(target, simulator->materials(), footprint.view, suns, s);
   s.by_order = true;
   const PathTracer orders(target, simulator->materials(), footprint.view, suns, s);
@@ -230,16 +231,20 @@ TEST(PathSettings, OrdersAddUpAndTheBackgroundFillsTheRest) {
   EXPECT_EQ(counts[0].rays, counts[1].rays);
   double largest_order = 0, background = 0;
   for (std::size_t r = 0; r < a.size(); ++r) {
-    ASSERT_EQ(b[r].weight.size(), 7 * whole.bins());
+    ASSERT_EQ(b[r].of_order.size(), 7u);
     double behind = 0;
-    for (std::size_t i = 0; i < whole.bins(); ++i) {
-      double sum = 0;
-      for (std::size_t n = 0; n <= 6; ++n) sum += b[r].weight[n * whole.bins() + i];
-      EXPECT_NEAR(sum, a[r].weight[i], 1e-9 * a[r].weight[i]);
-      largest_order = std::max(largest_order, b[r].weight[6 * whole.bins() + i]);
-      EXPECT_EQ(a[r].last[i], b[r].weight[6 * whole.bins() + i]);
-      if (i / whole.classes().count() == whole.classes().parts) behind += a[r].weight[i];
-    }
+    for (std::uint32_t f = 0; f < whole.firsts(); ++f)
+      for (const SourceId id : whole.layout().all())
+        for (std::size_t k = 0; k < whole.nodes(); ++k) {
+          double sum = 0;
+          for (const SourceWeights& of_order : b[r].of_order) sum += of_order.value(f, id, k);
+          const double value = a[r].weight.value(f, id, k);
+          const double of_last = b[r].of_order[6].value(f, id, k);
+          EXPECT_NEAR(sum, value, 1e-9 * value);
+          largest_order = std::max(largest_order, of_last);
+          EXPECT_EQ(a[r].last.value(f, id, k), of_last);
+          if (f == target.part.size()) behind += value;
+        }
     EXPECT_NEAR(behind + a[r].projected_area_m2, footprint.footprint_m2,
                 2e-3 * footprint.footprint_m2);
     background += behind;
@@ -281,7 +286,7 @@ TEST(HotParts, AimedAtWhatADiskReceives) {
       const PathTracer tracer(simulator->target(), simulator->materials(), view, {}, s);
       PathCounts counts;
       const Estimate e = traced(tracer, counts, [&](const PathWeights& w) {
-        return w.weight[tracer.classes().part(1)];  // first seen: the plate
+        return w.weight.value(0, tracer.layout().reflected(1));  // first seen: the plate
       });
       // Light that goes to and fro between the disks: F12 F21 rho1 rho2 = 1e-6, beyond.
       const double expected =
@@ -306,12 +311,12 @@ TEST(HotParts, BothWaysAgreeOnTheFrigate) {
     for (const bool hot_lights : {false, true}) {
       PathSettings s = settings(5, 1u << 16);
       s.hot_lights = hot_lights;
-      s.lower_is_sea = true;
-      s.sea_z_m = -simulator->target().centre.z;
-      const PathTracer tracer(simulator->target(), simulator->materials(), view, {}, s);
+      SourceGeometry sources;
+      sources.boundary = Sea{{-simulator->target().centre.z, 0}};
+      const PathTracer tracer(simulator->target(), simulator->materials(), view, sources, s);
       PathCounts counts;
       e[hot_lights ? 1 : 0] = traced(tracer, counts, [&](const PathWeights& w) {
-        return weight(tracer, w, tracer.classes().part(1));
+        return weight(tracer, w, tracer.layout().reflected(1));
       });
     }
     std::printf("%s: hot parts by chance %.5g +- %.2g, aimed at %.5g +- %.2g m2\n", kind,

@@ -5,8 +5,11 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "core/signature/signature.h"
+#include "core/signature/simulator.h"
+#include "core/sources/source_geometry.h"
 
 namespace irsig::fixture {
 
@@ -66,6 +69,13 @@ inline std::unique_ptr<Simulator> simulator_of(const SceneSpec& scene) {
   auto simulator = Simulator::create(scene);
   EXPECT_TRUE(simulator.ok()) << simulator.status();
   return *std::move(simulator);
+}
+
+// Nothing around the target but these suns.
+inline SourceGeometry lit_by(std::vector<SunDirection> suns) {
+  SourceGeometry out;
+  out.sun = std::move(suns);
+  return out;
 }
 
 inline SignatureResult only_row(const Simulator& simulator, const ViewRequest& r) {

@@ -89,11 +89,11 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
   e.node = e.node_apparent = e.behind_apparent = {zero, zero};
   ViewEnvironments environments;
   environments.condition = {e};
-  const AimedView view = make_aimed_view(simulator->target(), r.viewpoint);
-  const std::vector<std::size_t> offset{0};
   const ViewPlan plan = plan_with_everything(r);
-  Pass pass(*simulator, r, plan, view, environments, std::vector<std::uint32_t>{0},
-            std::vector<std::uint32_t>{0}, node_um, offset, 5);
+  const auto view = std::make_shared<const PreparedView>(PreparedView{
+      std::make_shared<const AimedView>(make_aimed_view(simulator->target(), r.viewpoint)),
+      environments, plan.effects});
+  Pass pass(simulator->scene(), r, plan, view, {{0}, {0}}, 5);
   pass.run(1u << 13, 1, Pass::Kind::kStored);
   const ReplicateStatistics& s = pass.statistics(0);
   // In-band: total, emitted, sun, sky, sea, parts, apparent, area, the parts.

@@ -33,7 +33,6 @@ struct Fake {
   ViewRequest request;
   ViewEnvironments environments;
   std::vector<double> node_um;
-  std::vector<std::size_t> offset;
 
   // fill(direction, above): radiance at every wavelength; what arrives is 0.7 of it.
   template <typename Fill>
@@ -54,10 +53,11 @@ struct Fake {
     environments.condition = {std::move(e)};
   }
   std::vector<Estimate> run(std::uint64_t samples) {
-    const AimedView view = make_aimed_view(simulator->target(), request.viewpoint);
     const ViewPlan plan = plan_with_everything(request);
-    Pass pass(*simulator, request, plan, view, environments, std::vector<std::uint32_t>{0},
-              std::vector<std::uint32_t>{0}, node_um, offset, 7);
+    const auto view = std::make_shared<const PreparedView>(PreparedView{
+        std::make_shared<const AimedView>(make_aimed_view(simulator->target(), request.viewpoint)),
+        environments, plan.effects});
+    Pass pass(simulator->scene(), request, plan, view, {{0}, {0}}, 7);
     pass.run(samples, 1, Pass::Kind::kStored);
     std::vector<Estimate> out;
     for (std::size_t q = 0; q < 11; ++q) out.push_back(pass.statistics(0).estimate(q));
@@ -71,7 +71,6 @@ Fake fake(MaterialSpec material, double elevation_deg, double azimuth_deg = 30) 
   f.request = request(*f.simulator, azimuth_deg, elevation_deg, 1000, {300});
   f.request.max_reflections = 1;
   f.node_um = f.simulator->band_grids()[0].node_um;
-  f.offset = {0};
   return f;
 }
 

@@ -40,7 +40,7 @@ std::vector<ProfileRow> across(const Tower& tower, const std::vector<Vec<Body>>&
   profile.width_m = profile.height_m = 0.1;
   profile.reflections = {0, 2, 20};
   profile.apparent_temperature_stderr_k = 0.1;
-  const auto result = simulate_profile(*tower.simulator, tower.request, profile);
+  const auto result = simulate_profile(tower.simulator->scene(), tower.request, profile);
   EXPECT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->counts.guarded_backface_hits, 0U);
   return result->row;

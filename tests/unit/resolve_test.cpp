@@ -222,9 +222,7 @@ TEST(ResolveSweep, TheSunIsAsStated) {
   EXPECT_TRUE(sweep.sweep().place().has_height_m());
 }
 
-// Rationale: an irradiance that is not stated is E490's at the sun's distance, and the constant
-// that
-//   jobs/ keeps must be the one of core/spectral.
+// Rationale: an irradiance that is not stated is E490's at the sun's distance.
 // Expected: kSolarConstantWM2 / r^2; at the solstice of June the sun is near its farthest: r
 // = 1.0163. Source: ASTM E490-00a total; r from core/geo/sun.h, checked there against ERFA and SPA.
 TEST(ResolveSweep, AnAbsentSunIsE490AtItsDistance) {

@@ -1,27 +1,24 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "core/environment/direction_nodes.h"
 #include "core/environment/environment.h"
-#include "core/signature/signature.h"
+#include "core/signature/plan.h"
+#include "core/signature/request.h"
+#include "core/sources/view_sources.h"
 #include "core/transport/primary_rays.h"
 
 namespace irsig {
 
-// What the conditions of a request do to one view, and the directions to which it refers.
-struct ViewEnvironments {
-  DirectionNodes directions, behind;
-  std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
-};
-
 // All of a view that no random number decides.
 struct PreparedView {
-  AimedView aimed;
+  std::shared_ptr<const AimedView> aimed;
   ViewEnvironments environments;
+  EffectSet effects;  // for which the environments were made
 };
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
@@ -36,9 +33,9 @@ class ViewSurroundings {
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
   // Emission and the line's air alone: what a pilot without reflections needs.
   [[nodiscard]] ViewEnvironments without_light();
-  // What the plan wants, of these conditions.
+  // What these effects want, of these conditions.
   [[nodiscard]] absl::StatusOr<ViewEnvironments> see(std::span<const std::uint32_t> conditions,
-                                                     const ViewPlan& plan);
+                                                     const EffectSet& effects);
 
  private:
   ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);
@@ -58,10 +55,5 @@ class ViewSurroundings {
 
 // A plan with everything on, as many reflections as the request allows, no number of samples.
 [[nodiscard]] ViewPlan plan_with_everything(const ViewRequest& request);
-
-// The same for all conditions: plan() checks it.
-[[nodiscard]] bool over_sea(const ViewRequest& request);
-// Whether a condition's sun shines: some of its disk is above the horizon.
-[[nodiscard]] bool sun_shines(const ConditionSpec& condition);
 
 }  // namespace irsig

@@ -1,10 +1,10 @@
-#include "core/signature/view_environments.h"
+#include "core/signature/prepared_view.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/signature/shading.h"
+#include "core/spectral/solar.h"
 
 namespace irsig {
 namespace {
@@ -22,25 +22,43 @@ std::vector<float> behind_rings(double low, double high) {
 // A side of the horizon that lines of sight miss by less is lit nevertheless: they are rounded.
 constexpr double kGrazingRad = 1e-4;
 
+// What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
+// homogeneous air or none.
+ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
+                                  bool sun, const std::vector<double>& node_um) {
+  const std::size_t n = node_um.size();
+  AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
+  ViewEnvironment out;
+  out.sun.assign(n, 0.0);
+  std::vector<double> sky(n), lower(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (sun) out.sun[i] = condition.sun_scale * solar_irradiance_w_m2_um(node_um[i]);
+    sky[i] = sky_radiance_w_m2_sr_um(condition.surroundings, node_um[i]);
+    lower[i] = lower_radiance_w_m2_sr_um(condition.surroundings, node_um[i], out.sun[i],
+                                         condition.sun_cos_zenith);
+  }
+  const auto behind_air = [&](const std::vector<double>& radiance) {
+    std::vector<double> seen(n);
+    for (std::size_t i = 0; i < n; ++i) seen[i] = radiance[i] * path.transmittance[i];
+    return seen;
+  };
+  out.sun_apparent = behind_air(out.sun);
+  out.node_apparent = {behind_air(sky), behind_air(lower)};
+  out.behind_apparent = out.node_apparent;
+  out.node = {std::move(sky), std::move(lower)};
+  out.transmittance = std::move(path.transmittance);
+  out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
+  return out;
+}
+
 // Whether the atmosphere has a sun for this condition.
 bool has_atmospheric_sun(const ConditionSpec& c) { return c.sun && c.sun_direction.z < 0; }
 
 }  // namespace
 
-bool sun_shines(const ConditionSpec& condition) {
-  return condition.sun && condition.sun_scale > 0 &&
-         condition.sun_cos_zenith >
-             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
-}
-
-bool over_sea(const ViewRequest& request) {
-  return request.condition.front().surroundings.kind == SurroundingsKind::kSea;
-}
-
 ViewPlan plan_with_everything(const ViewRequest& request) {
   ViewPlan plan;
-  plan.max_reflections = request.max_reflections;
-  plan.condition.resize(request.condition.size());
+  plan.effects = EffectSet::everything(request.condition.size(), request.max_reflections);
   return plan;
 }
 
@@ -113,7 +131,7 @@ ViewEnvironments ViewSurroundings::without_light() {
 }
 
 absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint32_t> conditions,
-                                                       const ViewPlan& plan) {
+                                                       const EffectSet& effects) {
   ViewEnvironments out;
   out.condition.resize(request_->condition.size());
   if (!look_) {
@@ -124,25 +142,18 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     }
     return out;
   }
-  const bool reflections = plan.max_reflections > 0,
-             reflected = reflections && (plan.sky || plan.lower);
+  const bool reflected = effects.surroundings();
   // Not so that it could depend on which conditions are asked for.
   bool with_azimuths = false;
-  for (std::size_t c = 0; c < plan.condition.size(); ++c)
-    with_azimuths |=
-        reflected && plan.condition[c].diffuse_sun && has_atmospheric_sun(request_->condition[c]);
+  for (std::size_t c = 0; c < effects.sun.size(); ++c)
+    with_azimuths |= effects.scattered_sun(c) && has_atmospheric_sun(request_->condition[c]);
+  EffectSet wanted = effects;
+  if (!with_azimuths)
+    for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
   out.behind = behind_;
   if (reflected) out.directions = request_->environment->nodes(with_azimuths);
   for (const std::uint32_t c : conditions) {
-    const ViewPlan::Lights& lights = plan.condition[c];
-    LightUse use;
-    use.reflected = reflected;
-    use.direct_sun = reflections && (lights.direct_sun || lights.mirrored_sun);
-    use.diffuse_sun = reflected && lights.diffuse_sun && with_azimuths;
-    use.path_sun = lights.path_sun;
-    use.background_sun = lights.background_sun;
-    use.joined_lines = plan.joined_lines;
-    auto seen = look_->see(c, use, with_azimuths);
+    auto seen = look_->see(c, wanted, with_azimuths);
     if (!seen.ok()) return seen.status();
     out.condition[c] = *std::move(seen);
     if (!reflected) {
@@ -159,10 +170,10 @@ absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, c
                                                    const std::vector<double>& node_um) {
   auto surroundings = ViewSurroundings::make(request, target, range_m, node_um);
   if (!surroundings.ok()) return surroundings.status();
-  ViewPlan everything = plan_with_everything(request);
   // Directions also where a request allows no reflections: profiles see the background by them.
-  everything.max_reflections = std::max(everything.max_reflections, 1u);
-  return surroundings->see(conditions, everything);
+  return surroundings->see(
+      conditions,
+      EffectSet::everything(request.condition.size(), std::max(request.max_reflections, 1u)));
 }
 
 }  // namespace irsig

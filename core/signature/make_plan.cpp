@@ -1,4 +1,4 @@
-#include "core/signature/view_plan.h"
+#include "core/signature/make_plan.h"
 
 #include <algorithm>
 #include <array>
@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/pilot_samples.h"
 #include "core/base/constants.h"
 #include "core/signature/effect_bounds.h"
 #include "core/signature/pass.h"
@@ -14,10 +15,6 @@
 namespace irsig {
 namespace {
 
-// The sampler's coordinates have 23 bits.
-constexpr std::uint64_t kMostSamples = 1u << 23;
-// Samples per replicate of the pilots of everything that is simulated.
-constexpr std::uint64_t kFirst = 128, kSecond = 1024;
 // How much of the room for omissions later reflections may take: little, since they cost little.
 constexpr double kOfLaterReflections = 0.25;
 
@@ -60,19 +57,20 @@ void without_allowed_reflections(std::vector<std::vector<LedgerEntry>>& ledger) 
 // Writes what was decided into the plan.
 void carry_out(const EffectPlanner& planner, const ViewRequest& request, const Target& target,
                bool trust_convexity, ViewPlan& plan) {
-  plan.max_reflections = planner.reflections() ? request.max_reflections : 0;
-  plan.sky = planner.on_anywhere(Effect::kSkyReflected);
-  plan.lower = planner.on_anywhere(Effect::kLowerReflected);
-  plan.parts = planner.on_anywhere(Effect::kInterReflection);
-  plan.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
-  if (!plan.parts || (trust_convexity && target.convex))
-    plan.max_reflections = std::min(plan.max_reflections, 1u);
-  plan.no_second_hit = trust_convexity && target.convex;
-  plan.condition.resize(request.condition.size());
-  for (std::size_t c = 0; c < plan.condition.size(); ++c)
-    plan.condition[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
-                         planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
-                         planner.on(Effect::kBackgroundSun, c)};
+  EffectSet& effects = plan.effects;
+  effects.max_reflections = planner.reflections() ? request.max_reflections : 0;
+  effects.sky = planner.on_anywhere(Effect::kSkyReflected);
+  effects.lower = planner.on_anywhere(Effect::kLowerReflected);
+  effects.parts = planner.on_anywhere(Effect::kInterReflection);
+  effects.joined_lines = planner.on_anywhere(Effect::kJoinedLines);
+  if (!effects.parts || (trust_convexity && target.convex))
+    effects.max_reflections = std::min(effects.max_reflections, 1u);
+  effects.no_second_hit = trust_convexity && target.convex;
+  effects.sun.resize(request.condition.size());
+  for (std::size_t c = 0; c < effects.sun.size(); ++c)
+    effects.sun[c] = {planner.on(Effect::kDirectSun, c), planner.on(Effect::kDiffuseSun, c),
+                      planner.on(Effect::kMirroredSun, c), planner.on(Effect::kPathSun, c),
+                      planner.on(Effect::kBackgroundSun, c)};
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
@@ -114,8 +112,8 @@ bool saw_enough(const Pass& pilot) {
 std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t most,
                                std::uint64_t& pilot_rays) {
   std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
-  if (samples <= kSecond && saw_enough(pilot)) return samples;
-  std::uint64_t n_before = n_first, n = kSecond;
+  if (samples <= kSecondPilotSamples && saw_enough(pilot)) return samples;
+  std::uint64_t n_before = n_first, n = kSecondPilotSamples;
   for (std::uint64_t stage = kSecondPilotStage;; ++stage) {
     const std::vector<double> before = errors_of(pilot);
     pilot.run(n, stage, Pass::Kind::kPilot);
@@ -129,10 +127,10 @@ std::uint64_t samples_for_goal(Pass& pilot, std::uint64_t n_first, std::uint64_t
 
 // Hits are counted with the strata in the proportion that the stored run has.
 absl::Status count_target_paths(Pass& pilot, const AccuracySpec& accuracy, ViewPlan& plan) {
-  pilot.run(kSecond, kFirstPilotStage, Pass::Kind::kPilot);
+  pilot.run(kSecondPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
   plan.pilot_rays += pilot.counts().rays;
   const double per_sample =
-      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecond);
+      static_cast<double>(pilot.counts().target_paths) / static_cast<double>(kSecondPilotSamples);
   if (per_sample == 0)
     return absl::FailedPreconditionError("target_paths: no ray of the pilot met the target");
   const double wanted = std::ceil(accuracy.target_paths / per_sample / 16) * 16;
@@ -187,13 +185,14 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
                                              ViewSurroundings& surroundings, EffectPlanner& planner,
                                              ViewPlan& plan) {
   const std::vector<std::uint32_t> conditions = all_of(request.condition.size());
-  if (request.environment == nullptr || plan.max_reflections == 0 || !(plan.sky || plan.lower))
-    return surroundings.see(conditions, plan);
-  const bool forced_off = !plan.joined_lines;
+  if (request.environment == nullptr || plan.effects.max_reflections == 0 ||
+      !(plan.effects.sky || plan.effects.lower))
+    return surroundings.see(conditions, plan.effects);
+  const bool forced_off = !plan.effects.joined_lines;
   if (!forced_off && !fewer_lines_may_fit(rows, bands, planner))
-    return surroundings.see(conditions, plan);
-  plan.joined_lines = false;
-  auto seen = surroundings.see(conditions, plan);
+    return surroundings.see(conditions, plan.effects);
+  plan.effects.joined_lines = false;
+  auto seen = surroundings.see(conditions, plan.effects);
   if (!seen.ok()) return seen.status();
   const bool left_out =
       planner.leave_out(Effect::kJoinedLines, fewer_lines_bounds(rows, bands, [&](std::size_t c) {
@@ -202,8 +201,8 @@ absl::StatusOr<ViewEnvironments> see_planned(const ViewRequest& request,
   plan.omitted = planner.omitted();
   plan.ledger = planner.ledger();
   if (left_out || forced_off) return seen;
-  plan.joined_lines = true;
-  return surroundings.see(conditions, plan);
+  plan.effects.joined_lines = true;
+  return surroundings.see(conditions, plan.effects);
 }
 
 // The user may leave out what he likes, but not without an error that can be stated.
@@ -225,8 +224,8 @@ absl::Status check_forced(const std::vector<RowBounds>& rows, const EffectPlanne
 }
 
 // After the first number of reflections at which what is still under way hardly matters.
-void leave_out_late_reflections(const Pass& pilot, const EffectPlanner& planner, ViewPlan& plan) {
-  for (std::uint32_t n = 1; n < plan.max_reflections; ++n) {
+void leave_out_late_reflections(Pass& pilot, const EffectPlanner& planner, ViewPlan& plan) {
+  for (std::uint32_t n = 1; n < plan.effects.max_reflections; ++n) {
     std::vector<RowBounds::Bound> bounds;
     for (std::size_t row = 0; row < pilot.rows(); ++row) {
       const double bound =
@@ -235,16 +234,17 @@ void leave_out_late_reflections(const Pass& pilot, const EffectPlanner& planner,
     }
     EffectPlanner trial = planner;
     if (!trial.take_room(bounds)) continue;
-    plan.max_reflections = n;
+    plan.effects.max_reflections = n;
+    pilot.cut_reflections(n);
     return;
   }
 }
 
 }  // namespace
 
-std::uint64_t view_seed(const Simulator& simulator, const ViewRequest& request) {
+std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request) {
   Hash hash;
-  hash.add(simulator.scene_hash());
+  hash.add(scene.hash);
   hash.add(request.viewpoint.aspect_azimuth_deg);
   hash.add(request.viewpoint.aspect_elevation_deg);
   hash.add(request.viewpoint.range_m);
@@ -252,15 +252,15 @@ std::uint64_t view_seed(const Simulator& simulator, const ViewRequest& request) 
   return hash.value();
 }
 
-absl::Status check_request(const Simulator& simulator, const ViewRequest& request) {
+absl::Status check_request(const PreparedScene& scene, const ViewRequest& request) {
   const Viewpoint& viewpoint = request.viewpoint;
-  const double reach = length(simulator.target().centre) + simulator.target().radius_m;
+  const double reach = length(scene.target.centre) + scene.target.radius_m;
   if (!(viewpoint.range_m > reach))
     return absl::InvalidArgumentError(absl::StrCat(
         "viewpoints.range_m: a sensor at ", viewpoint.range_m,
         " m is inside the target, which reaches ", reach, " m from its reference point"));
   for (const ConditionSpec& c : request.condition)
-    if (c.part_temperature_k.size() != simulator.target().part.size())
+    if (c.part_temperature_k.size() != scene.target.part.size())
       return absl::InvalidArgumentError("a condition does not state one temperature for each part");
   for (const ConditionSpec& c : request.condition)
     if (c.surroundings.kind != request.condition.front().surroundings.kind)
@@ -271,9 +271,9 @@ absl::Status check_request(const Simulator& simulator, const ViewRequest& reques
       request.accuracy.samples_per_replicate > kMostSamples)
     return absl::InvalidArgumentError(absl::StrCat("accuracy: more than ", kMostSamples,
                                                    " samples in a replicate; use more replicates"));
-  if (request.condition.empty() || simulator.bands().empty())
+  if (request.condition.empty() || scene.band.empty())
     return absl::InvalidArgumentError("a sweep needs a condition and a band");
-  if (request.condition.front().surroundings.kind == SurroundingsKind::kSea) {
+  if (request.condition.front().surroundings.kind != SurroundingsKind::kNone) {
     const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
     const double along = viewpoint.range_m * std::cos(el);
     const double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
@@ -286,103 +286,102 @@ absl::Status check_request(const Simulator& simulator, const ViewRequest& reques
   return absl::OkStatus();
 }
 
-absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
-  if (auto status = check_request(*this, request); !status.ok()) return status;
+absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest& request) {
+  if (auto status = check_request(scene, request); !status.ok()) return status;
   const AccuracySpec& accuracy = request.accuracy;
   const bool goal = accuracy.relative_error > 0;
   const bool automatic = request.effects.mode == EffectChoice::Mode::kAuto && goal;
   const bool forced_off = request.effects.mode == EffectChoice::Mode::kOnly;
-  const std::vector<std::uint32_t> conditions = all_of(request.condition.size()),
-                                   bands = all_of(band_.size());
-  auto prepared = std::make_shared<PreparedView>();
+  const std::size_t bands = scene.axis.bands();
+  const Pass::Rows all{all_of(request.condition.size()), all_of(bands)};
+  std::shared_ptr<const AimedView> aimed;
   if (goal || accuracy.target_paths > 0 || forced_off)
-    prepared->aimed = make_aimed_view(target_, request.viewpoint);
-  const AimedView& view = prepared->aimed;
-  const std::uint64_t seed = view_seed(*this, request);
-  auto surroundings = ViewSurroundings::make(request, target_, request.viewpoint.range_m, node_um_);
+    aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
+  const std::uint64_t seed = view_seed(scene, request);
+  auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
+                                             scene.axis.node_um());
   if (!surroundings.ok()) return surroundings.status();
 
   ViewPlan plan = plan_with_everything(request);
   plan.samples_per_replicate = accuracy.samples_per_replicate;
-  if (goal)
-    plan.absolute_floor_w_m2_sr = absolute_floors(*this, request, *surroundings, band_offset_);
+  if (goal) plan.absolute_floor_w_m2_sr = absolute_floors(scene, request, *surroundings);
 
   // What is left out follows from a pilot of the emission alone, unless nothing could be.
   const std::uint64_t emission_size = emission_samples(accuracy.relative_error);
-  ViewPlan emission_plan = plan;
-  emission_plan.max_reflections = 0;
-  std::optional<ViewEnvironments> emission_environments;
   std::optional<Pass> emission;
-  std::vector<RowBounds> rows = effects_without_bounds(*this, request);
+  std::vector<RowBounds> rows = effects_without_bounds(scene, request);
   const bool decided =
       forced_off ||
-      (automatic &&
-       worth_a_pilot(effect_bounds(*this, request,
-                                   best_case(*this, request, plan, *surroundings, band_offset_,
-                                             emission_size * accuracy.replicates),
-                                   nullptr, *surroundings, band_offset_),
-                     band_.size(), request));
+      (automatic && worth_a_pilot(effect_bounds(scene, request,
+                                                best_case(scene, request, plan, *surroundings,
+                                                          emission_size * accuracy.replicates),
+                                                nullptr, *surroundings),
+                                  bands, request));
   if (decided) {
-    emission_environments.emplace(surroundings->without_light());
-    emission.emplace(*this, request, emission_plan, view, *emission_environments, conditions, bands,
-                     node_um_, band_offset_, seed);
+    ViewPlan emission_plan = plan;
+    emission_plan.effects.max_reflections = 0;
+    emission.emplace(scene, request, emission_plan,
+                     std::make_shared<const PreparedView>(
+                         PreparedView{aimed, surroundings->without_light(), emission_plan.effects}),
+                     all, seed);
     emission->run(emission_size, kEmissionStage, Pass::Kind::kPilot);
     plan.pilot_rays += emission->counts().rays;
-    rows = effect_bounds(*this, request, limits_of(*emission), &view, *surroundings, band_offset_);
+    rows = effect_bounds(scene, request, limits_of(*emission), aimed.get(), *surroundings);
   }
   if (request.max_reflections == 0) take_out_reflections(rows);
-  EffectPlanner planner(rows, band_.size(), request.effects);
+  EffectPlanner planner(rows, bands, request.effects);
   if (decided) planner.decide();
-  carry_out(planner, request, target_, automatic, plan);
+  carry_out(planner, request, scene.target, automatic, plan);
   if (forced_off)
-    if (auto status = check_forced(rows, planner, band_.size()); !status.ok()) return status;
+    if (auto status = check_forced(rows, planner, bands); !status.ok()) return status;
 
+  const auto prepared = [&](ViewEnvironments environments) {
+    return std::make_shared<const PreparedView>(
+        PreparedView{aimed, std::move(environments), plan.effects});
+  };
   if (!goal && accuracy.target_paths <= 0) {
-    if (!forced_off) return plan;
+    if (!forced_off) return MadePlan{std::move(plan), nullptr};
     // With it the bound of the lines, if they are left out.
-    auto seen = see_planned(request, rows, band_.size(), *surroundings, planner, plan);
+    auto seen = see_planned(request, rows, bands, *surroundings, planner, plan);
     if (!seen.ok()) return seen.status();
-    prepared->environments = *std::move(seen);
-    plan.prepared = prepared;
-    return plan;
+    auto view = prepared(*std::move(seen));
+    return MadePlan{std::move(plan), std::move(view)};
   }
-  if (emission && automatic && plan.max_reflections == 0 && request.max_reflections > 0) {
+  std::shared_ptr<const PreparedView> view;
+  if (emission && automatic && plan.effects.max_reflections == 0 && request.max_reflections > 0) {
     // The pilot of the emission was the pilot of all there is.
-    emission_plan.omitted = plan.omitted;
-    auto seen = surroundings->see(conditions, plan);
+    emission->leave_out(plan.omitted);
+    auto seen = surroundings->see(all.condition, plan.effects);
     if (!seen.ok()) return seen.status();
-    prepared->environments = *std::move(seen);
-    plan.prepared = prepared;
+    view = prepared(*std::move(seen));
     plan.samples_per_replicate = samples_for_goal(
         *emission, emission_size, accuracy.max_samples_per_replicate, plan.pilot_rays);
   } else {
-    auto seen = decided ? see_planned(request, rows, band_.size(), *surroundings, planner, plan)
-                        : surroundings->see(conditions, plan);
+    auto seen = decided ? see_planned(request, rows, bands, *surroundings, planner, plan)
+                        : surroundings->see(all.condition, plan.effects);
     if (!seen.ok()) return seen.status();
-    prepared->environments = *std::move(seen);
-    plan.prepared = prepared;
-    Pass pilot(*this, request, plan, view, prepared->environments, conditions, bands, node_um_,
-               band_offset_, seed);
+    view = prepared(*std::move(seen));
+    Pass pilot(scene, request, plan, view, all, seed);
     if (!goal) {
       if (auto status = count_target_paths(pilot, accuracy, plan); !status.ok()) return status;
-      return plan;
+      return MadePlan{std::move(plan), std::move(view)};
     }
-    pilot.run(kFirst, kFirstPilotStage, Pass::Kind::kPilot);
+    pilot.run(kFirstPilotSamples, kFirstPilotStage, Pass::Kind::kPilot);
     plan.pilot_rays += pilot.counts().rays;
     if (automatic && !decided) {
       // The bounds are for the ledger, and for what late reflections may take.
-      rows = effect_bounds(*this, request, limits_of(pilot), &view, *surroundings, band_offset_);
-      planner = EffectPlanner(rows, band_.size(), request.effects);
+      rows = effect_bounds(scene, request, limits_of(pilot), aimed.get(), *surroundings);
+      planner = EffectPlanner(rows, bands, request.effects);
       plan.ledger = planner.ledger();
     }
-    if (automatic && plan.parts) leave_out_late_reflections(pilot, planner, plan);
-    plan.samples_per_replicate =
-        samples_for_goal(pilot, kFirst, accuracy.max_samples_per_replicate, plan.pilot_rays);
+    if (automatic && plan.effects.parts) leave_out_late_reflections(pilot, planner, plan);
+    plan.samples_per_replicate = samples_for_goal(
+        pilot, kFirstPilotSamples, accuracy.max_samples_per_replicate, plan.pilot_rays);
   }
   plan.limited = plan.samples_per_replicate > accuracy.max_samples_per_replicate;
   plan.samples_per_replicate =
       std::min(plan.samples_per_replicate, accuracy.max_samples_per_replicate);
-  return plan;
+  return MadePlan{std::move(plan), std::move(view)};
 }
 
 }  // namespace irsig

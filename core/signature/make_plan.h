@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/signature/plan.h"
+#include "core/signature/prepared_scene.h"
+#include "core/signature/prepared_view.h"
+#include "core/signature/request.h"
+
+namespace irsig {
+
+// Random numbers: of the job, and of what is traced for it.
+[[nodiscard]] std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request);
+inline constexpr std::uint64_t kFirstPilotStage = 1, kSecondPilotStage = 2, kStoredStage = 4,
+                               kEmissionStage = 5;
+
+// What makes no sense for this scene.
+[[nodiscard]] absl::Status check_request(const PreparedScene& scene, const ViewRequest& request);
+
+// Bounds, pilots, the number of samples. prepared: null if nothing had to be seen for it.
+struct MadePlan {
+  ViewPlan plan;
+  std::shared_ptr<const PreparedView> prepared;
+};
+[[nodiscard]] absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene,
+                                                 const ViewRequest& request);
+
+}  // namespace irsig

@@ -1,0 +1,275 @@
+#include "core/signature/measure_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/signature/make_plan.h"
+#include "core/signature/pass.h"
+
+namespace irsig {
+namespace {
+
+// What is stored of the air between target and sensor, and the models' errors.
+void add_path(const ViewEnvironment& e, const BandOnAxis& band, SignatureResult& r) {
+  const BandGrid& grid = band.grid;
+  const std::size_t offset = band.first_node;
+  double width_um = 0;
+  r.path_transmittance = r.path_radiance_w_m2_sr = 0;
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
+    width_um += grid.band_weight[i];
+    r.path_transmittance += grid.band_weight[i] * e.transmittance[offset + i];
+    r.path_radiance_w_m2_sr += grid.band_weight[i] * e.path_radiance[offset + i];
+  }
+  r.path_transmittance /= width_um;
+  // Surface emission is multiplied by the mean transmittance, whose error is taken bin by bin; the
+  // errors of one model go the same way everywhere, and add up.
+  double emission_lost_w_sr = 0, path_w_sr = 0;
+  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
+    double transmittance = 0, radiance = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
+      transmittance += grid.bin_weight[i] * e.transmittance[offset + i];
+      radiance += grid.bin_weight[i] * e.path_radiance[offset + i];
+      if (e.model_error_transmittance.empty()) continue;
+      emission_lost_w_sr +=
+          grid.band_weight[i] * r.spectral.value[k] * e.model_error_transmittance[offset + i];
+      path_w_sr +=
+          grid.band_weight[i] * r.projected_area_m2.value * e.model_error_path_radiance[offset + i];
+    }
+    r.path_transmittance_spectral.push_back(transmittance);
+    r.path_radiance_spectral.push_back(radiance);
+  }
+  const auto cause = [&](Cause which) {
+    return r.cause_w_sr[static_cast<std::size_t>(which)].value;
+  };
+  r.model_error_w_sr = std::hypot(e.sky_model_relative * cause(Cause::kSkyReflected),
+                                  e.lower_model_relative * cause(Cause::kSeaReflected),
+                                  e.sun_model_relative * cause(Cause::kSunReflected));
+  const double seen = r.intensity_w_sr.value != 0
+                          ? std::abs(r.apparent_intensity_w_sr.value / r.intensity_w_sr.value)
+                          : 0;
+  r.apparent_model_error_w_sr =
+      std::hypot(std::min(seen, 1.0) * r.model_error_w_sr, emission_lost_w_sr - path_w_sr);
+}
+
+// What of the intensity each effect was measured to be, where the causes tell.
+void add_shares(SignatureResult& r) {
+  for (LedgerEntry& e : r.effect) {
+    if (e.state != EffectState::kOn) continue;
+    const auto cause = [&](Cause which) {
+      return r.cause_w_sr[static_cast<std::size_t>(which)].value;
+    };
+    switch (e.effect) {
+      case Effect::kSelfEmission:
+        e.share_w_sr = cause(Cause::kEmitted);
+        break;
+      case Effect::kDirectSun:
+        e.share_w_sr = cause(Cause::kSunReflected);
+        break;
+      case Effect::kSkyReflected:
+        e.share_w_sr = cause(Cause::kSkyReflected);
+        break;
+      case Effect::kLowerReflected:
+        e.share_w_sr = cause(Cause::kSeaReflected);
+        break;
+      case Effect::kInterReflection:
+        e.share_w_sr = cause(Cause::kPartsReflected);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+// From counts of rays and the table's figures for the air; of the whole view.
+void estimate_times(const PathCounts& counts, double reflected_share, bool atmosphere,
+                    std::vector<LedgerEntry>& ledger) {
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  // Rays that reflections send out, where none was allowed to: as many as the first vertex would.
+  const bool none = counts.reflected_rays == 0;
+  const double reflected =
+      none ? 2 * std::min(1.0, 2 * reflected_share) * number(counts.target_paths)
+           : number(counts.reflected_rays);
+  const double vertices = number(counts.target_paths) + reflected;
+  for (LedgerEntry& e : ledger) {
+    if (e.state == EffectState::kAbsent || !info_of(e.effect).switchable) continue;
+    const bool on = e.state == EffectState::kOn;
+    double rays = 0;
+    switch (e.effect) {
+      case Effect::kDirectSun:
+        rays = on ? number(counts.sun_rays) : vertices;
+        break;
+      case Effect::kMirroredSun:
+        rays = on ? number(counts.glint_rays) : 0.5 * reflected;
+        break;
+      case Effect::kSkyReflected:
+      case Effect::kLowerReflected:
+        rays = 0.5 * reflected;
+        break;
+      case Effect::kInterReflection:
+        rays = on ? number(counts.hot_rays) : 0;
+        break;
+      default:
+        break;
+    }
+    e.time_s = rays * kRaySeconds + (atmosphere ? info_of(e.effect).view_s : 0);
+  }
+}
+
+// The air is taken at the range of the reference point. Over the target's own depth, at most
+// `depth` of the range to either side, the apparent radiance changes by (L - L_air) dT: L_air is
+// the path's radiance / (1 - T), and |dT| at most T (-ln T) x depth, as in grey air; where lines
+// are saturated it is less. [W/sr]
+double depth_bound_w_sr(const SignatureResult& r, const BandGrid& grid, double depth) {
+  double sum = 0;
+  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
+    const double t = r.path_transmittance_spectral[k];
+    if (!(t > 0 && t < 1)) continue;
+    const double air_w_sr_um = r.projected_area_m2.value * r.path_radiance_spectral[k] / (1 - t);
+    double width_um = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
+      width_um += grid.band_weight[i];
+    sum += width_um * std::abs(r.spectral.value[k] - air_w_sr_um) * t * -std::log(t) * depth;
+  }
+  return sum;
+}
+
+// All of a row but its picture.
+SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& scene,
+                       const ViewRequest& request, const ViewPlan& plan) {
+  SignatureResult r;
+  r.condition = pass.condition_of(row);
+  r.band = pass.band_of(row);
+  const BandOnAxis band = scene.axis.band(r.band);
+  const BandGrid& grid = band.grid;
+  const std::size_t bins = grid.lambda_um.size(), parts = scene.target.part.size();
+  const ReplicateStatistics& s = pass.statistics(row);
+  std::size_t q = 0;
+  r.intensity_w_sr = s.estimate(q++);
+  for (Estimate& cause : r.cause_w_sr) cause = s.estimate(q++);
+  r.apparent_intensity_w_sr = s.estimate(q++);
+  r.projected_area_m2 = s.estimate(q++);
+  for (std::size_t p = 0; p < parts; ++p) r.part_w_sr.push_back(s.estimate(q++));
+  r.contrast_intensity_w_sr = s.estimate(q++);
+  r.background_radiance_w_m2_sr = s.estimate(q++);
+  const auto spectrum = [&](SpectralEstimate& e) {
+    for (std::size_t k = 0; k < bins; ++k, ++q) {
+      e.value.push_back(s.estimate(q).value);
+      e.stderr_.push_back(s.estimate(q).stderr_);
+    }
+  };
+  spectrum(r.spectral);
+  for (SpectralEstimate& cause : r.spectral_cause) spectrum(cause);
+  spectrum(r.apparent_spectral);
+  spectrum(r.contrast_spectral);
+  spectrum(r.background_spectral);
+  add_path(pass.light(row).environment(), band, r);
+
+  const auto bounds = pass.bounds(row);
+  r.truncation_bound_w_sr = bounds.truncation;
+  r.quadrature_bound_w_sr = bounds.quadrature + bounds.basis;
+  r.basis_bound_w_sr = bounds.basis;
+  r.unseen_bound_w_sr = bounds.unseen;
+  r.omitted_bound_w_sr = bounds.omitted.source;
+  r.apparent_omitted_bound_w_sr = bounds.omitted.apparent;
+  r.contrast_omitted_bound_w_sr = bounds.omitted.contrast;
+  r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.source());
+  const double reach = length(scene.target.centre) + scene.target.radius_m;
+  const double depth = depth_bound_w_sr(r, grid, reach / request.viewpoint.range_m);
+  r.apparent_numerical_error_w_sr =
+      numerical_error(r.apparent_intensity_w_sr.stderr_, bounds.apparent() + depth);
+  r.contrast_numerical_error_w_sr =
+      numerical_error(r.contrast_intensity_w_sr.stderr_, bounds.contrast() + depth);
+  r.sky_bound_w_sr = bounds.sky;
+  if (r.projected_area_m2.value > 0)
+    r.apparent_temperature_k = apparent_temperature_k(
+        scene.band[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);
+  if (request.accuracy.relative_error <= 0)
+    r.stop_reason = StopReason::kFixedSamples;
+  else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
+    r.stop_reason = StopReason::kTargetReached;
+  else
+    r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
+  r.absolute_floor_w_sr = pass.absolute_floor_w_sr(row);
+  r.reflections = plan.effects.max_reflections;
+  r.energy = pass.energy(row);
+  r.effect = plan.ledger[r.condition * scene.axis.bands() + r.band];
+  add_shares(r);
+  estimate_times(
+      pass.counts(),
+      r.projected_area_m2.value > 0 ? pass.beyond_m2(0).value / r.projected_area_m2.value : 0,
+      request.environment != nullptr, r.effect);
+  r.replicate_w_sr = pass.replicates(row, Pass::Replicated::kSource);
+  r.replicate_apparent_w_sr = pass.replicates(row, Pass::Replicated::kApparent);
+  r.replicate_contrast_w_sr = pass.replicates(row, Pass::Replicated::kContrast);
+  return r;
+}
+
+// The pictures' sizes, and of each row its picture.
+void add_pictures(const Pass& pass, const ViewRequest& request, ViewResult& out) {
+  const ImagePlan& image = pass.image_plan();
+  out.image_width_px = image.width_px;
+  out.image_height_px = image.height_px;
+  // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
+  // their weights.
+  const double pixel_m = image.width_px > 0 ? pass.frame().width_m / image.width_px : 0;
+  const double pixel_area_m2 =
+      image.width_px > 0 ? pixel_m * pass.frame().height_m / image.height_px : 0;
+  out.pixel_rad = pixel_m / pass.frame().plane_m;
+  if (image.empty()) return;
+  const double plane_scale = std::pow(request.viewpoint.range_m / pass.frame().plane_m, 2);
+  const double scale = 1.0 / (request.accuracy.replicates * pixel_area_m2 * plane_scale);
+  const std::size_t pixels = static_cast<std::size_t>(image.width_px) * image.height_px;
+  for (std::size_t row = 0; row < out.row.size(); ++row)
+    for (std::size_t i = 0; i < pixels; ++i)
+      out.row[row].image_w_m2_sr.push_back(
+          static_cast<float>(scale * pass.image()[i * image.padded + row]));
+}
+
+absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(const PreparedScene& scene,
+                                                                 const ViewRequest& request,
+                                                                 const EffectSet& effects) {
+  auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
+                                             scene.axis.node_um());
+  if (!surroundings.ok()) return surroundings.status();
+  auto seen = surroundings->see(request.selected_condition, effects);
+  if (!seen.ok()) return seen.status();
+  return std::make_shared<const PreparedView>(PreparedView{
+      std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint)),
+      *std::move(seen), effects});
+}
+
+}  // namespace
+
+absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRequest& request,
+                                        const ViewPlan& plan,
+                                        std::shared_ptr<const PreparedView> prepared) {
+  if (auto status = check_request(scene, request); !status.ok()) return status;
+  if (prepared == nullptr || !prepared->effects.same_light(plan.effects)) {
+    auto made = prepared_for(scene, request, plan.effects);
+    if (!made.ok()) return made.status();
+    prepared = *std::move(made);
+  }
+  const std::uint64_t seed = view_seed(scene, request);
+  Pass pass(scene, request, plan, std::move(prepared),
+            {request.selected_condition, request.selected_band}, seed);
+  pass.run(plan.samples_per_replicate, kStoredStage,
+           request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored);
+
+  ViewResult out;
+  out.samples = pass.counts().samples;
+  out.target_paths = pass.counts().target_paths;
+  out.rays = pass.counts().rays + plan.pilot_rays;
+  out.replicates = request.accuracy.replicates;
+  out.samples_per_replicate = plan.samples_per_replicate;
+  out.guarded_backface_hits = pass.counts().guarded_backface_hits;
+  out.guarded_nonfinite = pass.counts().guarded_nonfinite;
+  out.guarded_negative = pass.counts().guarded_negative;
+  out.guarded_path_limit = pass.counts().truncated_paths;
+  out.seed = seed;
+  for (std::size_t row = 0; row < pass.rows(); ++row)
+    out.row.push_back(row_of(pass, row, scene, request, plan));
+  add_pictures(pass, request, out);
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/effects/effect_set.h"
+#include "core/effects/plan.h"
+
+namespace irsig {
+
+// What is fixed before a view is measured: by pilots over every row of the sweep. A value: what a
+// view is measured with can be written down, compared and measured again.
+struct ViewPlan {
+  std::uint64_t samples_per_replicate = 0;
+  bool limited = false;  // more would have been needed than the request allows
+  std::uint64_t pilot_rays = 0;
+  EffectSet effects;
+  // All that follows: [condition x band of the scene].
+  std::vector<double> absolute_floor_w_m2_sr;    // what AccuracySpec::absolute_error_k is worth
+  std::vector<RowBounds::Bound> omitted;         // reflections after max_reflections are not in it
+  std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
+
+  // What is not known in both is the same.
+  bool operator==(const ViewPlan&) const = default;
+};
+
+// Some lines of text; numbers to the last bit.
+[[nodiscard]] std::string to_string(const ViewPlan& plan);
+
+}  // namespace irsig

@@ -1,0 +1,63 @@
+#include "core/signature/prepared_scene.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "core/signature/scene_hash.h"
+
+namespace irsig {
+
+absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
+  PreparedScene out;
+  out.band = spec.band;
+  std::vector<BandGrid> grids;
+  for (const Band& band : spec.band) {
+    auto grid = make_band_grid(band, spec.spectral_breaks_um);
+    if (!grid.ok()) return grid.status();
+    grids.push_back(*std::move(grid));
+  }
+  out.axis = SpectralAxis(std::move(grids));
+  Hash hash;
+  const std::vector<double>& node_um = out.axis.node_um();
+  std::vector<double> sorted = node_um;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < spec.material.size(); ++i) {
+    const MaterialSpec& m = spec.material[i];
+    auto prepared = Material::prepare(m, node_um, sorted.front(), sorted.back());
+    if (!prepared.ok())
+      return absl::Status(prepared.status().code(),
+                          absl::StrCat("material[", i, "]: ", prepared.status().message()));
+    out.material.push_back(*std::move(prepared));
+    hash.add(m);
+  }
+  out.basis = make_spectral_basis(out.material);
+  if (!out.basis.identity()) {
+    std::vector<double> carried_um;
+    for (const std::uint32_t i : out.basis.carried) carried_um.push_back(node_um[i]);
+    for (const MaterialSpec& m : spec.material) {
+      auto prepared = Material::prepare(m, carried_um, sorted.front(), sorted.back());
+      if (!prepared.ok()) return prepared.status();
+      out.carried.push_back(*std::move(prepared));
+    }
+  }
+  auto target = make_target(spec.mesh, spec.part, spec.isa, spec.tracer);
+  if (!target.ok()) return target.status();
+  out.target = *std::move(target);
+  hash.add(out.target.vertex);
+  for (const std::uint32_t corner : out.target.triangle)
+    hash.add(static_cast<std::uint64_t>(corner));
+  for (const PartSpec& part : out.target.part) {
+    hash.add(static_cast<std::uint64_t>(part.material * 4 + part.two_sided * 2 + part.hot));
+    out.energy_gain |= out.material[part.material].creates_energy();
+  }
+  out.hash = hash.value();
+  return out;
+}
+
+const SpectralBasis* PreparedScene::path_basis() const {
+  const std::vector<Material>& m = carried_material();
+  return std::all_of(m.begin(), m.end(), [](const Material& x) { return x.grey(); }) ? nullptr
+                                                                                     : &basis;
+}
+
+}  // namespace irsig

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/materials/material.h"
+#include "core/scene/target.h"
+#include "core/spectral/spectral_axis.h"
+#include "core/transport/spectral_basis.h"
+
+namespace irsig {
+
+// What does not change during a sweep.
+struct SceneSpec {
+  Mesh mesh;
+  std::vector<PartSpec> part;
+  std::vector<MaterialSpec> material;
+  std::vector<Band> band;
+  // Where the air's spectrum jumps (air_band_edges_um); empty: nowhere.
+  std::vector<double> spectral_breaks_um;
+  TracerIsa isa = widest_isa();
+  TracerOptions tracer;
+};
+
+// A scene ready for any number of views.
+struct PreparedScene {
+  Target target;
+  std::vector<Band> band;
+  SpectralAxis axis;
+  std::vector<Material> material;  // prepared at every node of the axis
+  SpectralBasis basis;
+  std::vector<Material> carried;  // at the nodes that paths carry; empty: at all
+  bool energy_gain = false;       // some part's material creates energy
+  // Of geometry, materials and strata: what the seeds of random numbers are made from.
+  std::uint64_t hash = 0;
+
+  [[nodiscard]] static absl::StatusOr<PreparedScene> make(const SceneSpec& spec);
+
+  [[nodiscard]] const std::vector<Material>& carried_material() const {
+    return basis.identity() ? material : carried;
+  }
+  // Null if all materials are grey: weights then have one column.
+  [[nodiscard]] const SpectralBasis* path_basis() const;
+  // Of the water or ground that the target stands on, relative to its centre.
+  [[nodiscard]] double surface_z_m() const { return -target.centre.z; }
+};
+
+}  // namespace irsig

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "core/environment/surroundings.h"
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+// One season at one time.
+struct ConditionSpec {
+  std::vector<double> part_temperature_k;  // in the order of the scene's parts
+  Surroundings surroundings;
+  bool sun = false;         // whether direct sun is part of this condition
+  Vec<Body> sun_direction;  // unit vector towards the sun
+  double sun_cos_zenith = 0;
+  double sun_angular_radius_deg = 0;
+  double sun_scale = 0;     // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
+  double sea_wind_m_s = 0;  // > 0: the sea mirrors the sun, as rough as this wind makes it
+  double air_temperature_k = 0;
+};
+
+// Whether a condition's sun shines: some of its disk is above the horizon.
+[[nodiscard]] bool sun_shines(const ConditionSpec& condition);
+
+}  // namespace irsig

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/effects/effect_set.h"
+#include "core/environment/environment.h"
+#include "core/sources/condition.h"
+#include "core/sources/source_layout.h"
+#include "core/spectral/spectral_axis.h"
+
+namespace irsig {
+
+// A sun, or a light like it, that shines under a condition.
+struct LitSun {
+  std::uint32_t index;  // of SourceGeometry::sun
+  bool direct;          // false: reflected by the target only after the sea
+  // Normal to its beam, at the target and what of it is left at the sensor. [W/(m2 um)]
+  std::vector<double> irradiance, apparent;
+};
+
+// The light of every source under one condition, on the sweep's nodes. What the effects leave out
+// is dark.
+class ConditionSources {
+ public:
+  using Spectrum = std::vector<double>;
+
+  // environment: outlives this.
+  ConditionSources(const ConditionSpec& condition, const ViewEnvironment& environment,
+                   const SourceGeometry& geometry, const SourceLayout& layout,
+                   std::vector<LitSun> suns, const std::vector<double>& node_um,
+                   const EffectSet& effects);
+  ConditionSources(ConditionSources&&) = default;
+  ConditionSources(const ConditionSources&) = delete;  // sources point to the spectra
+
+  // Radiance of a source; for the sun: irradiance. At the target, and what of it arrives at the
+  // sensor. What is behind the target is no source: it has the latter only.
+  //                                                           [W/(m2 sr um)], [W/(m2 um)]
+  [[nodiscard]] std::span<const double> radiance(SourceId id) const {
+    return {light_[index_of(id)].radiance, none_.size()};
+  }
+  [[nodiscard]] std::span<const double> apparent(SourceId id) const {
+    return {light_[index_of(id)].apparent, none_.size()};
+  }
+
+  [[nodiscard]] const SourceLayout& layout() const { return layout_; }
+  [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
+  [[nodiscard]] const std::vector<LitSun>& suns() const { return sun_; }
+  // What makes up each cause.
+  [[nodiscard]] std::array<std::vector<SourceRange>, kCauses> causes() const;
+
+  // The largest in-band radiance of a part. [W/(m2 sr)]
+  [[nodiscard]] double part_w_m2_sr(std::uint32_t part, const BandOnAxis& band) const;
+  // The largest in-band radiance of anything but the sun. [W/(m2 sr)]
+  [[nodiscard]] double brightest_thermal_w_m2_sr(const BandOnAxis& band) const;
+  // The largest in-band radiance of any source, a sunlit white surface included: what a lost path
+  // can have carried at most. [W/(m2 sr)]
+  [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band) const;
+  // Of what surfaces emit, at least 1 K each.
+  [[nodiscard]] double coldest_k() const { return coldest_k_; }
+  [[nodiscard]] double hottest_k() const { return hottest_k_; }
+
+ private:
+  struct Light {  // spectra of this condition or of its environment
+    const double *radiance, *apparent;
+  };
+  [[nodiscard]] Light light_of(SourceId id, const Emitters& emitters,
+                               const EffectSet& effects) const;
+
+  SourceLayout layout_;
+  std::vector<LitSun> sun_;
+  double coldest_k_, hottest_k_;
+  std::vector<Spectrum> part_, part_apparent_;                 // blackbody radiance of each part
+  std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
+  Spectrum none_;
+  std::vector<Light> light_;  // [source]
+  const ViewEnvironment* environment_;
+};
+
+// Integral of a spectrum on the sweep's nodes over a band.
+[[nodiscard]] double in_band(std::span<const double> spectrum, const BandOnAxis& band);
+
+}  // namespace irsig

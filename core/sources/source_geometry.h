@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/environment/direction_nodes.h"
+#include "core/geo/frames.h"
+
+namespace irsig {
+
+// What paths can end on, as far as rays must know it: where it is, not how bright.
+
+// What shines on the target by itself, each of one temperature. By default every part is one
+// emitter; an element of a mesh may be one too (10^4 to 10^5 of them), and belongs to a part.
+struct Emitters {
+  std::vector<std::uint32_t> of_facet;  // [facet]; empty: a facet's emitter is its part
+  std::vector<std::uint32_t> part;      // [emitter]; empty likewise
+
+  [[nodiscard]] std::uint32_t count(std::size_t parts) const {
+    return static_cast<std::uint32_t>(of_facet.empty() ? parts : part.size());
+  }
+  [[nodiscard]] std::uint32_t of(std::uint32_t facet, std::uint32_t part_of_facet) const {
+    return of_facet.empty() ? part_of_facet : of_facet[facet];
+  }
+  [[nodiscard]] std::uint32_t part_of(std::uint32_t emitter) const {
+    return of_facet.empty() ? emitter : part[emitter];
+  }
+};
+
+// What stands below the horizon, in coordinates relative to the target's centre.
+struct Plane {
+  double z_m = 0;             // of the surface (body z, down): a point below it is hidden by it
+  double earth_radius_m = 0;  // > 0: its curvature hides what lies behind it (primary rays)
+};
+struct NoBoundary {};      // nothing to meet: two stated radiances
+struct Sea : Plane {};     // mirrors the suns that have a wind
+struct Ground : Plane {};  // mirrors nothing; the target stands on it as it floats on the sea
+using Boundary = std::variant<NoBoundary, Sea, Ground>;
+[[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
+
+// What rays cross between surfaces. Clear air around the target takes nothing from them and adds
+// nothing; what stands between target and sensor is not here but in ViewEnvironment.
+struct ClearMedium {};
+using Medium = std::variant<ClearMedium>;
+
+struct SunDirection {
+  Vec<Body> direction;  // unit vector towards the sun's centre
+  double angular_radius_rad;
+  // > 0: a lamp this far from the target's centre, of the same intensity in all directions. Its
+  // weights are per unit irradiance at the centre.
+  double distance_m = 0;
+  // > 0: a sea roughened by this wind mirrors it. [m/s]
+  double sea_wind_m_s = 0;
+
+  bool operator==(const SunDirection&) const = default;
+};
+
+struct SourceGeometry {
+  Emitters emitters;
+  Boundary boundary;
+  Medium medium;
+  std::vector<SunDirection> sun;
+  // Where the radiance of sky and of what lies below the horizon is known, around the target; and
+  // along the lines of sight beyond it (absent: the contrast is not wanted).
+  DirectionNodes directions;
+  std::optional<DirectionNodes> behind;
+
+  // Whether a sea mirrors one of the suns.
+  [[nodiscard]] bool glitters() const;
+};
+
+}  // namespace irsig

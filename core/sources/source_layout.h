@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/sources/source_geometry.h"
+
+namespace irsig {
+
+// One source of light as paths end on it: a number from 0 to SourceLayout::count() - 1. What stands
+// behind the number only SourceLayout knows; elsewhere it indexes tables.
+enum class SourceId : std::uint32_t {};
+[[nodiscard]] constexpr std::uint32_t index_of(SourceId id) {
+  return static_cast<std::uint32_t>(id);
+}
+
+// Sources that stand side by side.
+struct SourceRange {
+  std::uint32_t first = 0, last = 0;  // behind the last
+
+  struct Iterator {
+    std::uint32_t at;
+    SourceId operator*() const { return SourceId{at}; }
+    Iterator& operator++() {
+      ++at;
+      return *this;
+    }
+    bool operator==(const Iterator&) const = default;
+  };
+  [[nodiscard]] Iterator begin() const { return {first}; }
+  [[nodiscard]] Iterator end() const { return {last}; }
+  [[nodiscard]] std::uint32_t size() const { return last - first; }
+  [[nodiscard]] bool contains(SourceId id) const {
+    return index_of(id) >= first && index_of(id) < last;
+  }
+};
+
+// What a signature is told apart by.
+enum class Cause { kEmitted, kSunReflected, kSkyReflected, kSeaReflected, kPartsReflected };
+inline constexpr std::size_t kCauses = 5;
+
+// The places of all sources in a table of them, side by side:
+//
+//   seen(e)       emitted by emitter e, straight towards the sensor
+//   reflected(e)  emitted by emitter e, reflected towards the sensor
+//   node(k)       from around the target, at direction node k: above the horizon, then below it
+//   sun(j)        direct sun j, per unit irradiance normal to the beam
+//   glint(j, k)   sun j mirrored by the sea, at an incidence of kGlintCosines[k], per unit
+//                 irradiance normal to the beam and unit reflectance
+//   behind(k)     not part of the intensity: what of the silhouette stands before direction node k
+//                 (seen from the sensor, beyond the target), for the contrast
+class SourceLayout {
+ public:
+  SourceLayout() = default;
+  SourceLayout(std::size_t parts, const SourceGeometry& geometry);
+
+  enum class Kind : std::uint8_t { kSeen, kReflected, kSky, kLower, kSun, kGlint, kBehind };
+  struct Place {
+    Kind kind;
+    std::uint32_t index;      // of the emitter, the node (below the horizon: as above it), the sun
+    std::uint32_t glint = 0;  // of kGlintCosines
+  };
+  [[nodiscard]] Place place_of(SourceId id) const;
+
+  [[nodiscard]] std::uint32_t emitters() const { return emitters_; }
+  [[nodiscard]] std::uint32_t suns() const { return suns_; }
+  [[nodiscard]] std::uint32_t count() const { return behind_ + behind_nodes_; }
+
+  [[nodiscard]] SourceId seen(std::uint32_t emitter) const { return SourceId{emitter}; }
+  [[nodiscard]] SourceId reflected(std::uint32_t emitter) const {
+    return SourceId{emitters_ + emitter};
+  }
+  [[nodiscard]] SourceId node(std::uint32_t k) const { return SourceId{sky_ + k}; }
+  [[nodiscard]] SourceId first_sky() const { return SourceId{sky_}; }
+  [[nodiscard]] SourceId first_lower() const { return SourceId{lower_}; }
+  [[nodiscard]] SourceId sun(std::uint32_t j) const { return SourceId{sun_ + j}; }
+  [[nodiscard]] SourceId glint(std::uint32_t j, std::uint32_t k) const {
+    return SourceId{glint_ + j * glint_nodes_ + k};
+  }
+  [[nodiscard]] SourceId behind(std::uint32_t k) const { return SourceId{behind_ + k}; }
+
+  [[nodiscard]] SourceRange all() const { return {0, count()}; }
+  // All but what stands behind the target.
+  [[nodiscard]] SourceRange of_intensity() const { return {0, behind_}; }
+  [[nodiscard]] SourceRange emitted() const { return {0, emitters_}; }
+  [[nodiscard]] SourceRange all_emitted() const { return {0, sky_}; }  // reflected or not
+  [[nodiscard]] SourceRange sky() const { return {sky_, lower_}; }
+  [[nodiscard]] SourceRange lower() const { return {lower_, sun_}; }
+  [[nodiscard]] SourceRange around() const { return {sky_, sun_}; }
+  // What shines whether the sun does or not: all that target and surroundings send out.
+  [[nodiscard]] SourceRange without_sun() const { return {0, sun_}; }
+  [[nodiscard]] SourceRange behind() const { return {behind_, count()}; }
+
+  // What makes up each cause under these suns. The sea's is in several pieces: what it emits and
+  // reflects of the sky, and the suns in it. Other suns than a condition's are not in it: no sum
+  // may depend on what is computed beside.
+  [[nodiscard]] std::array<std::vector<SourceRange>, kCauses> causes(
+      std::span<const std::uint32_t> suns) const;
+
+ private:
+  std::uint32_t emitters_ = 0, suns_ = 0, glint_nodes_ = 0, behind_nodes_ = 0;
+  // Where each kind begins.
+  std::uint32_t sky_ = 0, lower_ = 0, sun_ = 0, glint_ = 0, behind_ = 0;
+};
+
+}  // namespace irsig

@@ -1,0 +1,59 @@
+#include "core/sources/view_sources.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "core/base/constants.h"
+
+namespace irsig {
+
+Boundary boundary_of(const ConditionSpec& condition, double surface_z_m) {
+  switch (condition.surroundings.kind) {
+    case SurroundingsKind::kSea:
+      return Sea{{surface_z_m, kEarthRadiusM}};
+    case SurroundingsKind::kGround:
+      return Ground{{surface_z_m, kEarthRadiusM}};
+    case SurroundingsKind::kNone:
+      break;
+  }
+  return NoBoundary{};
+}
+
+ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
+                         std::shared_ptr<const ViewEnvironments> environments,
+                         const std::vector<double>& node_um)
+    : environments_(std::move(environments)) {
+  geometry_.emitters = request.emitters;
+  // Paths are traced once for all conditions: theirs is one boundary (check_request).
+  geometry_.boundary = boundary_of(request.condition.front(), request.surface_z_m);
+  geometry_.directions = environments_->directions;
+  if (request.contrast) geometry_.behind = environments_->behind;
+  // Of conditions whose suns stand at the same place the paths are the same.
+  const auto place_of = [this](const SunDirection& sun) {
+    std::vector<SunDirection>& suns = geometry_.sun;
+    const auto same = std::find(suns.begin(), suns.end(), sun);
+    const auto index = static_cast<std::uint32_t>(same - suns.begin());
+    if (same == suns.end()) suns.push_back(sun);
+    return index;
+  };
+  std::vector<std::vector<LitSun>> lit;
+  for (const std::uint32_t c : request.wanted) {
+    const ConditionSpec& condition = request.condition[c];
+    const ViewEnvironment& environment = environments_->condition[c];
+    std::vector<LitSun>& here = lit.emplace_back();
+    if (sun_shines(condition) && effects.follows_sun(c))
+      here.push_back({place_of({condition.sun_direction,
+                                condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
+                                effects.sun[c].mirrored ? condition.sea_wind_m_s : 0}),
+                      effects.sun[c].direct, environment.sun, environment.sun_apparent});
+  }
+  layout_ = SourceLayout(request.parts, geometry_);
+  condition_.reserve(request.wanted.size());
+  for (std::size_t i = 0; i < request.wanted.size(); ++i) {
+    const std::uint32_t c = request.wanted[i];
+    condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_, layout_,
+                            std::move(lit[i]), node_um, effects);
+  }
+}
+
+}  // namespace irsig

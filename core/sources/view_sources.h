@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/sources/condition_sources.h"
+
+namespace irsig {
+
+// What the conditions of a request do to one view, and the directions to which it refers.
+struct ViewEnvironments {
+  DirectionNodes directions, behind;
+  std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
+};
+
+// What the sources of a view are made from.
+struct SourceRequest {
+  std::span<const ConditionSpec> condition;  // all
+  std::span<const std::uint32_t> wanted;     // those whose light is asked for
+  std::size_t parts = 0;
+  double surface_z_m = 0;  // of sea or ground, relative to the target's centre
+  bool contrast = true;    // whether what stands behind the target is wanted
+  Emitters emitters = {};
+};
+
+// All light of a view: where it is (what paths can end on), and how bright under each condition.
+// Conditions whose suns stand at the same place share them. Move only.
+class ViewSources {
+ public:
+  // environments: with the light of the wanted conditions. `request` is not kept.
+  ViewSources(const SourceRequest& request, const EffectSet& effects,
+              std::shared_ptr<const ViewEnvironments> environments,
+              const std::vector<double>& node_um);
+
+  [[nodiscard]] const SourceGeometry& geometry() const { return geometry_; }
+  [[nodiscard]] const SourceLayout& layout() const { return layout_; }
+  // The i-th of those wanted.
+  [[nodiscard]] const ConditionSources& wanted(std::size_t i) const { return condition_[i]; }
+
+ private:
+  std::shared_ptr<const ViewEnvironments> environments_;
+  SourceGeometry geometry_;
+  SourceLayout layout_;
+  std::vector<ConditionSources> condition_;
+};
+
+// Sea or ground of a condition, or none.
+[[nodiscard]] Boundary boundary_of(const ConditionSpec& condition, double surface_z_m);
+
+}  // namespace irsig

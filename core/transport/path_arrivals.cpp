@@ -1,0 +1,316 @@
+// Where rays end: on the target, beyond it, or on the sea that mirrors a sun.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/transport/path_work.h"
+
+// The stages are one loop, cut up for the reader: all are inlined into it.
+#define IRSIG_STAGE [[gnu::always_inline]] inline
+
+namespace irsig {
+
+// What is the same for all arrivals of a batch.
+struct PathTracer::Arrivals {
+  std::uint32_t order;
+  float offset_m, persistence;
+  float surface_z_m;  // of sea or ground, with the offset; infinite: there is none
+  bool horizon;       // whether the Earth may hide what these rays met
+  bool uniform;       // sky and sea are
+
+  Arrivals(const PathTracer& tracer, std::uint32_t of_order)
+      : order(of_order),
+        offset_m(static_cast<float>(tracer.target_.offset_m())),
+        persistence(static_cast<float>(tracer.settings_.persistence)),
+        surface_z_m(tracer.plane_ ? static_cast<float>(tracer.plane_->z_m) + offset_m
+                                  : std::numeric_limits<float>::infinity()),
+        horizon(order == 0 && tracer.plane_ && tracer.plane_->earth_radius_m > 0 &&
+                tracer.view_.frame.sensor.z > tracer.plane_->z_m),
+        uniform(tracer.sources_.directions.uniform()) {}
+};
+
+// A ray of a batch, as it left its last vertex.
+struct PathTracer::Ray {
+  std::uint32_t index;  // in the batch
+  RayPacket& packet;
+  std::uint32_t lane;
+  PathState& state;
+  const float* spectrum;  // of its path
+  Float3 from, direction;
+
+  Ray(RayBatch& batch, std::uint32_t i, std::size_t spectrum_columns)
+      : index(i),
+        packet(batch.packet_of(i)),
+        lane(RayBatch::lane_of(i)),
+        state(batch.state[i]),
+        spectrum(batch.spectrum.data() + i * spectrum_columns),
+        from{packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+        direction{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]} {}
+};
+
+// Where a ray meets the target.
+struct PathTracer::Hit {
+  std::uint32_t facet;
+  std::uint32_t part;
+  Float3 at, normal;  // normal: on the side of the ray
+  float along;        // in units of the ray's direction
+  float cos_o;
+  std::uint32_t material;
+  Material::EmissivityAndDhr surface;
+};
+
+// Where a ray ends. kNothing: it does not count (another stratum has it, or it met a back).
+IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work, const Ray& ray,
+                                                 Hit& hit) const {
+  RayPacket& packet = ray.packet;
+  const std::uint32_t lane = ray.lane;
+  const Float3 d = ray.direction;
+  if (packet.triangle[lane] == RayPacket::kMiss) return d.z < 0 ? Met::kAbove : Met::kBelow;
+  const auto from_behind = [&] {
+    const Target::Facet& met = target_.facet[packet.triangle[lane]];
+    return !target_.part[met.part].two_sided && dot({met.nx, met.ny, met.nz}, d) >= 0;
+  };
+  if (from_behind()) target_.tracer->look_for_front(packet, static_cast<int>(lane), all.offset_m);
+  hit.facet = packet.triangle[lane];
+  hit.along = packet.tfar[lane];
+  hit.at = {ray.from.x + hit.along * d.x, ray.from.y + hit.along * d.y,
+            ray.from.z + hit.along * d.z};
+  const Target::Facet& facet = target_.facet[hit.facet];
+  hit.part = facet.part;
+  if (all.order == 0 && view_.stratum_of_part[facet.part] != work.stratum) return Met::kNothing;
+  // Under water (or ground): the path ended on the surface above.
+  if (hit.at.z > all.surface_z_m) return Met::kBelow;
+  hit.normal = {facet.nx, facet.ny, facet.nz};
+  hit.cos_o = -dot(hit.normal, d) * ray.state.inverse_length;
+  const PartSpec& part = target_.part[facet.part];
+  hit.material = part.material;
+  if (hit.cos_o <= 0 && part.two_sided) {
+    hit.normal = {-hit.normal.x, -hit.normal.y, -hit.normal.z};
+    hit.cos_o = -hit.cos_o;
+  }
+  if (hit.cos_o <= 0) {
+    ++work.counts->guarded_backface_hits;
+    return Met::kNothing;
+  }
+  hit.cos_o = std::min(hit.cos_o, 1.0f);
+  return all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length) ? Met::kBelow
+                                                                           : Met::kTarget;
+}
+
+// A ray that meets no target; a primary one counts where the background is asked for.
+template <bool kSpectral>
+IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const Ray& ray,
+                                        bool above) const {
+  const std::uint32_t order = all.order;
+  if (order == 0 && !settings_.background) return;
+  PathState& s = ray.state;
+  const Float3 d = ray.direction;
+  const float* spectrum = ray.spectrum;
+  if (order > 0 && any_glint_ && !above) meet_sea(work, s, ray.from, d, spectrum);
+  if (order == 0) {
+    s.first = parts_;
+    spectrum = work.ones.data();
+  }
+  if (all.uniform) {
+    add<kSpectral>(work, s, order, above ? layout_.first_sky() : layout_.first_lower(), s.weight,
+                   spectrum);
+    return;
+  }
+  const float z = d.z * s.inverse_length;
+  DirectionNodes::Share share[4];
+  const int count = sources_.directions.shares(d.x, d.y, above ? z : std::max(z, 0.0f), share);
+  for (int k = 0; k < count; ++k)
+    add<kSpectral>(work, s, order, layout_.node(share[k].node), s.weight * share[k].weight,
+                   spectrum);
+}
+
+// The first facet of a path: what it is counted under, and what stands behind it.
+IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& hit) const {
+  PathState& s = ray.state;
+  s.first = hit.part;
+  ++work.counts->target_paths;
+  work.area[s.replicate] += static_cast<double>(s.weight);
+  if (!sources_.behind) return;
+  const Float3 d = ray.direction;
+  add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
+}
+
+// A path's weight where the last vertex may have aimed at this hot part as well: its share by the
+// balance heuristic.
+IRSIG_STAGE float PathTracer::unaimed_weight(const Work& work, const Ray& ray,
+                                             const Hit& hit) const {
+  const float weight = ray.state.weight;
+  const std::uint32_t light = hot_.light_of(hit.facet);
+  const float* drawn =
+      work.batch.drawn.data() + static_cast<std::size_t>(ray.index) * (1 + hot_.count());
+  if (light == HotLights::kNone || !(drawn[1 + light] > 0)) return weight;
+  const float aimed =
+      drawn[1 + light] * hot_.density_per_sr(hit.facet, ray.from, hit.along * hit.along, hit.cos_o);
+  return weight * (drawn[0] / (drawn[0] + aimed));
+}
+
+template <bool kSpectral>
+IRSIG_STAGE void PathTracer::add_emission(const Arrivals& all, Work& work, const Ray& ray,
+                                          const Hit& hit) const {
+  const std::uint32_t order = all.order;
+  const std::uint32_t emitter = sources_.emitters.of(hit.facet, hit.part);
+  const SourceId source = order == 0 ? layout_.seen(emitter) : layout_.reflected(emitter);
+  const float weight =
+      order > 0 && hot_.count() > 0 ? unaimed_weight(work, ray, hit) : ray.state.weight;
+  if constexpr (kSpectral) {
+    materials_[hit.material].spectral_emissivity(hit.cos_o, work.row.data());
+    if (order > 0)
+      for (std::size_t k = 0; k < nodes_; ++k) work.row[k] *= ray.spectrum[k];
+    add<kSpectral>(work, ray.state, order, source, weight, work.row.data());
+  } else {
+    add<kSpectral>(work, ray.state, order, source, weight * hit.surface.emissivity, nullptr);
+  }
+}
+
+// A vertex at which a path may go on, if any reflection is left to it.
+IRSIG_STAGE void PathTracer::list_vertex(const Arrivals& all, Work& work, const Ray& ray,
+                                         const Hit& hit) const {
+  const std::uint32_t order = all.order;
+  const PathState& s = ray.state;
+  const float dhr_max = hit.surface.dhr_max;
+  work.beyond[s.replicate * (settings_.max_reflections + 1) + order] +=
+      static_cast<double>(s.weight * s.spectral_max * dhr_max);
+  if (order == settings_.max_reflections) {
+    ++work.counts->truncated_paths;
+    return;
+  }
+  const float offset = all.offset_m;
+  const Float3 d = ray.direction, p = hit.at, n = hit.normal;
+  VertexList& vertex = work.vertex;
+  const std::uint32_t v = vertex.size++;
+  vertex.px[v] = p.x + offset * n.x;
+  vertex.py[v] = p.y + offset * n.y;
+  vertex.pz[v] = p.z + offset * n.z;
+  vertex.nx[v] = n.x;
+  vertex.ny[v] = n.y;
+  vertex.nz[v] = n.z;
+  vertex.ox[v] = -d.x * s.inverse_length;
+  vertex.oy[v] = -d.y * s.inverse_length;
+  vertex.oz[v] = -d.z * s.inverse_length;
+  vertex.cos_o[v] = hit.cos_o;
+  vertex.roughness2[v] = materials_[hit.material].roulette_slope2();
+  // Reflections cost more rays than primary hits and scatter more: the first vertex may send out
+  // several.
+  vertex.survival[v] = (order == 0 ? static_cast<float>(settings_.split) : 1.0f) *
+                       std::min(1.0f, all.persistence * s.throughput * s.spectral_max * dhr_max);
+  vertex.path[v] = ray.index;
+  vertex.material[v] = hit.material;
+}
+
+// What each ray met: terminal radiance is added, vertices at which a path may go on are listed.
+template <bool kSpectral>
+void PathTracer::arrive(Work& work, std::uint32_t order) const {
+  const Arrivals all(*this, order);
+  work.vertex.size = 0;
+  for (std::uint32_t i = 0; i < work.batch.size; ++i) {
+    const Ray ray(work.batch, i, kSpectral ? nodes_ : 0);
+    Hit hit;
+    const Met met = find_hit(all, work, ray, hit);
+    if (met == Met::kNothing) continue;
+    if (met != Met::kTarget) {
+      end_beyond<kSpectral>(all, work, ray, met == Met::kAbove);
+      continue;
+    }
+    if (order == 0) begin_path(work, ray, hit);
+    const Material& material = materials_[hit.material];
+    hit.surface = material.emissivity_and_dhr(hit.cos_o);
+    add_emission<kSpectral>(all, work, ray, hit);
+    if (any_bright_ && order > 0 && material.narrowest_slope() < kBrightSlope &&
+        materials_[target_.part[ray.state.first].material].narrowest_slope() < kBrightSlope)
+      ++work.counts->bright_to_bright;
+    if (hit.surface.dhr_max <= 0) continue;
+    list_vertex(all, work, ray, hit);
+  }
+}
+
+// A reflected ray that ends on the sea: what of each sun the sea mirrors into it, if nothing shades
+// that place. `direction` is of unit length.
+void PathTracer::meet_sea(Work& work, const PathState& path, Float3 from, Float3 direction,
+                          const float* spectrum) const {
+  if (direction.z <= 0) return;
+  const Vec<Body> to_observer{-static_cast<double>(direction.x), -static_cast<double>(direction.y),
+                              -static_cast<double>(direction.z)};
+  // The plane of the water, and a start offset above it: the part below has facets too.
+  const float height = static_cast<float>(plane_->z_m - target_.offset_m()) - from.z;
+  const float t = std::max(height, 0.0f) / direction.z;
+  const Float3 place{from.x + t * direction.x, from.y + t * direction.y, from.z + t * direction.z};
+  for (std::uint32_t j = 0; j < sources_.sun.size(); ++j) {
+    if (!(sources_.sun[j].sea_wind_m_s > 0)) continue;
+    const SeaGlint glint =
+        sea_glint(to_observer, sources_.sun[j].direction, sources_.sun[j].sea_wind_m_s);
+    // Less than 1e-6 of a diffuse white sea.
+    if (!(glint.per_sr > 3e-7f)) continue;
+    PathState s = path;
+    s.weight *= glint.per_sr;
+    const std::uint32_t ray = work.glint_shadow.push(place, work.sun[j].direction, s);
+    work.glint_sun[ray] = j;
+    work.glint_at[ray] = glint_share(glint.cos_incidence);
+    if (spectral_)
+      std::copy_n(spectrum, nodes_,
+                  work.glint_shadow.spectrum.data() + static_cast<std::size_t>(ray) * nodes_);
+  }
+}
+
+template <bool kSpectral>
+void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
+  RayBatch& batch = work.glint_shadow;
+  if (batch.size == 0) return;
+  batch.prepare_packets(false);
+  // From the sea, which is not on the target: its shadow falls there even if it is convex.
+  batch.for_each_packet(
+      [&](RayPacket& packet, int count) { target_.tracer->occluded(packet, count, true); });
+  work.counts->rays += batch.size;
+  work.counts->glint_rays += batch.size;
+  for (std::uint32_t i = 0; i < batch.size; ++i) {
+    if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
+    const PathState& s = batch.state[i];
+    const GlintShare& at = work.glint_at[i];
+    const float* spectrum =
+        batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0);
+    const auto node = static_cast<std::uint32_t>(at.node);
+    const SourceId first = layout_.glint(work.glint_sun[i], node),
+                   next = layout_.glint(work.glint_sun[i], node + 1);
+    add<kSpectral>(work, s, order, first, s.weight * (1 - at.weight_of_next), spectrum);
+    add<kSpectral>(work, s, order, next, s.weight * at.weight_of_next, spectrum);
+  }
+  batch.size = 0;
+}
+
+// The silhouette, by what stands behind it. Where the sea begins, at an elevation of 0, is the
+// horizon here as it is for reflections.
+void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
+  DirectionNodes::Share share[4];
+  const int count = sources_.behind->shares(direction.x, direction.y, direction.z, share);
+  for (int k = 0; k < count; ++k) {
+    double* out =
+        work.weight[path.replicate * work.orders].row(path.first, layout_.behind(share[k].node));
+    const auto weight = static_cast<double>(path.weight * share[k].weight);
+    for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
+  }
+}
+
+// The segment to the sensor against the sphere of the Earth, from the point's height above the
+// waterline.
+bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
+  const double h = plane_->z_m - static_cast<double>(p.z), radius = plane_->earth_radius_m;
+  const double slant = inverse_length, ex = -d.x * slant, ey = -d.y * slant, up = d.z * slant;
+  const double b = p.x * ex + p.y * ey + (radius + h) * up;
+  const double c =
+      static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
+  return b < 0 && b * b > c;
+}
+
+#undef IRSIG_STAGE
+
+template void PathTracer::arrive<false>(Work&, std::uint32_t) const;
+template void PathTracer::arrive<true>(Work&, std::uint32_t) const;
+template void PathTracer::trace_glint<false>(Work&, std::uint32_t) const;
+template void PathTracer::trace_glint<true>(Work&, std::uint32_t) const;
+
+}  // namespace irsig

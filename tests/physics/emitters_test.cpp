@@ -1,0 +1,153 @@
+// Rationale: an emitter may be an element of a mesh instead of a part. What elements of one
+// temperature send out is what their part sends out, seen straight or by reflection; ten thousand
+// of them must not take more memory than the pairs that paths join.
+// Expected: on the same paths the weights of a part's elements add up to the part's, and a part of
+// equal elements has the same light; weights of all else are equal to the bit.
+// Source: the same paths traced with the parts as emitters.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/signature/shading.h"
+#include "core/sources/view_sources.h"
+#include "scene_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+// Ten thousand emitters: facets that follow each other in the mesh, of one part each.
+Emitters cut_into(const Target& target, std::size_t wanted) {
+  Emitters out;
+  const std::size_t size = std::max<std::size_t>(1, target.facet.size() / wanted);
+  std::size_t in_emitter = size;
+  for (const Target::Facet& facet : target.facet) {
+    if (in_emitter >= size || facet.part != out.part.back()) {
+      out.part.push_back(facet.part);
+      in_emitter = 0;
+    }
+    out.of_facet.push_back(static_cast<std::uint32_t>(out.part.size() - 1));
+    ++in_emitter;
+  }
+  return out;
+}
+
+std::size_t bytes_of(const std::vector<PathWeights>& weights) {
+  std::size_t most = 0;
+  for (const PathWeights& w : weights) most = std::max(most, w.weight.bytes() + w.last.bytes());
+  return most;
+}
+
+TEST(Emitters, ElementsOfAPartAddUpToIt) {
+  // A paint that is not grey: weights have several columns.
+  SceneSpec scene = scene_of(
+      generated("frigate", 50000),
+      {"paint", Lambert{{{2.9, 0.9}, {3.4, 0.5}, {3.9, 0.8}, {4.3, 0.3}, {5.1, 0.6}}}}, mwir());
+  scene.part = {
+      {"ship", {"hull", "deck", "superstructure", "funnel", "mast", "turret"}, 0, false, false},
+      {"hot", {"*_*"}, 0, false, true}};
+  const auto simulator = simulator_of(scene);
+  const Target& target = simulator->target();
+  const AimedView view = make_aimed_view(target, {40, 30, 5000});
+  PathSettings settings;
+  settings.samples = 4096;
+  settings.seed = 11;
+  SourceGeometry by_part = lit_by({{normalized(Vec<Body>{0, 1, -1}), 0.005}});
+  by_part.boundary = Sea{{-target.centre.z, 0}};
+  SourceGeometry by_element = by_part;
+  by_element.emitters = cut_into(target, 10000);
+  const std::uint32_t elements = by_element.emitters.count(2);
+  ASSERT_GT(elements, 9000u);
+
+  std::vector<double> no_image;
+  PathCounts counts[2];
+  const PathTracer few(target, simulator->carried_materials(), view, by_part, settings);
+  const PathTracer many(target, simulator->carried_materials(), view, by_element, settings);
+  const auto a = few.trace({}, no_image, counts[0]);
+  const auto b = many.trace({}, no_image, counts[1]);
+  ASSERT_EQ(counts[0].rays, counts[1].rays);
+  double reflected = 0;
+  for (std::size_t r = 0; r < a.size(); ++r)
+    for (std::uint32_t first = 0; first < 2; ++first)
+      for (std::size_t k = 0; k < few.nodes(); ++k) {
+        double seen_sum[2] = {}, reflected_sum[2] = {};
+        for (std::uint32_t e = 0; e < elements; ++e) {
+          const std::uint32_t part = by_element.emitters.part_of(e);
+          seen_sum[part] += b[r].weight.value(first, many.layout().seen(e), k);
+          reflected_sum[part] += b[r].weight.value(first, many.layout().reflected(e), k);
+        }
+        for (std::uint32_t p = 0; p < 2; ++p) {
+          const double seen = a[r].weight.value(first, few.layout().seen(p), k),
+                       of_part = a[r].weight.value(first, few.layout().reflected(p), k);
+          EXPECT_NEAR(seen_sum[p], seen, 1e-12 * seen);
+          EXPECT_NEAR(reflected_sum[p], of_part, 1e-12 * of_part);
+          reflected += of_part;
+        }
+        EXPECT_EQ(b[r].weight.value(first, many.layout().sun(0), k),
+                  a[r].weight.value(first, few.layout().sun(0), k));
+        EXPECT_EQ(b[r].weight.value(first, many.layout().first_sky(), k),
+                  a[r].weight.value(first, few.layout().first_sky(), k));
+      }
+  EXPECT_GT(reflected, 0);
+
+  // Fewer pairs than paths' vertices, and no table of all pairs.
+  const std::size_t bytes = bytes_of(b);
+  const std::size_t page_bytes = SourceWeights::kPage * many.nodes() * sizeof(double);
+  const double vertices = static_cast<double>(counts[1].target_paths + counts[1].reflected_rays +
+                                              counts[1].hot_rays + counts[1].sun_rays) /
+                          settings.replicates;
+  const std::size_t list_bytes =
+      2 * (many.layout().count() / SourceWeights::kPage + 1) * sizeof(std::uint32_t);
+  EXPECT_LE(static_cast<double>(bytes),
+            2 * (2 * vertices * static_cast<double>(page_bytes) + static_cast<double>(list_bytes)));
+  const double all_pages = 2.0 * (many.layout().count() / SourceWeights::kPage + 1);
+  EXPECT_LE(static_cast<double>(bytes), 2 * (2 * all_pages * static_cast<double>(page_bytes) +
+                                             static_cast<double>(list_bytes)));
+  std::printf("%u emitters, %zu columns, %.0f vertices: %.2f MB a replicate, by part %.3f MB\n",
+              elements, many.nodes(), vertices, 1e-6 * static_cast<double>(bytes),
+              1e-6 * static_cast<double>(bytes_of(a)));
+
+  // The same light.
+  ConditionSpec condition;
+  condition.part_temperature_k = {300, 420};
+  condition.sun = true;
+  condition.sun_scale = 1;
+  condition.sun_direction = by_part.sun.front().direction;
+  condition.sun_cos_zenith = -condition.sun_direction.z;
+  condition.sun_angular_radius_deg = 0.27;
+  const SpectralAxis& axis = simulator->scene().axis;
+  auto environments = std::make_shared<ViewEnvironments>();
+  const std::vector<double> one(axis.nodes(), 1.0), sky(axis.nodes(), 0.1);
+  ViewEnvironment& e = environments->condition.emplace_back();
+  e.transmittance = std::vector<double>(axis.nodes(), 0.5);
+  e.path_radiance = std::vector<double>(axis.nodes(), 0.0);
+  e.sun = e.sun_apparent = one;
+  e.node = e.node_apparent = e.behind_apparent = {sky, sky};
+  const std::vector<std::uint32_t> wanted{0};
+  const auto values_of = [&](const SourceGeometry& around,
+                             const std::vector<PathWeights>& weights) {
+    const ViewSources sources({.condition = {&condition, 1},
+                               .wanted = wanted,
+                               .parts = 2,
+                               .contrast = false,
+                               .emitters = around.emitters},
+                              EffectSet::everything(1, 3), environments, axis.node_um());
+    std::vector<SummedWeights> sums;
+    for (const PathWeights& w : weights) sums.push_back(summed(w.weight, sources.layout(), 2));
+    std::vector<std::vector<double>> values;
+    evaluate(sources.wanted(0), 2, weights, sums, simulator->scene().path_basis(), axis.band(0),
+             true, values);
+    return values;
+  };
+  const auto of_parts = values_of(by_part, a), of_elements = values_of(by_element, b);
+  ASSERT_EQ(of_parts.size(), of_elements.size());
+  for (std::size_t r = 0; r < of_parts.size(); ++r) {
+    ASSERT_EQ(of_parts[r].size(), of_elements[r].size());
+    for (std::size_t q = 0; q < of_parts[r].size(); ++q)
+      EXPECT_NEAR(of_elements[r][q], of_parts[r][q], 1e-11 * std::abs(of_parts[r][0])) << q;
+  }
+}
+
+}  // namespace
+}  // namespace irsig
