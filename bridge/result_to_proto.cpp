@@ -126,36 +126,22 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     schema::SignatureRow* row = result.add_row();
     row->set_condition_index(r.condition);
     row->set_band_index(r.band);
-    set(row->mutable_intensity_w_sr(), r.intensity_w_sr);
-    row->set_numerical_error_w_sr(r.numerical_error_w_sr);
-    row->set_truncation_bound_w_sr(r.truncation_bound_w_sr);
-    row->set_quadrature_bound_w_sr(r.quadrature_bound_w_sr);
-    set(row->mutable_apparent_intensity_w_sr(), r.apparent_intensity_w_sr);
-    row->set_apparent_numerical_error_w_sr(r.apparent_numerical_error_w_sr);
-    row->set_unseen_bound_w_sr(r.unseen_bound_w_sr);
-    row->set_basis_bound_w_sr(r.basis_bound_w_sr);
-    row->set_sky_bound_w_sr(r.sky_bound_w_sr);
-    row->set_omitted_bound_w_sr(r.omitted_bound_w_sr);
-    row->set_apparent_omitted_bound_w_sr(r.apparent_omitted_bound_w_sr);
-    row->set_contrast_omitted_bound_w_sr(r.contrast_omitted_bound_w_sr);
-    row->set_absolute_floor_w_sr(r.absolute_floor_w_sr);
+    // The catalogue's quantities: the message has a field of each name, causes are in the enum's
+    // order.
+    std::size_t cause = 0;
+#define IRSIG_SET_VALUE(name, stderr_name, unit, since, what) set(row->mutable_##name(), r.name);
+#define IRSIG_SET_CAUSE(name, stderr_name, unit, since, what) \
+  set(row->mutable_##name(), r.cause_w_sr[cause++]);
+#define IRSIG_SET_NUMBER(name, kind, unit, since, what) row->set_##name(r.name);
+    IRSIG_SOURCE_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
+    IRSIG_CAUSE_QUANTITIES(IRSIG_SET_CAUSE)
+    IRSIG_SENSOR_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
+    IRSIG_BOUND_QUANTITIES(IRSIG_SET_NUMBER)
+#undef IRSIG_SET_VALUE
+#undef IRSIG_SET_CAUSE
+#undef IRSIG_SET_NUMBER
     row->set_reflections(r.reflections);
     set_ledger(row, r);
-    set(row->mutable_contrast_intensity_w_sr(), r.contrast_intensity_w_sr);
-    row->set_contrast_numerical_error_w_sr(r.contrast_numerical_error_w_sr);
-    set(row->mutable_background_radiance_w_m2_sr(), r.background_radiance_w_m2_sr);
-    row->set_model_error_w_sr(r.model_error_w_sr);
-    row->set_apparent_model_error_w_sr(r.apparent_model_error_w_sr);
-    row->set_path_transmittance(r.path_transmittance);
-    row->set_path_radiance_w_m2_sr(r.path_radiance_w_m2_sr);
-    set(row->mutable_projected_area_m2(), r.projected_area_m2);
-    row->set_apparent_temperature_k(r.apparent_temperature_k);
-    const auto cause = [&](Cause c) { return r.cause_w_sr[static_cast<std::size_t>(c)]; };
-    set(row->mutable_emitted_w_sr(), cause(Cause::kEmitted));
-    set(row->mutable_sun_reflected_w_sr(), cause(Cause::kSunReflected));
-    set(row->mutable_sky_reflected_w_sr(), cause(Cause::kSkyReflected));
-    set(row->mutable_sea_reflected_w_sr(), cause(Cause::kSeaReflected));
-    set(row->mutable_parts_reflected_w_sr(), cause(Cause::kPartsReflected));
     for (std::uint32_t p = 0; p < r.part_w_sr.size(); ++p) {
       schema::PartIntensity* part = row->add_part();
       part->set_part_index(p);

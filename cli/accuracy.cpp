@@ -10,12 +10,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
-#include "view/print.h"
 #include "fmt/format.h"
 #include "planning/accuracy_check.h"
 #include "planning/accuracy_source.h"
 #include "planning/accuracy_study.h"
 #include "view/atomic_file.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -2,8 +2,8 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "view/print.h"
 #include "schema/store/store.h"
+#include "view/print.h"
 
 namespace irsig {
 

@@ -19,7 +19,6 @@
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
-#include "view/print.h"
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
 #include "core/scene/generate_particles.h"
@@ -30,6 +29,7 @@
 #include "view/atomic_file.h"
 #include "view/plot_curves.h"
 #include "view/plot_hemisphere.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
-#include "view/print.h"
 #include "core/base/printable.h"
+#include "view/print.h"
 
 namespace {
 

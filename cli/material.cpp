@@ -11,10 +11,10 @@
 #include "cli/choose_material.h"
 #include "cli/commands.h"
 #include "cli/material_plot.h"
-#include "view/print.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
 #include "view/atomic_file.h"
+#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {

@@ -4,10 +4,10 @@
 
 #include "cli/commands.h"
 #include "core/base/user_file.h"
-#include "view/print.h"
 #include "core/scene/mesh_lint.h"
 #include "fmt/format.h"
 #include "view/atomic_file.h"
+#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {

@@ -4,11 +4,11 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
-#include "view/print.h"
 #include "fmt/format.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

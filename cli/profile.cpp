@@ -7,8 +7,8 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "view/print.h"
 #include "view/atomic_file.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "cli/commands.h"
-#include "view/print.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
 #include "planning/prediction.h"
 #include "view/measured_row.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

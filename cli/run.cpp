@@ -194,8 +194,7 @@ absl::Status run_sweep(RunAsked asked) {
       !fits.ok())
     return fits;
   if (loaded->memory.bytes(conditions) * asked.workers > kMuchMemory)
-    print_note("irsig: memory: {}\n",
-               memory_text(loaded->memory, conditions, asked.workers));
+    print_note("irsig: memory: {}\n", memory_text(loaded->memory, conditions, asked.workers));
   if (asked.resume && !std::filesystem::exists(asked.db_path)) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
   }
@@ -230,8 +229,7 @@ absl::Status run_sweep(RunAsked asked) {
              static_cast<std::uint32_t>(physics_version()), prediction ? &*prediction : nullptr);
   if (!reply.ok()) return reply.status();
   if (reply->jobs_to_compute() < reply->jobs()) {
-    print_note("irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(),
-               reply->jobs());
+    print_note("irsig: {} of {} jobs to compute\n", reply->jobs_to_compute(), reply->jobs());
   }
   if (auto status = farm.start_workers(); !status.ok()) return status;
   const auto status = watch(farm, asked, reply->sweep_sha256());

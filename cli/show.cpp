@@ -14,10 +14,10 @@
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
-#include "view/print.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

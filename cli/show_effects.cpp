@@ -4,8 +4,8 @@
 #include <string>
 
 #include "cli/commands.h"
-#include "view/print.h"
 #include "core/effects/effects.h"
+#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {

@@ -2,9 +2,9 @@
 #include <cstdio>
 
 #include "cli/commands.h"
-#include "view/print.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -2,11 +2,11 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
-#include "view/print.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/time_budget.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -9,12 +9,12 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
-#include "view/print.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "view/atomic_file.h"
 #include "view/effects_tables.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "view/print.h"
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
 #include "core/study/effects_check.h"
 #include "core/study/stated_errors.h"
 #include "fmt/format.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

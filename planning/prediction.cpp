@@ -2,10 +2,10 @@
 
 #include <chrono>
 
-#include "view/print.h"
 #include "coordinator/client/progress_text.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
+#include "view/print.h"
 
 namespace irsig {
 

@@ -6,10 +6,10 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
-#include "view/print.h"
 #include "coordinator/client/time_budget.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {

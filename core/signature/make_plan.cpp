@@ -102,7 +102,7 @@ std::vector<double> errors_of(const Pass& pilot) {
 // proves nothing where all that shines is a hot spot round the corner.
 bool saw_enough(const Pass& pilot) {
   for (std::size_t row = 0; row < pilot.rows(); ++row)
-    if (pilot.bounds(row).unseen > pilot.goal_w_sr(row)) return false;
+    if (pilot.measured(row).source.of(BoundOf::kUnseen) > pilot.goal_w_sr(row)) return false;
   return true;
 }
 

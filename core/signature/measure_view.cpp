@@ -164,22 +164,21 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   spectrum(r.background_spectral);
   add_path(pass.light(row).environment(), band, r);
 
-  const auto bounds = pass.bounds(row);
-  r.truncation_bound_w_sr = bounds.truncation;
-  r.quadrature_bound_w_sr = bounds.quadrature + bounds.basis;
-  r.basis_bound_w_sr = bounds.basis;
-  r.unseen_bound_w_sr = bounds.unseen;
-  r.omitted_bound_w_sr = bounds.omitted.source;
-  r.apparent_omitted_bound_w_sr = bounds.omitted.apparent;
-  r.contrast_omitted_bound_w_sr = bounds.omitted.contrast;
-  r.numerical_error_w_sr = numerical_error(r.intensity_w_sr.stderr_, bounds.source());
+  auto [source, apparent, contrast] = pass.measured(row);
   const double reach = length(scene.target.centre) + scene.target.radius_m;
-  const double depth = depth_bound_w_sr(r, grid, reach / request.viewpoint.range_m);
-  r.apparent_numerical_error_w_sr =
-      numerical_error(r.apparent_intensity_w_sr.stderr_, bounds.apparent() + depth);
-  r.contrast_numerical_error_w_sr =
-      numerical_error(r.contrast_intensity_w_sr.stderr_, bounds.contrast() + depth);
-  r.sky_bound_w_sr = bounds.sky;
+  r.depth_bound_w_sr = depth_bound_w_sr(r, grid, reach / request.viewpoint.range_m);
+  apparent.of(BoundOf::kDepth) = contrast.of(BoundOf::kDepth) = r.depth_bound_w_sr;
+  r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
+  r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
+  r.basis_bound_w_sr = source.of(BoundOf::kBasis);
+  r.unseen_bound_w_sr = source.of(BoundOf::kUnseen);
+  r.sky_bound_w_sr = source.of(BoundOf::kSky);
+  r.omitted_bound_w_sr = source.of(BoundOf::kOmitted);
+  r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);
+  r.contrast_omitted_bound_w_sr = contrast.of(BoundOf::kOmitted);
+  r.numerical_error_w_sr = source.numerical_error();
+  r.apparent_numerical_error_w_sr = apparent.numerical_error();
+  r.contrast_numerical_error_w_sr = contrast.numerical_error();
   if (r.projected_area_m2.value > 0)
     r.apparent_temperature_k = apparent_temperature_k(
         scene.band[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);

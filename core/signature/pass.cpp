@@ -142,36 +142,47 @@ void Pass::find_energy(std::span<const PathWeights> weights, std::span<const Sum
   }
 }
 
-Pass::Bounds Pass::bounds(std::size_t row) const {
+Pass::MeasuredRow Pass::measured(std::size_t row) const {
   const ConditionSources& light = this->light(row);
   const ViewEnvironment& environment = light.environment();
+  const ReplicateStatistics& s = statistics_[row];
   const auto cause = [&](Cause which) {
-    return std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(which)).value);
+    return std::abs(s.estimate(1 + static_cast<std::size_t>(which)).value);
   };
-  Bounds out{0,
-             std::abs(statistics_[row].estimate(0).value) *
-                 quadrature_relative_bound(scene_.band[band_of(row)], axis_band(row).grid,
-                                           light.coldest_k(), light.hottest_k()),
-             basis_w_sr_[row],
-             unseen_w_sr(row) + unseen_rim_w_sr(row),
-             environment.sky_interpolation * cause(Cause::kSkyReflected) +
-                 environment.lower_interpolation * cause(Cause::kSeaReflected),
-             {}};
-  if (!plan_.omitted.empty()) out.omitted = plan_.omitted[planned_row(row)];
+  Measured all;  // what the three have in common
+  all.of(BoundOf::kQuadrature) =
+      std::abs(s.estimate(0).value) *
+      quadrature_relative_bound(scene_.band[band_of(row)], axis_band(row).grid, light.coldest_k(),
+                                light.hottest_k());
+  all.of(BoundOf::kBasis) = basis_w_sr_[row];
+  all.of(BoundOf::kUnseen) = unseen_w_sr(row) + unseen_rim_w_sr(row);
+  all.of(BoundOf::kSky) = environment.sky_interpolation * cause(Cause::kSkyReflected) +
+                          environment.lower_interpolation * cause(Cause::kSeaReflected);
+  RowBounds::Bound omitted;
+  if (!plan_.omitted.empty()) omitted = plan_.omitted[planned_row(row)];
   const bool left_out = plan_.effects.max_reflections < allowed_reflections_;
   // Without any reflection the plan's bounds say it all; without other parts they say the rest.
-  if (left_out && (plan_.effects.max_reflections == 0 || !plan_.effects.parts)) return out;
-  const double truncation =
-      truncation_bound(beyond_m2_, beyond_spacing(plan_.effects.max_reflections),
-                       last_.estimate(row), beyond_m2_[2] * brightest_w_m2_sr(row));
-  if (!left_out) {
-    out.truncation = truncation;
-    return out;
+  if (!left_out || (plan_.effects.max_reflections > 0 && plan_.effects.parts)) {
+    const double rest =
+        truncation_bound(beyond_m2_, beyond_spacing(plan_.effects.max_reflections),
+                         last_.estimate(row), beyond_m2_[2] * brightest_w_m2_sr(row));
+    if (left_out) {
+      omitted.source += rest;
+      omitted.apparent += rest;
+      omitted.contrast += rest;
+    } else {
+      all.of(BoundOf::kTruncation) = rest;
+    }
   }
-  out.omitted.source += truncation;
-  out.omitted.apparent += truncation;
-  out.omitted.contrast += truncation;
-  return out;
+  const auto with = [&](std::size_t quantity, double omitted_w_sr) {
+    Measured out = all;
+    out.value = s.estimate(quantity).value;
+    out.stderr_ = s.estimate(quantity).stderr_;
+    out.of(BoundOf::kOmitted) = omitted_w_sr;
+    return out;
+  };
+  return {with(0, omitted.source), with(kApparentQuantity, omitted.apparent),
+          with(contrast_quantity(scene_.target.part.size()), omitted.contrast)};
 }
 
 double Pass::find_brightest_w_m2_sr(std::size_t row) const {
@@ -206,8 +217,8 @@ double Pass::goal_w_sr(std::size_t row) const {
 }
 
 double Pass::stderr_wanted(std::size_t row) const {
-  const Bounds b = bounds(row);
-  return irsig::stderr_wanted(goal_w_sr(row), b.source() - b.unseen);
+  const Measured source = measured(row).source;
+  return irsig::stderr_wanted(goal_w_sr(row), source.bias_bound() - source.of(BoundOf::kUnseen));
 }
 
 // Of each stratum a rim of its mask that no sample met: less than 3 / samples of it, 19 times

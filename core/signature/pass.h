@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/accuracy/measured.h"
 #include "core/signature/plan.h"
 #include "core/signature/prepared_scene.h"
 #include "core/signature/prepared_view.h"
@@ -62,19 +63,13 @@ class Pass {
   [[nodiscard]] const ViewFrame& frame() const { return view_->aimed->frame; }
   [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
-  // The bias bounds of a row. Reflections that the plan leaves out are `omitted`, those that the
-  // request does not allow `truncation`.                                                    [W/sr]
-  struct Bounds {
-    double truncation, quadrature, basis, unseen, sky;
-    RowBounds::Bound omitted;
-    [[nodiscard]] double source() const { return common() + omitted.source; }
-    [[nodiscard]] double apparent() const { return common() + omitted.apparent; }
-    [[nodiscard]] double contrast() const { return common() + omitted.contrast; }
-
-   private:
-    [[nodiscard]] double common() const { return truncation + quadrature + basis + unseen + sky; }
+  // A row's estimates with their bounds, as far as paths tell: at the sensor without that of the
+  // target's depth. Reflections that the plan leaves out are `omitted`, those that the request does
+  // not allow `truncation`.                                                                 [W/sr]
+  struct MeasuredRow {
+    Measured source, apparent, contrast;
   };
-  [[nodiscard]] Bounds bounds(std::size_t row) const;
+  [[nodiscard]] MeasuredRow measured(std::size_t row) const;
 
   // The error that the request wants of a row: relative to its value, or the absolute floor if that
   // is more. [W/sr]

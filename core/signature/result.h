@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/accuracy/quantities.h"
 #include "core/accuracy/replicates.h"
 #include "core/effects/effects.h"
 #include "core/sources/source_layout.h"
@@ -29,30 +30,15 @@ struct EnergyLedger {
 
 struct SignatureResult {
   std::uint32_t condition = 0, band = 0;
-  Estimate intensity_w_sr;  // source: no air
-  // Bias bounds; all are part of the numerical error. quadrature: over wavelength, basis_bound
-  // included. unseen: rare bright events (sunlight on facets with narrow lobes, hot parts) that
-  // were met too seldom to show in the standard error.
-  double truncation_bound_w_sr = 0, quadrature_bound_w_sr = 0, unseen_bound_w_sr = 0;
-  double basis_bound_w_sr = 0;  // of the nodes between those that paths carry
-  double sky_bound_w_sr = 0;    // of sky and sea between the directions at which they are known
-  // Of effects that were left out, reflections after fewer than the request allows included.
-  double omitted_bound_w_sr = 0, apparent_omitted_bound_w_sr = 0, contrast_omitted_bound_w_sr = 0;
-  double numerical_error_w_sr = 0;
-  Estimate apparent_intensity_w_sr;
-  double apparent_numerical_error_w_sr = 0;
-  // At the aperture: the target less what would be seen in its place, ray by ray.
-  Estimate contrast_intensity_w_sr;
-  double contrast_numerical_error_w_sr = 0;
-  // At the aperture, mean over the silhouette: what would be seen in the target's place.
-  Estimate background_radiance_w_m2_sr;
-  // One sigma of the models of air, sky and sea. Never part of the numerical error.
-  double model_error_w_sr = 0, apparent_model_error_w_sr = 0;
-  double path_transmittance = 1;     // in-band mean, of a grey source
-  double path_radiance_w_m2_sr = 0;  // in-band
-  Estimate projected_area_m2;
-  // Of intensity / projected area; NaN if no blackbody has that radiance (core/spectral/band.h).
-  double apparent_temperature_k = 0;
+  // The catalogue's quantities by their names (core/accuracy/quantities.h says what each is); the
+  // causes below.
+#define IRSIG_VALUE_MEMBER(name, stderr_name, unit, since, what) Estimate name;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name = 0;
+  IRSIG_SOURCE_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
+  IRSIG_SENSOR_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
+  IRSIG_BOUND_QUANTITIES(IRSIG_NUMBER_MEMBER)
+#undef IRSIG_VALUE_MEMBER
+#undef IRSIG_NUMBER_MEMBER
   Estimate cause_w_sr[kCauses];
   std::vector<Estimate> part_w_sr;  // by the part that the sensor sees
   SpectralEstimate spectral, spectral_cause[kCauses], apparent_spectral, contrast_spectral,
@@ -61,8 +47,7 @@ struct SignatureResult {
   std::vector<double> path_transmittance_spectral, path_radiance_spectral;
   std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none
   StopReason stop_reason = StopReason::kFixedSamples;
-  double absolute_floor_w_sr = 0;  // what AccuracySpec::absolute_error_k is worth
-  std::uint32_t reflections = 0;   // the most that paths were given
+  std::uint32_t reflections = 0;  // the most that paths were given
   EnergyLedger energy;
   std::vector<LedgerEntry> effect;  // [kEffects], in the table's order
   // Of each replicate: for differences between runs that share their paths. [W/sr]

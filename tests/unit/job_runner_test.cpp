@@ -30,6 +30,28 @@ absl::StatusOr<schema::JobResult> first_job(const schema::ResolvedSweep& sweep,
   return (*runner)->run(expand_jobs(sweep, physics_version()).front());
 }
 
+// A name that this program does not know is an error, never the nearest meaning.
+TEST(JobRunner, RefusesNamesThatItDoesNotKnow) {
+  const auto refused = [](auto change, const char* what) {
+    schema::ResolvedSweep sweep = disk(0);
+    change(sweep);
+    const auto result = first_job(sweep, {});
+    EXPECT_TRUE(absl::IsInvalidArgument(result.status())) << what << ": " << result.status();
+    EXPECT_THAT(std::string(result.status().message()), HasSubstr(what));
+  };
+  refused([](auto& s) { s.mutable_sweep()->mutable_air()->set_model("homogenous"); }, "air.model");
+  refused([](auto& s) { s.mutable_condition(0)->mutable_surroundings()->set_kind("land"); },
+          "surroundings.kind");
+  refused([](auto& s) { s.mutable_sweep()->mutable_effects()->set_mode("some"); }, "effects.mode");
+  refused(
+      [](auto& s) {
+        auto& material = *s.mutable_sweep()->mutable_material(0);
+        material.set_kind("cook_torrance");
+        material.set_masking("smiths");
+      },
+      "masking");
+}
+
 TEST(JobRunner, RefusesThumbnailsThatItCannotEncode) {
   const auto sweep = disk(16);
   ASSERT_TRUE(JobRunner::create(sweep, "").ok()) << "the scene can be tried without an encoder";

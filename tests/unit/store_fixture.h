@@ -239,13 +239,15 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
 
 // Takes from a database what later versions of the format added; a row keeps what version 2 or 4
 // stored.
-inline std::string without_effects() {
+inline std::string without_what_came_after(int version) {
   std::string script =
       "DROP VIEW ledger_view; DROP TABLE ledger; DROP TABLE energy; DROP TABLE effect;"
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
       "DROP VIEW profile_view; DROP VIEW signature_view;";
-  for (const char* column : {"omitted_bound_w_sr", "apparent_omitted_bound_w_sr",
-                             "contrast_omitted_bound_w_sr", "absolute_floor_w_sr", "reflections"})
+  std::vector<std::string> columns = {"reflections"};
+  for (const QuantityInfo& quantity : kQuantities)
+    if (quantity.since_format > version) columns.emplace_back(quantity.name);
+  for (const std::string& column : columns)
     absl::StrAppend(&script, "ALTER TABLE signature DROP COLUMN ", column, ";");
   return script;
 }
@@ -260,20 +262,15 @@ inline std::string with_version(int version) {
 }
 
 inline std::string back_to_version_4(const std::string& path) {
-  return sqlite_text(path, without_effects() + with_version(4));
+  return sqlite_text(path, without_what_came_after(4) + with_version(4));
 }
 
 inline std::string back_to_version_2(const std::string& path) {
-  std::string script = without_effects() + "DROP TABLE prediction;";
+  std::string script = without_what_came_after(2) + "DROP TABLE prediction;";
   const std::pair<const char*, std::vector<const char*>> added[] = {
       {"condition",
        {"sea_model", "ground_temperature_k", "ground_emissivity", "weather", "warning"}},
       {"provenance", {"guarded_negative"}},
-      {"signature",
-       {"unseen_bound_w_sr", "basis_bound_w_sr", "sky_bound_w_sr", "contrast_intensity_w_sr",
-        "contrast_intensity_stderr_w_sr", "contrast_numerical_error_w_sr",
-        "background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr", "model_error_w_sr",
-        "apparent_model_error_w_sr", "path_transmittance", "path_radiance_w_m2_sr"}},
       {"spectrum",
        {"contrast_spectral_intensity_w_sr_um", "contrast_spectral_intensity_stderr_w_sr_um",
         "background_radiance_w_m2_sr_um", "background_radiance_stderr_w_m2_sr_um",

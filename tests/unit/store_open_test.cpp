@@ -41,7 +41,7 @@ TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
   ASSERT_NO_FATAL_FAILURE(write());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "5");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA application_id"), absl::StrCat(0x49525347));
 }
 
@@ -215,7 +215,7 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
   const absl::Status refused = StoreReader::open(path_).status();
   EXPECT_NE(refused.message().find("has the older format version 2"), absl::string_view::npos);
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "5");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
   EXPECT_EQ(sqlite_text(path_,
                         "SELECT count(*) FROM signature_view WHERE path_transmittance IS NULL"
                         " AND contrast_intensity_w_sr IS NULL AND warning IS NULL"),
@@ -230,6 +230,11 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
     EXPECT_EQ(after[i].build_id, before[i].build_id);
     EXPECT_TRUE(std::isnan(after[i].contrast_intensity_w_sr));
     EXPECT_TRUE(std::isnan(after[i].path_radiance_w_m2_sr));
+    for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+      const double now = after[i].*kQuantityMember[q], then = before[i].*kQuantityMember[q];
+      EXPECT_TRUE(kQuantities[q].since_format > 2 ? std::isnan(now) : now == then)
+          << kQuantities[q].name;
+    }
     EXPECT_EQ(after[i].guarded_negative, std::nullopt);
     const auto spectrum = reader->spectrum(after[i].signature_id);
     ASSERT_OK(spectrum.status());
@@ -243,6 +248,43 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
   filter.error_of = SignatureQuantity::kContrastIntensity;
   EXPECT_TRUE(reader->find(filter)->empty());
   EXPECT_EQ(reader->digest()->size(), 64U);
+}
+
+// The file's columns, the message's fields and the catalogue are one list.
+TEST_F(StoreOpen, EveryQuantityIsAColumnAndAField) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  const google::protobuf::Descriptor& row = *schema::SignatureRow::descriptor();
+  for (const QuantityInfo& quantity : kQuantities) {
+    const std::string name(quantity.name);
+    for (const char* table : {"signature", "signature_view"})
+      EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT count(*) FROM pragma_table_info('", table,
+                                                "') WHERE name = '", name, "'")),
+                "1")
+          << table << "." << name;
+    if (quantity.kind == QuantityKind::kStderr) continue;
+    const auto* field = row.FindFieldByName(name);
+    ASSERT_NE(field, nullptr) << name;
+    EXPECT_EQ(quantity.kind == QuantityKind::kSampled,
+              field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_MESSAGE)
+        << name;
+  }
+  // And no number of a row is in the file without being in the catalogue.
+  const std::string numbers =
+      sqlite_text(path_, "SELECT count(*) FROM pragma_table_info('signature') WHERE type = 'REAL'");
+  EXPECT_EQ(numbers, std::to_string(kQuantities.size() + 2)) << "and the sun's two angles";
+}
+
+// What is bound by name comes back under its name.
+TEST_F(StoreOpen, EveryQuantityComesBackAsItWasStored) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  std::string script = "UPDATE signature SET ";
+  for (std::size_t q = 0; q < kQuantities.size(); ++q)
+    absl::StrAppend(&script, q == 0 ? "" : ", ", std::string(kQuantities[q].name), " = ", q + 0.5);
+  ASSERT_EQ(sqlite_text(path_, script + "; SELECT 'set'"), "set");
+  const auto rows = StoreReader::open(path_).value()->find({}).value();
+  for (const StoredSignature& s : rows)
+    for (std::size_t q = 0; q < kQuantities.size(); ++q)
+      EXPECT_EQ(s.*kQuantityMember[q], static_cast<double>(q) + 0.5) << kQuantities[q].name;
 }
 
 // The mechanism, on steps made for the test.
