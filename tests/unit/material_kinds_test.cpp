@@ -301,11 +301,13 @@ TEST(MaterialKinds, AGridOfABrdfHasToBeFull) {
                               "theta_r_deg = [60, 30]\nphi_deg = [0, 200]\n"
                               "brdf_per_sr = [0.125, -1]\n")),
             "s.toml:38:19: material[0].brdf.theta_i_deg[1] = 90, expected a number from 0 to "
-            "89.9999\n"
+            "89.9999 (a grazing direction sees no surface)\n"
             "s.toml:39:20: material[0].brdf.theta_r_deg[1] = 30 is not above the one before it, "
             "expected increasing numbers\n"
-            "s.toml:40:15: material[0].brdf.phi_deg[1] = 200, expected a number from 0 to 180\n"
-            "s.toml:41:23: material[0].brdf.brdf_per_sr[1] = -1, expected 0 or more");
+            "s.toml:40:15: material[0].brdf.phi_deg[1] = 200, expected a number from 0 to 180 "
+            "(the side of incidence to the mirror's)\n"
+            "s.toml:41:23: material[0].brdf.brdf_per_sr[1] = -1, expected a number from 0 to 1e+12 "
+            "(sharper than any lobe that is measured)");
   EXPECT_EQ(error_of(material("tabulated",
                               "[material.brdf]\nlambda_um = [4]\ntheta_i_deg = [0]\n"
                               "theta_r_deg = [0, 60]\nphi_deg = [0, 180]\n"
