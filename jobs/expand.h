@@ -13,9 +13,11 @@ namespace irsig {
 //
 //   <path> <type> <value>
 //
-//   path   field numbers, "1.7[2].4"; [i] the i-th element, {"name"} the entry of a map (sorted by
-//   name) type   message (no value) | string | double | uint | bool value  "..." with \xNN for all
-//   but printable ASCII, quotes and backslashes; %a hexadecimal, no
+//   path   field numbers, "1.7[2].4"; [i]: the i-th element; {"name"}: the entry of a map, sorted
+//   by
+//          name
+//   type   message (no value) | string | double | uint | bool
+//   value  "..." with \xNN for all but printable ASCII, quotes and backslashes; %a hexadecimal, no
 //          negative zero; decimal; true | false
 //
 // The SHA-256 of a resolved sweep's canonical encoding is its sweep_sha256. The asset stored and

@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
-#include "coordinator/client/farm_client.h"
-#include "coordinator/client/local_farm.h"
-#include "coordinator/client/scratch_folder.h"
 #include "jobs/expand.h"
-#include "planning/interruption.h"
+#include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
 #include "schema/store/store.h"
 #include "view/measured_row.h"
@@ -21,124 +15,8 @@
 namespace irsig {
 namespace {
 
-using Steady = std::chrono::steady_clock;
-
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
-
-// What one sweep of the pilot left in the database.
-struct Stage {
-  std::vector<StoredSignature> rows;
-  std::vector<StoredLedger> ledgers;  // [row]
-  std::vector<StoredJobCost> jobs;
-  std::vector<StoredProfileRow> profile;
-
-  [[nodiscard]] double cpu_s(std::uint64_t viewpoint) const {
-    double sum = 0;
-    for (const StoredJobCost& job : jobs) sum += job.viewpoint_index == viewpoint ? job.cpu_s : 0;
-    return sum;
-  }
-};
-
-// A coordinator and one worker: jobs that share the machine with nothing but the plan itself.
-class PilotFarm {
- public:
-  static absl::StatusOr<std::unique_ptr<PilotFarm>> start(const std::string& model_bytes) {
-    auto folder = ScratchFolder::make();
-    if (!folder.ok()) return folder.status();
-    auto pilot = std::unique_ptr<PilotFarm>(new PilotFarm(*std::move(folder), model_bytes));
-    hear_interruptions();
-    auto farm =
-        LocalFarm::start({.db_path = pilot->database(),
-                          .workers = 1,
-                          .coordinator_executable = beside_this_executable("irsig-coordinator"),
-                          .worker_executable = beside_this_executable("irsig-worker"),
-                          .worker_arguments = {}});
-    if (!farm.ok()) return farm.status();
-    pilot->farm_ = *std::move(farm);
-    return pilot;
-  }
-
-  // Computes these sweeps; their names are made different here.
-  absl::StatusOr<std::vector<Stage>> run(std::vector<schema::ResolvedSweep> sweeps) {
-    for (schema::ResolvedSweep& sweep : sweeps) {
-      sweep.mutable_sweep()->set_name(absl::StrCat("pilot ", ++sweeps_));
-      const auto sent = submit(farm_->address(), sweep, model_bytes_,
-                               static_cast<std::uint32_t>(physics_version()));
-      if (!sent.ok()) return sent.status();
-    }
-    const auto start = Steady::now();
-    if (auto status = farm_->start_workers(); !status.ok()) return status;
-    if (auto status = wait(); !status.ok()) return status;
-    wall_s_ = std::chrono::duration<double>(Steady::now() - start).count();
-    auto reader = StoreReader::open(database());
-    if (!reader.ok()) return reader.status();
-    std::vector<Stage> stages;
-    for (const schema::ResolvedSweep& sweep : sweeps) {
-      Stage& stage = stages.emplace_back();
-      SignatureFilter filter;
-      filter.sweep = sweep.sweep().name();
-      auto rows = (*reader)->find(filter);
-      if (!rows.ok()) return rows.status();
-      stage.rows = *std::move(rows);
-      for (const StoredSignature& row : stage.rows) {
-        auto ledger = (*reader)->ledger(row.signature_id);
-        if (!ledger.ok()) return ledger.status();
-        stage.ledgers.push_back(*std::move(ledger));
-      }
-      auto jobs = (*reader)->job_costs(filter.sweep);
-      if (!jobs.ok()) return jobs.status();
-      stage.jobs = *std::move(jobs);
-      auto profile =
-          (*reader)->profiles({.sweep = filter.sweep, .season = "", .band = "", .profile = ""});
-      if (!profile.ok()) return profile.status();
-      stage.profile = *std::move(profile);
-      for (const StoredJobCost& job : stage.jobs) cpu_s_ += job.cpu_s;
-    }
-    return stages;
-  }
-
-  [[nodiscard]] absl::StatusOr<double> bytes() const {
-    auto reader = StoreReader::open(database());
-    if (!reader.ok()) return reader.status();
-    const auto bytes = (*reader)->bytes();
-    if (!bytes.ok()) return bytes.status();
-    return static_cast<double>(*bytes);
-  }
-  [[nodiscard]] double cpu_s() const { return cpu_s_; }    // of all jobs so far
-  [[nodiscard]] double wall_s() const { return wall_s_; }  // of the last run
-
- private:
-  PilotFarm(std::unique_ptr<ScratchFolder> folder, const std::string& model_bytes)
-      : folder_(std::move(folder)), model_bytes_(model_bytes) {}
-
-  [[nodiscard]] std::string database() const { return folder_->file("pilot.sigdb"); }
-
-  absl::Status wait() {
-    while (true) {
-      if (interrupted()) return absl::AbortedError("interrupted");
-      const auto status = farm_status(farm_->address(), 30);
-      if (!status.ok()) return status.status();
-      std::uint64_t settled = 0, jobs = 0;
-      for (const auto& sweep : status->sweep()) {
-        if (sweep.quarantined() > 0)
-          return absl::AbortedError("a job of the pilot failed: " +
-                                    absl::StrJoin(sweep.failure(), "\n  "));
-        settled += sweep.done();
-        jobs += sweep.jobs();
-      }
-      if (settled == jobs) return absl::OkStatus();
-      if (auto alive = farm_->keep_alive(settled); !alive.ok()) return alive;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-
-  std::unique_ptr<ScratchFolder> folder_;
-  const std::string& model_bytes_;
-  std::unique_ptr<LocalFarm> farm_;  // ends before its folder goes
-  int sweeps_ = 0;
-  double cpu_s_ = 0, wall_s_ = 0;
-};
 
 std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
   while (sweep.viewpoint_size() > 1) sweep.mutable_viewpoint()->RemoveLast();
@@ -256,7 +134,7 @@ class Planner {
     std::vector<std::vector<schema::ResolvedSweep>> runs(warm_up ? 1 : counts.size());
     for (std::size_t s = 0; s < counts.size(); ++s)
       runs[warm_up ? 0 : s].push_back(with_count(views, counts[s]));
-    std::vector<Stage> stages;
+    std::vector<PilotStage> stages;
     for (auto& sweeps : runs) {
       const double cpu_before = farm_.cpu_s();
       const auto count = static_cast<double>(sweeps.size());
@@ -264,10 +142,10 @@ class Planner {
       if (!done.ok()) return done.status();
       if (pilot_.start_s == 0)
         pilot_.start_s = std::max(0.0, farm_.wall_s() - (farm_.cpu_s() - cpu_before)) / count;
-      for (Stage& stage : *done) stages.push_back(std::move(stage));
+      for (PilotStage& stage : *done) stages.push_back(std::move(stage));
     }
     for (std::size_t s = 0; s < counts.size(); ++s) {
-      const Stage& stage = stages[s];
+      const PilotStage& stage = stages[s];
       for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at) {
         ViewPilot& view = pilot_.view[first + at - (warm_up ? 1 : 0)];
         view.samples.push_back(counts[s]);
@@ -299,7 +177,7 @@ class Planner {
     return absl::OkStatus();
   }
 
-  void keep_ledgers(const Stage& stage, bool warm_up) {
+  void keep_ledgers(const PilotStage& stage, bool warm_up) {
     for (std::size_t i = 0; i < stage.rows.size(); ++i) {
       const StoredSignature& row = stage.rows[i];
       if (warm_up && (row.row - 1) / rows_ == 0) continue;
@@ -388,7 +266,7 @@ class Planner {
   }
 
   void set_points(std::size_t v, const std::vector<std::uint64_t>& points, double replicates,
-                  const std::vector<Stage>& stages) {
+                  const std::vector<PilotStage>& stages) {
     std::vector<ProfilePointPilot>& out = pilot_.view[v].point;
     std::vector<std::size_t> first;
     const auto& asked = loaded_.resolved.sweep();
@@ -425,12 +303,16 @@ class Planner {
 
 }  // namespace
 
+absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& farm) {
+  return Planner(loaded, farm).run();
+}
+
 absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded) {
   if (has_time_budget(loaded.resolved))
     return absl::FailedPreconditionError("a time budget has yet to be turned into samples");
-  auto farm = PilotFarm::start(loaded.model_bytes);
+  auto farm = start_pilot_farm(loaded.model_bytes);
   if (!farm.ok()) return farm.status();
-  return Planner(loaded, **farm).run();
+  return pilot_sweep(loaded, **farm);
 }
 
 std::vector<ViewCost> view_costs(const SweepPilot& pilot, const CountRule& rule) {

@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/accuracy/cost_model.h"
 #include "planning/load_sweep.h"
+#include "planning/pilot_farm.h"
 #include "view/effect_ledger.h"
 
 namespace irsig {
@@ -29,6 +30,8 @@ struct SweepPilot {
 // scatter by more than a tenth of the mean's. FAILED_PRECONDITION: the sweep has a time budget that
 // no pilot has turned into samples yet.
 [[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded);
+// The same on another farm.
+[[nodiscard]] absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& farm);
 
 // The costs of the piloted views.
 [[nodiscard]] std::vector<ViewCost> view_costs(const SweepPilot& pilot, const CountRule& rule);

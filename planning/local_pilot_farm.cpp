@@ -1,0 +1,123 @@
+#include <chrono>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "bridge/job_runner.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/client/local_farm.h"
+#include "coordinator/client/scratch_folder.h"
+#include "planning/interruption.h"
+#include "planning/pilot_farm.h"
+
+namespace irsig {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+
+class LocalPilotFarm final : public PilotFarm {
+ public:
+  static absl::StatusOr<std::unique_ptr<LocalPilotFarm>> start(const std::string& model_bytes) {
+    auto folder = ScratchFolder::make();
+    if (!folder.ok()) return folder.status();
+    auto pilot =
+        std::unique_ptr<LocalPilotFarm>(new LocalPilotFarm(*std::move(folder), model_bytes));
+    hear_interruptions();
+    auto farm =
+        LocalFarm::start({.db_path = pilot->database(),
+                          .workers = 1,
+                          .coordinator_executable = beside_this_executable("irsig-coordinator"),
+                          .worker_executable = beside_this_executable("irsig-worker"),
+                          .worker_arguments = {}});
+    if (!farm.ok()) return farm.status();
+    pilot->farm_ = *std::move(farm);
+    return pilot;
+  }
+
+  absl::StatusOr<std::vector<PilotStage>> run(std::vector<schema::ResolvedSweep> sweeps) override {
+    for (schema::ResolvedSweep& sweep : sweeps) {
+      sweep.mutable_sweep()->set_name(absl::StrCat("pilot ", ++sweeps_));
+      const auto sent = submit(farm_->address(), sweep, model_bytes_,
+                               static_cast<std::uint32_t>(physics_version()));
+      if (!sent.ok()) return sent.status();
+    }
+    const auto start = Steady::now();
+    if (auto status = farm_->start_workers(); !status.ok()) return status;
+    if (auto status = wait(); !status.ok()) return status;
+    wall_s_ = std::chrono::duration<double>(Steady::now() - start).count();
+    auto reader = StoreReader::open(database());
+    if (!reader.ok()) return reader.status();
+    std::vector<PilotStage> stages;
+    for (const schema::ResolvedSweep& sweep : sweeps) {
+      PilotStage& stage = stages.emplace_back();
+      SignatureFilter filter;
+      filter.sweep = sweep.sweep().name();
+      auto rows = (*reader)->find(filter);
+      if (!rows.ok()) return rows.status();
+      stage.rows = *std::move(rows);
+      for (const StoredSignature& row : stage.rows) {
+        auto ledger = (*reader)->ledger(row.signature_id);
+        if (!ledger.ok()) return ledger.status();
+        stage.ledgers.push_back(*std::move(ledger));
+      }
+      auto jobs = (*reader)->job_costs(filter.sweep);
+      if (!jobs.ok()) return jobs.status();
+      stage.jobs = *std::move(jobs);
+      auto profile =
+          (*reader)->profiles({.sweep = filter.sweep, .season = "", .band = "", .profile = ""});
+      if (!profile.ok()) return profile.status();
+      stage.profile = *std::move(profile);
+      for (const StoredJobCost& job : stage.jobs) cpu_s_ += job.cpu_s;
+    }
+    return stages;
+  }
+
+  [[nodiscard]] absl::StatusOr<double> bytes() const override {
+    auto reader = StoreReader::open(database());
+    if (!reader.ok()) return reader.status();
+    const auto bytes = (*reader)->bytes();
+    if (!bytes.ok()) return bytes.status();
+    return static_cast<double>(*bytes);
+  }
+  [[nodiscard]] double cpu_s() const override { return cpu_s_; }
+  [[nodiscard]] double wall_s() const override { return wall_s_; }
+
+ private:
+  LocalPilotFarm(std::unique_ptr<ScratchFolder> folder, const std::string& model_bytes)
+      : folder_(std::move(folder)), model_bytes_(model_bytes) {}
+
+  [[nodiscard]] std::string database() const { return folder_->file("pilot.sigdb"); }
+
+  absl::Status wait() {
+    while (true) {
+      if (interrupted()) return absl::AbortedError("interrupted");
+      const auto status = farm_status(farm_->address(), 30);
+      if (!status.ok()) return status.status();
+      std::uint64_t settled = 0, jobs = 0;
+      for (const auto& sweep : status->sweep()) {
+        if (sweep.quarantined() > 0)
+          return absl::AbortedError("a job of the pilot failed: " +
+                                    absl::StrJoin(sweep.failure(), "\n  "));
+        settled += sweep.done();
+        jobs += sweep.jobs();
+      }
+      if (settled == jobs) return absl::OkStatus();
+      if (auto alive = farm_->keep_alive(settled); !alive.ok()) return alive;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  std::unique_ptr<ScratchFolder> folder_;
+  const std::string& model_bytes_;
+  std::unique_ptr<LocalFarm> farm_;  // ends before its folder goes
+  int sweeps_ = 0;
+  double cpu_s_ = 0, wall_s_ = 0;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(const std::string& model_bytes) {
+  return LocalPilotFarm::start(model_bytes);
+}
+
+}  // namespace irsig

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/job.pb.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// What one sweep of the pilot left in the database.
+struct PilotStage {
+  std::vector<StoredSignature> rows;
+  std::vector<StoredLedger> ledgers;  // [row]
+  std::vector<StoredJobCost> jobs;
+  std::vector<StoredProfileRow> profile;
+
+  [[nodiscard]] double cpu_s(std::uint64_t viewpoint) const {
+    double sum = 0;
+    for (const StoredJobCost& job : jobs) sum += job.viewpoint_index == viewpoint ? job.cpu_s : 0;
+    return sum;
+  }
+};
+
+// Who computes a pilot's sweeps.
+class PilotFarm {
+ public:
+  virtual ~PilotFarm() = default;
+  // Computes these sweeps, whose names are made different here, one after the other.
+  virtual absl::StatusOr<std::vector<PilotStage>> run(
+      std::vector<schema::ResolvedSweep> sweeps) = 0;
+  // Of the database that they are stored in.
+  [[nodiscard]] virtual absl::StatusOr<double> bytes() const = 0;
+  [[nodiscard]] virtual double cpu_s() const = 0;   // of all jobs so far
+  [[nodiscard]] virtual double wall_s() const = 0;  // of the last run
+};
+
+// A coordinator and one worker, with a database that is thrown away: jobs that share the machine
+// with nothing but the plan itself. model_bytes outlives it.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(
+    const std::string& model_bytes);
+
+}  // namespace irsig

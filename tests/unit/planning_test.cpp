@@ -1,0 +1,138 @@
+// Pilots and predictions against a farm whose times and errors are stated.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "core/accuracy/pilot_samples.h"
+#include "planning/machine.h"
+#include "planning/prediction.h"
+#include "planning/sweep_pilot.h"
+#include "tests/unit/sweep_text.h"
+
+namespace irsig {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A job takes fixed_s + sample_s x samples, a row's standard error is 100 W/sr x error
+// (128 / samples)^0.6; both times what the view says.
+class StatedFarm final : public PilotFarm {
+ public:
+  double fixed_s = 0.02, sample_s = 1e-4, error = 0.02, row_bytes = 5000;
+  std::function<double(double azimuth_deg)> of_view = [](double) { return 1.0; };
+  absl::Status failure;
+  std::set<double> azimuths;  // of all views that were computed
+
+  absl::StatusOr<std::vector<PilotStage>> run(std::vector<schema::ResolvedSweep> sweeps) override {
+    if (!failure.ok()) return failure;
+    std::vector<PilotStage> stages;
+    wall_s_ = 0.5;  // of starting
+    for (const schema::ResolvedSweep& sweep : sweeps) {
+      PilotStage& stage = stages.emplace_back();
+      const std::uint64_t samples = sweep.sweep().accuracy().max_samples_per_replicate();
+      const auto n = static_cast<double>(samples);
+      bytes_ += static_cast<double>(sweep.ByteSizeLong());
+      std::uint64_t row = 0;
+      for (int v = 0; v < sweep.viewpoint_size(); ++v) {
+        const double azimuth = sweep.viewpoint(v).aspect_azimuth_deg();
+        azimuths.insert(azimuth);
+        StoredJobCost job;
+        job.viewpoint_index = static_cast<std::uint64_t>(v);
+        job.cpu_s = (fixed_s + sample_s * n) * of_view(azimuth);
+        job.samples = 32 * samples;
+        job.target_paths = 20 * samples;
+        cpu_s_ += job.cpu_s;
+        wall_s_ += job.cpu_s;
+        stage.jobs.push_back(job);
+        for (int i = 0; i < sweep.condition_size() * sweep.sweep().band_size(); ++i) {
+          StoredSignature s{};
+          s.row = ++row;
+          s.aspect_azimuth_deg = azimuth;
+          s.intensity_w_sr = 100;
+          s.intensity_stderr_w_sr = 100 * error * std::pow(128 / n, 0.6) * of_view(azimuth);
+          s.numerical_error_w_sr = s.intensity_stderr_w_sr;
+          stage.rows.push_back(s);
+          stage.ledgers.emplace_back();
+          bytes_ += row_bytes;
+        }
+      }
+    }
+    return stages;
+  }
+  [[nodiscard]] absl::StatusOr<double> bytes() const override { return bytes_; }
+  [[nodiscard]] double cpu_s() const override { return cpu_s_; }
+  [[nodiscard]] double wall_s() const override { return wall_s_; }
+
+ private:
+  double bytes_ = 100e3, cpu_s_ = 0, wall_s_ = 0;
+};
+
+LoadedSweep quickstart(double relative_error) {
+  LoadedSweep loaded;
+  auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/quickstart.toml");
+  EXPECT_TRUE(sweep.ok()) << sweep.status();
+  loaded.resolved = *std::move(sweep);
+  auto& accuracy = *loaded.resolved.mutable_sweep()->mutable_accuracy();
+  accuracy.set_relative_error(relative_error);
+  accuracy.clear_absolute_error_k();
+  return loaded;
+}
+
+TEST(SweepPilot, PredictsTheTimeOfAFarmWhoseTimeIsKnown) {
+  StatedFarm farm;
+  const LoadedSweep loaded = quickstart(0.001);
+  const auto pilot = pilot_sweep(loaded, farm);
+  ASSERT_TRUE(pilot.ok()) << pilot.status();
+  EXPECT_EQ(pilot->views, 24U);
+  EXPECT_EQ(pilot->view.size(), 5U) << "alike: five of them tell";
+  const StoredPrediction p = prediction_of(*pilot, loaded.resolved, 2);
+  // 0.8 of the target (the rule of the stored run) is reached at so many samples.
+  const double samples = 128 * std::pow(0.02 / (0.8 * 0.001), 1 / 0.6);
+  EXPECT_NEAR(p.job_cpu_median_s, 0.02 + 1e-4 * samples, 0.15 * 1e-4 * samples);
+  EXPECT_NEAR(p.cpu_s, 24 * p.job_cpu_median_s, 1e-3 * p.cpu_s);
+  EXPECT_GT(p.wall_s, p.cpu_s / 2);
+  EXPECT_LT(p.wall_s, 0.7 * p.cpu_s + 1);
+  // The pilot's views left 6 rows each, at two or three stages.
+  EXPECT_NEAR(pilot->database_bytes_per_view, 6 * 5000, 1);
+  EXPECT_EQ(as_message(p).jobs(), p.jobs);
+  EXPECT_EQ(as_message(p).cpu_s(), p.cpu_s);
+}
+
+TEST(SweepPilot, LooksAtMoreViewsWhereTheyDiffer) {
+  StatedFarm farm;
+  farm.of_view = [](double azimuth_deg) { return azimuth_deg < 90 ? 8.0 : 1.0; };
+  const auto pilot = pilot_sweep(quickstart(0.001), farm);
+  ASSERT_TRUE(pilot.ok()) << pilot.status();
+  EXPECT_EQ(pilot->view.size(), 15U);
+  EXPECT_GE(farm.azimuths.size(), 15U);
+}
+
+TEST(SweepPilot, PassesOnWhatTheFarmSays) {
+  StatedFarm farm;
+  farm.failure = absl::AbortedError("a job of the pilot failed: no luck");
+  const auto pilot = pilot_sweep(quickstart(0.01), farm);
+  EXPECT_EQ(pilot.status(), farm.failure);
+}
+
+TEST(Machine, SaysHowManyConditionsFit) {
+  const JobMemory memory{200e6, 16e6};
+  EXPECT_TRUE(check_memory(memory, 72, 2, 3e9).ok()) << "2.7 GB";
+  const absl::Status refused = check_memory(memory, 600, 2, 3e9);
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(
+      std::string(refused.message()),
+      HasSubstr("about 9.8 GB in each of 2 workers (16 MB for each of 600 conditions), and 3 "
+                "GB of memory are free: 81 conditions would fit with 2 workers, 175 with "
+                "--workers 1"));
+  EXPECT_THAT(std::string(check_memory(memory, 1, 1, 1e8).message()),
+              HasSubstr("not even one condition would fit"));
+  EXPECT_GT(usable_memory_bytes(1), 0);
+  EXPECT_GE(usable_cores(), 1U);
+}
+
+}  // namespace
+}  // namespace irsig
