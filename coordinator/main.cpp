@@ -8,7 +8,9 @@
 #include <mutex>
 
 #include "coordinator/client/address.h"
+#include "coordinator/client/plain_log.h"
 #include "coordinator/farm_server.h"
+#include "core/base/printable.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 
@@ -26,7 +28,8 @@ double seconds() {
 // 2: what was given is wrong; 1: anything else, a port in use among it (the input is right, the
 // moment is wrong).
 int report(const absl::Status& status) {
-  std::fprintf(stderr, "irsig-coordinator: %s\n", std::string(status.message()).c_str());
+  const std::string what = irsig::printable(std::string(status.message()));
+  std::fprintf(stderr, "irsig-coordinator: %s\n", what.c_str());
   return absl::IsInvalidArgument(status) || absl::IsNotFound(status) || absl::IsOutOfRange(status)
              ? 2
              : 1;
@@ -62,6 +65,7 @@ int main(int argc, char** argv) {
   if (!address.ok()) return report(address.status());
 
   spdlog::set_default_logger(spdlog::stderr_logger_mt("coordinator"));
+  spdlog::set_formatter(std::make_unique<irsig::PlainLog>());
   sem_init(&end_asked, 0, 0);
   std::signal(SIGPIPE, SIG_IGN);
 
@@ -91,8 +95,8 @@ int main(int argc, char** argv) {
   const std::lock_guard lock(mutex);
   if (!failure.ok()) return report(failure);
   if (absl::IsUnavailable(stopped)) {
-    std::fprintf(stderr, "irsig-coordinator: warning: %s\n",
-                 std::string(stopped.message()).c_str());
+    const std::string what = irsig::printable(std::string(stopped.message()));
+    std::fprintf(stderr, "irsig-coordinator: warning: %s\n", what.c_str());
     return 0;
   }
   if (!stopped.ok()) return report(stopped);

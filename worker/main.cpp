@@ -10,12 +10,12 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "coordinator/client/plain_log.h"
 #include "core/base/printable.h"
 #include "core/image/image.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 #include "worker/lease_loop.h"
-#include "worker/plain_log.h"
 
 namespace {
 
