@@ -6,18 +6,20 @@
 namespace irsig {
 namespace {
 
-// Measured as tests/system/memory_test.py does: a worker with the quickstart; the mesh with its ray
+// Measured as tests/system/memory_test.py does: a worker with the quickstart, and what of
+// it is private; the mesh with its ray
 // tracer (5000 and 200 000 triangles); a season's air and sky; what allocation and small tables add
 // to the large ones.
-constexpr double kProgramBytes = 150e6, kBytesPerFacet = 300, kBytesPerSeason = 30e6;
+constexpr double kProgramBytes = 150e6, kSharedBytes = 80e6;
+constexpr double kBytesPerFacet = 300, kBytesPerSeason = 30e6;
 constexpr double kAllocation = 1.2;
 constexpr double kNumber = sizeof(double);
 
 }  // namespace
 
-std::uint64_t JobMemory::conditions_in(double bytes) const {
-  if (!(bytes > fixed_bytes)) return 0;
-  return static_cast<std::uint64_t>((bytes - fixed_bytes) / bytes_per_condition);
+std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) const {
+  const double of_conditions = (bytes - shared_bytes) / workers - (fixed_bytes - shared_bytes);
+  return of_conditions > 0 ? static_cast<std::uint64_t>(of_conditions / bytes_per_condition) : 0;
 }
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
@@ -38,6 +40,7 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   const double row = 2 * sweep.sweep().accuracy().replicates() * parts * carried * kNumber;
   JobMemory memory;
   memory.bytes_per_condition = kAllocation * of_condition + row;
+  memory.shared_bytes = kSharedBytes;
   memory.fixed_bytes =
       kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
       (environment == nullptr ? 0 : kBytesPerSeason * sweep.sweep().season_size()) +

@@ -11,13 +11,18 @@ namespace irsig {
 // view are in memory at once, and what the sun does to the sky of each is kept from view to view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths
+  double shared_bytes = 0;         // of these: the program's pages, which all workers share
   double bytes_per_condition = 0;  // season x time
 
+  // Resident in one worker, and in so many together.
   [[nodiscard]] double bytes(std::uint64_t conditions) const {
     return fixed_bytes + bytes_per_condition * static_cast<double>(conditions);
   }
-  // How many conditions fit; 0: not one.
-  [[nodiscard]] std::uint64_t conditions_in(double bytes) const;
+  [[nodiscard]] double bytes(std::uint64_t conditions, std::uint32_t workers) const {
+    return shared_bytes + workers * (bytes(conditions) - shared_bytes);
+  }
+  // How many conditions so many workers have room for; 0: not one.
+  [[nodiscard]] std::uint64_t conditions_in(double bytes, std::uint32_t workers) const;
 };
 
 // Accuracy: the largest resident size of a worker was 0.86 to 1.07 of this in eight sweeps (vacuum

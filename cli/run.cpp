@@ -193,7 +193,7 @@ absl::Status run_sweep(RunAsked asked) {
                                usable_memory_bytes(asked.workers));
       !fits.ok())
     return fits;
-  if (loaded->memory.bytes(conditions) * asked.workers > kMuchMemory)
+  if (loaded->memory.bytes(conditions, asked.workers) > kMuchMemory)
     print_note("irsig: memory: {}\n", memory_text(loaded->memory, conditions, asked.workers));
   if (asked.resume && !std::filesystem::exists(asked.db_path)) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");

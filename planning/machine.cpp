@@ -83,10 +83,10 @@ std::string memory_text(const JobMemory& memory, std::uint64_t conditions, std::
 
 absl::Status check_memory(const JobMemory& memory, std::uint64_t conditions, std::uint32_t workers,
                           double usable_bytes) {
-  if (memory.bytes(conditions) * workers <= usable_bytes) return absl::OkStatus();
+  if (memory.bytes(conditions, workers) <= usable_bytes) return absl::OkStatus();
   std::string advice;
-  const std::uint64_t with_all = memory.conditions_in(usable_bytes / workers);
-  const std::uint64_t with_one = memory.conditions_in(usable_bytes);
+  const std::uint64_t with_all = memory.conditions_in(usable_bytes, workers);
+  const std::uint64_t with_one = memory.conditions_in(usable_bytes, 1);
   if (with_all > 0)
     advice = fmt::format("{} condition{} would fit with {} worker{}", with_all,
                          with_all == 1 ? "" : "s", workers, workers == 1 ? "" : "s");

@@ -8,6 +8,8 @@ namespace {
 
 using S = StoredSignature;
 
+constexpr double kRounding = 1e-9;
+
 Measured measured(const S& row, IntensityOf intensity, double value, double stderr_,
                   double numerical_error) {
   Measured out{value, stderr_, {}};
@@ -20,7 +22,11 @@ Measured measured(const S& row, IntensityOf intensity, double value, double stde
     else if (!lacking)
       lacking = which;
   }
-  return lacking ? with_rest(out, numerical_error, *lacking) : out;
+  if (lacking) return with_rest(out, numerical_error, *lacking);
+  // The error that a row states is never taken for less than it is.
+  const bool told = numerical_error <= (1 + kRounding) * out.numerical_error();
+  const BoundOf rest = intensity == IntensityOf::kSource ? BoundOf::kUnseen : BoundOf::kDepth;
+  return told || std::isnan(numerical_error) ? out : with_rest(out, numerical_error, rest);
 }
 
 }  // namespace

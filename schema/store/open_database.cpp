@@ -111,14 +111,21 @@ absl::Status create(Database& database) {
 
 }  // namespace
 
+std::string real_path(const std::string& path) {
+  std::error_code error;
+  fs::path real = fs::weakly_canonical(path, error);
+  // A link to what does not exist yet is where SQLite will make it.
+  for (int links = 0; fs::is_symlink(fs::symlink_status(real, error)) && links < 40; ++links)
+    real = fs::weakly_canonical(real.parent_path() / fs::read_symlink(real, error), error);
+  return error || real.empty() ? path : real.string();
+}
+
 void remove_database(const std::string& path) {
   for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink((path + suffix).c_str());
 }
 
 absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::string& database_path) {
-  std::error_code ignored;
-  const fs::path resolved = fs::weakly_canonical(database_path, ignored);
-  const std::string path = (resolved.empty() ? database_path : resolved.string()) + "-lock";
+  const std::string path = real_path(database_path) + "-lock";
   // The file may be removed by its last holder between open and flock; then the lock is on a file
   // without a name, and the next round opens the new one.
   for (;;) {
@@ -191,6 +198,7 @@ absl::Status migrate(Database& database, std::span<const MigrationStep> steps) {
 absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   IRSIG_STORE_TRY(check_regular(path));
   WritableDatabase out;
+  out.path = real_path(path);
   absl::StatusOr<std::unique_ptr<WriterLock>> lock = WriterLock::acquire(path);
   if (!lock.ok()) return lock.status();
   out.lock = *std::move(lock);
@@ -206,10 +214,10 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     if (!is_new) IRSIG_STORE_TRY(check_header(path, *header));
   }
   bool keep_file = existed;
-  const absl::Cleanup remove_new_file = [&out, &path, &keep_file] {
+  const absl::Cleanup remove_new_file = [&out, &keep_file] {
     if (keep_file) return;
     out.database.reset();
-    remove_database(path);
+    remove_database(out.path);
   };
 
   absl::StatusOr<std::unique_ptr<Database>> database =

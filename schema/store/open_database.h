@@ -43,12 +43,16 @@ struct WritableDatabase {
   std::unique_ptr<WriterLock> lock;  // outlives the connection
   std::unique_ptr<Database> database;
   bool created = false;  // there was no such file
+  std::string path;      // where it lies, links followed
 };
 
 // Creates or opens for writing, brings to the newest version, switches to write-ahead logging.
 // Files that it refuses stay as they are; a file that it began to create does not stay behind when
 // it fails.
 [[nodiscard]] absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path);
+
+// Where a file lies or will be made, links followed; the path as it is where that cannot be told.
+[[nodiscard]] std::string real_path(const std::string& path);
 
 // Removes a database and what SQLite keeps beside it. Only for who created it, holds its lock and
 // has closed it.

@@ -26,11 +26,11 @@ absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
 
 class SqliteWriter final : public StoreWriter {
  public:
-  SqliteWriter(WritableDatabase opened, std::string path)
+  explicit SqliteWriter(WritableDatabase opened)
       : lock_(std::move(opened.lock)),
         owned_(std::move(opened.database)),
         database_(*owned_),
-        path_(std::move(path)),
+        path_(std::move(opened.path)),
         created_(opened.created) {}
 
   // Without finish() the journal stays; the next writer, and every reader, goes on from it.
@@ -160,7 +160,7 @@ class SqliteWriter final : public StoreWriter {
 absl::StatusOr<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::string& path) {
   absl::StatusOr<WritableDatabase> opened = open_for_writing(path);
   if (!opened.ok()) return opened.status();
-  return std::make_unique<SqliteWriter>(*std::move(opened), path);
+  return std::make_unique<SqliteWriter>(*std::move(opened));
 }
 
 }  // namespace irsig

@@ -101,6 +101,21 @@ class Door(unittest.TestCase):
         self.assertEqual(coordinator.communicate(timeout=PATIENCE_S) and coordinator.returncode, 0)
         self.assertEqual(self.beside(), ["out.sigdb"], "a coordinator's database is not a run's to remove")
 
+    def test_a_link_to_a_database_that_is_not_there_yet(self):
+        (self.path / "elsewhere").mkdir()
+        real = self.path / "elsewhere" / "real.sigdb"
+        self.db.symlink_to(real)
+        coordinator = self.start("--db", self.db, "--listen", "127.0.0.1:0", "--remove-unused", program=COORDINATOR)
+        coordinator.stdout.readline()
+        self.assertTrue(real.exists())
+        self.assertEqual(self.run_sweep()[0], 1, "one writer, whatever name it was opened by")
+        coordinator.terminate()
+        coordinator.communicate(timeout=PATIENCE_S)
+        self.assertEqual(sorted(p.name for p in real.parent.iterdir()), [])
+        self.assertTrue(self.db.is_symlink())
+        self.assertEqual(self.run_sweep()[0], 0)
+        self.assertEqual(sorted(p.name for p in real.parent.iterdir()), ["real.sigdb"])
+
     def test_a_folder_of_somebody_else_is_left_alone(self):
         for name, content in (("irsig-scratch-abcdef", "mine"), ("irsig-scratch-longername", "in-use")):
             (self.scratch / name).mkdir()

@@ -79,7 +79,8 @@ class Memory(unittest.TestCase):
             self.assertTrue(fits, done.stderr)
             each, of_condition, with_two, with_one = (float(fits[i]) for i in range(1, 5))
             fixed = 1000 * each - 300 * of_condition
-            self.assertAlmostEqual(with_two, (limit / 1e6 - fixed) / of_condition, delta=3)
+            shared = 80
+            self.assertAlmostEqual(with_two, ((2 * limit / 1e6 - shared) / 2 - fixed + shared) / of_condition, delta=3)
             self.assertGreater(with_one, with_two)
             self.assertFalse((self.path / "out.sigdb").exists())
 

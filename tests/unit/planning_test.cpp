@@ -119,17 +119,20 @@ TEST(SweepPilot, PassesOnWhatTheFarmSays) {
 }
 
 TEST(Machine, SaysHowManyConditionsFit) {
-  const JobMemory memory{200e6, 16e6};
+  const JobMemory memory{200e6, 80e6, 16e6};
   EXPECT_TRUE(check_memory(memory, 72, 2, 3e9).ok()) << "2.7 GB";
   const absl::Status refused = check_memory(memory, 600, 2, 3e9);
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(
       std::string(refused.message()),
       HasSubstr("about 9.8 GB in each of 2 workers (16 MB for each of 600 conditions), and 3 "
-                "GB of memory are free: 81 conditions would fit with 2 workers, 175 with "
+                "GB of memory are free: 83 conditions would fit with 2 workers, 175 with "
                 "--workers 1"));
   EXPECT_THAT(std::string(check_memory(memory, 1, 1, 1e8).message()),
               HasSubstr("not even one condition would fit"));
+  // 80 MB once, and 120 MB and the conditions of each.
+  EXPECT_DOUBLE_EQ(memory.bytes(10, 3), 80e6 + 3 * (120e6 + 160e6));
+  EXPECT_EQ(memory.conditions_in(memory.bytes(10, 3) + 1, 3), 10U);
   EXPECT_GT(usable_memory_bytes(1), 0);
   EXPECT_GE(usable_cores(), 1U);
 }

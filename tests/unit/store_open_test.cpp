@@ -279,7 +279,8 @@ TEST_F(StoreOpen, EveryQuantityComesBackAsItWasStored) {
   ASSERT_NO_FATAL_FAILURE(write());
   std::string script = "UPDATE signature SET ";
   for (std::size_t q = 0; q < kQuantities.size(); ++q)
-    absl::StrAppend(&script, q == 0 ? "" : ", ", std::string(kQuantities[q].name), " = ", q + 0.5);
+    absl::StrAppend(&script, q == 0 ? "" : ", ", std::string(kQuantities[q].name), " = ",
+                    static_cast<double>(q) + 0.5);
   ASSERT_EQ(sqlite_text(path_, script + "; SELECT 'set'"), "set");
   const auto rows = StoreReader::open(path_).value()->find({}).value();
   for (const StoredSignature& s : rows)
