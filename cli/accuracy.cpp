@@ -102,7 +102,22 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
   if (source->database == nullptr)
     return absl::InvalidArgumentError(absl::StrCat("--check-errors: ", given.source,
                                                    " is no database, expected the rows of one"));
-  return check_database_errors(*source, given.check, within);
+  const auto checked =
+      check_database_errors(*source, given.check, [](const CheckedViewpoint& view) {
+        print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
+                   view.done, view.of, view.viewpoint, view.samples, view.intensity.values,
+                   view.intensity.largest);
+      });
+  if (!checked.ok()) return checked.status();
+  print_text(
+      "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
+      "\n{}",
+      source->loaded.resolved.sweep().name(), checked->rows.size(), checked->views, checked->times,
+      stated_errors_table(checked->rows));
+  within = true;
+  for (std::size_t q = 0; q < kStated; ++q)
+    within &= summary_of(checked->rows, static_cast<Stated>(q)).beyond_5 == 0;
+  return absl::OkStatus();
 }
 
 absl::Status write_page(AccuracyOptions given) {

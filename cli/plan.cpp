@@ -93,7 +93,9 @@ absl::Status plan_sweep(PlanAsked asked) {
       !fits.ok())
     return fits;
   if (has_time_budget(loaded->resolved)) {
-    if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
+    const auto spent = spend_time_budget(*loaded, asked.workers);
+    if (!spent.ok()) return spent.status();
+    print_note("irsig: {}\n", *spent);
   }
   const auto pilot = pilot_sweep(*loaded);
   if (!pilot.ok()) return pilot.status();
@@ -124,7 +126,10 @@ absl::Status plan_sweep(PlanAsked asked) {
   print_table(*pilot, asked.workers);
   print_effects(*pilot);
   if (asked.db_path.empty()) return absl::OkStatus();
-  return store_in(asked.db_path, p);
+  const auto stored = store_in(asked.db_path, p);
+  if (!stored.ok()) return stored.status();
+  if (!stored->empty()) print_note("irsig: warning: {}\n", *stored);
+  return absl::OkStatus();
 }
 
 }  // namespace

@@ -213,7 +213,9 @@ absl::Status run_sweep(RunAsked asked) {
     return print_profiles(loaded->resolved, asked.db_path);
   }
   if (has_time_budget(loaded->resolved)) {
-    if (auto status = spend_time_budget(*loaded, asked.workers); !status.ok()) return status;
+    const auto spent = spend_time_budget(*loaded, asked.workers);
+    if (!spent.ok()) return spent.status();
+    print_note("irsig: {}\n", *spent);
   }
   std::optional<schema::Prediction> prediction;
   if (asked.plan) {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
+#include "planning/effects_check.h"
 #include "planning/load_sweep.h"
 #include "view/atomic_file.h"
 #include "view/effects_tables.h"
@@ -34,87 +34,32 @@ double thread_cpu_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-struct ViewRows {
-  std::uint64_t view;
-  std::vector<std::uint32_t> condition, band;
-};
-
-std::vector<std::uint32_t> up_to(int n) {
-  std::vector<std::uint32_t> out;
-  for (int i = 0; i < n; ++i) out.push_back(static_cast<std::uint32_t>(i));
-  return out;
-}
-
-// The rows that --row names, each by itself, or all rows of --views viewpoints.
-absl::StatusOr<std::vector<ViewRows>> chosen_rows(const schema::ResolvedSweep& sweep,
-                                                  const VerifyOptions& given) {
-  const auto views = static_cast<std::uint64_t>(sweep.viewpoint_size()),
-             conditions = static_cast<std::uint64_t>(sweep.condition_size()),
-             bands = static_cast<std::uint64_t>(sweep.sweep().band_size());
-  std::vector<ViewRows> out;
-  for (const std::uint64_t row : given.row) {
-    if (row == 0 || row > views * conditions * bands)
-      return absl::InvalidArgumentError(
-          absl::StrCat("--row ", row, ": the sweep has rows 1 to ", views * conditions * bands));
-    const std::uint64_t in_view = (row - 1) % (conditions * bands);
-    out.push_back({(row - 1) / (conditions * bands),
-                   {static_cast<std::uint32_t>(in_view / bands)},
-                   {static_cast<std::uint32_t>(in_view % bands)}});
-  }
-  if (!out.empty()) return out;
-  auto chosen = spread_views(views, given.views);
-  std::sort(chosen.begin(), chosen.end());
-  for (const std::uint64_t view : chosen)
-    out.push_back({view, up_to(sweep.condition_size()), up_to(sweep.sweep().band_size())});
-  return out;
-}
-
 absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
   AccuracyAsked asked;
   asked.relative_error = given.relative_error;
   const auto loaded = load_sweep(given.sweep, asked);
   if (!loaded.ok()) return loaded.status();
   const schema::ResolvedSweep& sweep = loaded->resolved;
-  if (!(sweep.sweep().accuracy().relative_error() > 0))
-    return absl::InvalidArgumentError(
-        "verify-effects: the sweep asks for no relative error, so that nothing would be left out: "
-        "say --relative-error");
-  const auto rows = chosen_rows(sweep, given);
-  if (!rows.ok()) return rows.status();
-  const auto scene = scene_from_sweep(sweep, loaded->model_bytes);
-  if (!scene.ok()) return scene.status();
-  const auto simulator = Simulator::create(*scene);
-  if (!simulator.ok()) return simulator.status();
-  // One for each of the two runs: neither profits from what the other has made.
-  const auto for_chosen = environment_from_sweep(sweep, (*simulator)->band_grids()),
-             for_all = environment_from_sweep(sweep, (*simulator)->band_grids());
-  if (!for_chosen.ok()) return for_chosen.status();
-  if (!for_all.ok()) return for_all.status();
-  print_text("{}: relative error {:g}, effects auto against all, the same paths\n{}\n",
-             sweep.sweep().name(), sweep.sweep().accuracy().relative_error(),
-             effects_view_header());
-  std::vector<CheckedView> views;
+  bool first = true;
   std::string failures;
-  std::vector<double> ratios;
-  for (const ViewRows& chosen : *rows) {
-    schema::JobSpec job;
-    job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
-    job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
-    job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
-    auto request = request_from_job(sweep, job, *for_chosen);
-    if (!request.ok()) return request.status();
-    request->effects = {EffectChoice::Mode::kAuto, {}};
-    auto view = check_effects(**simulator, *std::move(request),
-                              {*for_all, views.empty(), given.timed, given.reference.value_or(0)},
-                              thread_cpu_s);
-    if (!view.ok()) return view.status();
-    print_text("{}\n", effects_view_line(*view));
+  const auto show = [&](const CheckedView& view) {
+    if (first)
+      print_text("{}: relative error {:g}, effects auto against all, the same paths\n{}\n",
+                 sweep.sweep().name(), sweep.sweep().accuracy().relative_error(),
+                 effects_view_header());
+    first = false;
+    print_text("{}\n", effects_view_line(view));
     std::fflush(stdout);
-    failures += effects_failures(sweep.sweep().name(), *view);
-    ratios.push_back(view->all_s > 0 ? view->chosen_s / view->all_s : 1);
-    views.push_back(*std::move(view));
-  }
-  const EffectsSummary s = summary_of(views);
+    failures += effects_failures(sweep.sweep().name(), view);
+  };
+  const auto checked = check_sweep_effects(
+      *loaded, {given.views, given.row, given.timed, given.reference.value_or(0)}, thread_cpu_s,
+      show);
+  if (!checked.ok()) return checked.status();
+  std::vector<double> ratios;
+  for (const CheckedView& view : *checked)
+    ratios.push_back(view.all_s > 0 ? view.chosen_s / view.all_s : 1);
+  const EffectsSummary s = summary_of(*checked);
   std::printf(
       "%zu views, %zu rows, %zu values: %zu out of bound, largest difference %.3f of what is "
       "allowed\ntime auto/all: median %.2f; first view with what all views share %.3g s against "

@@ -16,14 +16,9 @@
 #include "core/study/effects_check.h"
 #include "core/study/stated_errors.h"
 #include "fmt/format.h"
-#include "view/print.h"
 
 namespace irsig {
 namespace {
-
-constexpr const char* kStatedName[kStated] = {"intensity_w_sr", "apparent_intensity_w_sr",
-                                              "contrast_intensity_w_sr", "projected_area_m2",
-                                              "spectral_intensity_w_sr_um"};
 
 struct ViewRows {
   std::uint32_t viewpoint = 0;
@@ -103,12 +98,14 @@ absl::StatusOr<std::vector<ViewRows>> stored_views(StoreReader& reader,
 class Checker {
  public:
   Checker(const schema::ResolvedSweep& sweep, const Simulator& simulator,
-          std::shared_ptr<const Environment> environment, std::vector<ViewRows> views, double times)
+          std::shared_ptr<const Environment> environment, std::vector<ViewRows> views, double times,
+          const std::function<void(const CheckedViewpoint&)>& seen)
       : sweep_(sweep),
         simulator_(simulator),
         environment_(std::move(environment)),
         views_(std::move(views)),
         times_(times),
+        seen_(seen),
         least_times_(times) {}
 
   absl::Status run(std::uint32_t workers) {
@@ -140,10 +137,8 @@ class Checker {
         return;
       }
       least_times_ = std::min(least_times_, checked->times);
-      const StatedErrorSummary s = summary_of(checked->row, Stated::kIntensity);
-      print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n", ++done_,
-                 views_.size(), views_[i].viewpoint, static_cast<double>(checked->samples),
-                 s.values, s.largest);
+      seen_({++done_, views_.size(), views_[i].viewpoint, static_cast<double>(checked->samples),
+             summary_of(checked->row, Stated::kIntensity)});
       views_[i].row = std::move(checked->row);
     }
   }
@@ -167,6 +162,7 @@ class Checker {
   std::shared_ptr<const Environment> environment_;
   std::vector<ViewRows> views_;
   double times_;
+  const std::function<void(const CheckedViewpoint&)>& seen_;
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;  // of what follows, and of each view's rows
   double least_times_;
@@ -176,8 +172,9 @@ class Checker {
 
 }  // namespace
 
-absl::Status check_database_errors(AccuracySource& source, const ErrorCheckAsked& asked,
-                                   bool& within) {
+absl::StatusOr<CheckedDatabase> check_database_errors(
+    AccuracySource& source, const ErrorCheckAsked& asked,
+    const std::function<void(const CheckedViewpoint&)>& seen) {
   const schema::ResolvedSweep& sweep = source.loaded.resolved;
   auto views = stored_views(*source.database, sweep, asked.views);
   if (!views.ok()) return views.status();
@@ -187,38 +184,11 @@ absl::Status check_database_errors(AccuracySource& source, const ErrorCheckAsked
   if (!simulator.ok()) return simulator.status();
   const auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  Checker checker(sweep, **simulator, *environment, *std::move(views), asked.times);
+  Checker checker(sweep, **simulator, *environment, *std::move(views), asked.times, seen);
   const std::uint32_t workers =
       asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);
   if (auto status = checker.run(workers); !status.ok()) return status;
-
-  const std::vector<StatedRow> rows = checker.rows();
-  print_text(
-      "{}: {} rows of {} viewpoints against a run {:.4g} times as long with other random numbers\n"
-      "\n"
-      "|stored - longer run| / stored standard error (true errors: 0.67, 2.0), and / numerical "
-      "error\n"
-      "| value | values | median | 95th percentile | largest | beyond 2 numerical errors | beyond "
-      "5 | largest |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- |\n",
-      sweep.sweep().name(), rows.size(), checker.views(), checker.least_times());
-  within = true;
-  for (std::size_t q = 0; q < kStated; ++q) {
-    const StatedErrorSummary s = summary_of(rows, static_cast<Stated>(q));
-    print_text("| {} | {} | {:.2f} | {:.2f} | {:.2f} | ", kStatedName[q], s.values, s.median,
-               s.percentile_95, s.largest);
-    if (s.with_numerical_error == 0) {
-      print_text("- | - | - |\n");
-      continue;
-    }
-    const auto share = [&](std::size_t n) {
-      return 100.0 * static_cast<double>(n) / static_cast<double>(s.with_numerical_error);
-    };
-    print_text("{} ({:.2g} %) | {} ({:.2g} %) | {:.2f} |\n", s.beyond_2, share(s.beyond_2),
-               s.beyond_5, share(s.beyond_5), s.largest_of_numerical_error);
-    within &= s.beyond_5 == 0;
-  }
-  return absl::OkStatus();
+  return CheckedDatabase{checker.rows(), checker.views(), checker.least_times()};
 }
 
 }  // namespace irsig

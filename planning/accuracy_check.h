@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <vector>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/study/stated_errors.h"
 #include "planning/accuracy_source.h"
 
 namespace irsig {
@@ -13,10 +16,25 @@ struct ErrorCheckAsked {
   std::uint32_t workers = 0;  // threads; 0: one for each core
 };
 
-// Traces the views of a database again, much longer and with other random numbers, and prints how
-// far stored values are from that, in stored standard errors and numerical errors. within: no value
-// is beyond 5 numerical errors. INVALID_ARGUMENT: no rows. FAILED_PRECONDITION: of another version.
-[[nodiscard]] absl::Status check_database_errors(AccuracySource& source,
-                                                 const ErrorCheckAsked& asked, bool& within);
+// One of the views, as soon as it is done.
+struct CheckedViewpoint {
+  std::size_t done, of;
+  std::uint32_t viewpoint;
+  double samples;  // primary rays of the longer run
+  StatedErrorSummary intensity;
+};
+
+struct CheckedDatabase {
+  std::vector<StatedRow> rows;
+  std::size_t views = 0;
+  double times = 0;  // by how much the longer runs were longer, at least
+};
+
+// Traces the views of a database again, much longer and with other random numbers: how far stored
+// values are from that. `seen` is called from several threads, one at a time. INVALID_ARGUMENT: no
+// rows. FAILED_PRECONDITION: of another version.
+[[nodiscard]] absl::StatusOr<CheckedDatabase> check_database_errors(
+    AccuracySource& source, const ErrorCheckAsked& asked,
+    const std::function<void(const CheckedViewpoint&)>& seen);
 
 }  // namespace irsig

@@ -273,7 +273,7 @@ class RowStudy {
     WorkPoint point;
     point.cpu_s = (process_cpu_s() - start_s) / kRuns;
     point.seeds = 1;
-    point.relative_error[static_cast<std::size_t>(Measured::kIntensity)] =
+    point.relative_error[static_cast<std::size_t>(StudiedQuantity::kIntensity)] =
         std::abs(in_band_w_sr / out_.reference.apparent_intensity_w_sr - 1);
     out_.work.push_back({"precomputation", "precomputation model (Eq. 12): a bias", {point}});
     return absl::OkStatus();

@@ -5,7 +5,6 @@
 #include "coordinator/client/progress_text.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
-#include "view/print.h"
 
 namespace irsig {
 
@@ -42,16 +41,17 @@ std::string prediction_line(const StoredPrediction& p) {
       seconds_text(p.pilot_cpu_s));
 }
 
-absl::Status store_in(const std::string& db_path, const StoredPrediction& prediction) {
+absl::StatusOr<std::string> store_in(const std::string& db_path,
+                                     const StoredPrediction& prediction) {
   auto writer = StoreWriter::open(db_path);
   if (!writer.ok()) return writer.status();
   if (auto status = (*writer)->begin(); !status.ok()) return status;
   if (auto status = (*writer)->store_prediction(prediction); !status.ok()) return status;
   if (auto status = (*writer)->commit(); !status.ok()) return status;
-  auto finished = (*writer)->finish();
-  if (!absl::IsUnavailable(finished)) return finished;
-  print_note("irsig: warning: {}\n", std::string(finished.message()));
-  return absl::OkStatus();
+  const absl::Status finished = (*writer)->finish();
+  if (absl::IsUnavailable(finished)) return std::string(finished.message());
+  if (!finished.ok()) return finished;
+  return std::string();
 }
 
 schema::Prediction as_message(const StoredPrediction& p) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "planning/sweep_pilot.h"
 #include "schema/farm.pb.h"
 #include "schema/store/store.h"
@@ -21,7 +21,9 @@ namespace irsig {
 [[nodiscard]] schema::Prediction as_message(const StoredPrediction& prediction);
 
 // Into a database that nobody else writes; made if it does not exist.
-[[nodiscard]] absl::Status store_in(const std::string& db_path, const StoredPrediction& prediction);
+// Returns what the user should know of it; empty: nothing.
+[[nodiscard]] absl::StatusOr<std::string> store_in(const std::string& db_path,
+                                                   const StoredPrediction& prediction);
 
 // "43 ms", "8.31 s", "1:02:03".
 [[nodiscard]] std::string seconds_text(double seconds);

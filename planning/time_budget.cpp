@@ -9,7 +9,6 @@
 #include "coordinator/client/time_budget.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
-#include "view/print.h"
 
 namespace irsig {
 namespace {
@@ -69,7 +68,7 @@ bool has_time_budget(const schema::ResolvedSweep& sweep) {
   return sweep.sweep().accuracy().has_time_budget_s();
 }
 
-absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers) {
+absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded, std::uint32_t workers) {
   const auto accuracy = loaded.resolved.sweep().accuracy();
   const int count = loaded.resolved.viewpoint_size();
   const std::set<int> views = {0, count / 2, count - 1};
@@ -99,10 +98,9 @@ absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers) {
        .replicates = accuracy.replicates(),
        .max_samples_per_replicate = accuracy.max_samples_per_replicate()});
   if (!answer.ok()) return answer.status();
-  print_note("irsig: {:g} s for {} viewpoints on {} workers: {} samples per replicate\n",
-             accuracy.time_budget_s(), count, workers, *answer);
   loaded.resolved = with_samples(std::move(loaded.resolved), *answer);
-  return absl::OkStatus();
+  return fmt::format("{:g} s for {} viewpoints on {} workers: {} samples per replicate",
+                     accuracy.time_budget_s(), count, workers, *answer);
 }
 
 bool is_same_but_for_samples(const schema::ResolvedSweep& stored,

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "planning/load_sweep.h"
 
 namespace irsig {
@@ -16,7 +17,9 @@ namespace irsig {
 
 // Computes three viewpoints here, with few samples, and writes the samples per replicate that fill
 // the budget on so many workers into the resolved sweep, in place of the budget.
-[[nodiscard]] absl::Status spend_time_budget(LoadedSweep& loaded, std::uint32_t workers);
+// Returns a line that says so.
+[[nodiscard]] absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded,
+                                                            std::uint32_t workers);
 
 // Whether `stored` is what spend_time_budget once made of `asked`: equal but for the samples. A
 // resumed sweep keeps the samples it was begun with, whatever a new pilot would measure.

@@ -48,16 +48,17 @@ class Presentation {
         "projected "
         "area {:.7g} m2 ({:.2g}). Up to {} reflections.",
         v.intensity_w_sr, m_.reference.relative_stderr[0], v.emitted_w_sr, v.projected_area_m2,
-        m_.reference.relative_stderr[static_cast<std::size_t>(Measured::kArea)],
+        m_.reference.relative_stderr[static_cast<std::size_t>(StudiedQuantity::kArea)],
         m_.max_reflections));
     WorkPanel in_band =
-        panel("In-band intensity", {"methods", "precomputation"}, Measured::kIntensity);
+        panel("In-band intensity", {"methods", "precomputation"}, StudiedQuantity::kIntensity);
     out.panel = {
         std::move(in_band),
-        panel("Stored spectrum (rms over wavelengths)", {"methods"}, Measured::kSpectrum),
+        panel("Stored spectrum (rms over wavelengths)", {"methods"}, StudiedQuantity::kSpectrum),
         convergence(),
-        panel("Number of reflections (in-band)", {"reflections"}, Measured::kIntensity),
-        panel("Sharing paths; ray tracing (in-band)", {"sharing", "tracing"}, Measured::kIntensity),
+        panel("Number of reflections (in-band)", {"reflections"}, StudiedQuantity::kIntensity),
+        panel("Sharing paths; ray tracing (in-band)", {"sharing", "tracing"},
+              StudiedQuantity::kIntensity),
         effects_panel(),
         asked_panel(),
         step_panel()};
@@ -77,20 +78,20 @@ class Presentation {
   }
 
  private:
-  [[nodiscard]] double floor(Measured what) const {
+  [[nodiscard]] double floor(StudiedQuantity what) const {
     return 3 * m_.reference.relative_stderr[static_cast<std::size_t>(what)];
   }
   [[nodiscard]] const WorkMeasurement& of(const std::string& name) const {
     return *std::find_if(m_.work.begin(), m_.work.end(),
                          [&](const WorkMeasurement& m) { return m.name == name; });
   }
-  [[nodiscard]] std::optional<WorkToTarget> time_to(const WorkMeasurement& m, Measured what,
+  [[nodiscard]] std::optional<WorkToTarget> time_to(const WorkMeasurement& m, StudiedQuantity what,
                                                     double target) const {
     return work_to_target(against_time(m.point, what), target, floor(what));
   }
 
   [[nodiscard]] WorkPanel panel(const std::string& title, const std::vector<std::string>& groups,
-                                Measured what) const {
+                                StudiedQuantity what) const {
     WorkPanel out{title,
                   "CPU time [s]",
                   "relative error (rms over seeds)",
@@ -112,9 +113,9 @@ class Presentation {
   }
 
   [[nodiscard]] WorkPanel effects_panel() const {
-    WorkPanel out =
-        panel("Whole runs: pilots, air, sky and sea included", {"effects"}, Measured::kIntensity);
-    WorkPanel traced = panel("", {"methods"}, Measured::kIntensity);
+    WorkPanel out = panel("Whole runs: pilots, air, sky and sea included", {"effects"},
+                          StudiedQuantity::kIntensity);
+    WorkPanel traced = panel("", {"methods"}, StudiedQuantity::kIntensity);
     for (WorkSeries& s : traced.series)
       if (s.name == kQuasi) {
         s.name = "tracing and shading alone";
@@ -132,7 +133,7 @@ class Presentation {
                   0,
                   {kOnePercent, kOnePerMille}};
     out.reference_error =
-        m_.reference.relative_stderr[static_cast<std::size_t>(Measured::kIntensity)];
+        m_.reference.relative_stderr[static_cast<std::size_t>(StudiedQuantity::kIntensity)];
     WorkSeries asked{"asked", {}, {}, true};
     for (const WorkMeasurement& m : m_.work) {
       if (m.group != "effects") continue;
@@ -146,7 +147,7 @@ class Presentation {
         stated.x.push_back(p.asked_relative_error);
         stated.y.push_back(p.relative_numerical_error);
         found.x.push_back(p.asked_relative_error);
-        found.y.push_back(p.relative_error[static_cast<std::size_t>(Measured::kIntensity)]);
+        found.y.push_back(p.relative_error[static_cast<std::size_t>(StudiedQuantity::kIntensity)]);
       }
       out.series.push_back(std::move(found));
       out.series.push_back(std::move(stated));
@@ -162,10 +163,11 @@ class Presentation {
                   {},
                   0,
                   {kOnePerMille}};
-    out.reference_error = m_.reference.relative_stderr[static_cast<std::size_t>(Measured::kArea)];
+    out.reference_error =
+        m_.reference.relative_stderr[static_cast<std::size_t>(StudiedQuantity::kArea)];
     for (const char* name : {kPseudo, kUnmasked, kQuasi})
-      for (const auto& [what, of_what] : {std::pair{Measured::kArea, "projected area"},
-                                          std::pair{Measured::kEmitted, "emission"}}) {
+      for (const auto& [what, of_what] : {std::pair{StudiedQuantity::kArea, "projected area"},
+                                          std::pair{StudiedQuantity::kEmitted, "emission"}}) {
         WorkSeries s{fmt::format("{}: {}",
                                  name == kQuasi      ? "quasi"
                                  : name == kUnmasked ? "quasi, no masks"
@@ -220,12 +222,12 @@ class Presentation {
       const bool whole = m.group == "effects";
       if (m.group != "methods" && !whole) continue;
       std::vector<std::string> cells{m.name};
-      for (const Measured what : {Measured::kIntensity, Measured::kSpectrum})
+      for (const StudiedQuantity what : {StudiedQuantity::kIntensity, StudiedQuantity::kSpectrum})
         for (const double target : {kOnePercent, kOnePerMille}) {
           const auto plain = time_to(of(kPlain), what, target), here = time_to(m, what, target);
           cells.push_back(time_cell(here));
           cells.push_back(whole ? "-" : ratio_cell(plain, here, 0, 0));
-          if (what == Measured::kIntensity)
+          if (what == StudiedQuantity::kIntensity)
             cells.push_back(ratio_cell(plain, here, setup_s, whole ? m_.scene_cpu_s : setup_s));
         }
       t.row.push_back(std::move(cells));
@@ -243,8 +245,8 @@ class Presentation {
       if (m.point.size() < 2 || m.group == "sharing") continue;
       std::vector<std::string> cells{m.name};
       for (const double s : kTimes_s) {
-        const auto in_band = error_at_work(against_time(m.point, Measured::kIntensity), s),
-                   spectrum = error_at_work(against_time(m.point, Measured::kSpectrum), s);
+        const auto in_band = error_at_work(against_time(m.point, StudiedQuantity::kIntensity), s),
+                   spectrum = error_at_work(against_time(m.point, StudiedQuantity::kSpectrum), s);
         cells.push_back((in_band ? percent(*in_band) : "-") + " / " +
                         (spectrum ? percent(*spectrum) : "-"));
       }
@@ -266,7 +268,7 @@ class Presentation {
     for (std::size_t i = 0; i < automatic.size(); ++i) {
       const WorkPoint& a = automatic[i];
       const auto error = [](const WorkPoint& p) {
-        return percent(p.relative_error[static_cast<std::size_t>(Measured::kIntensity)]);
+        return percent(p.relative_error[static_cast<std::size_t>(StudiedQuantity::kIntensity)]);
       };
       std::vector<std::string> cells{percent(a.asked_relative_error), error(a),
                                      percent(a.relative_numerical_error), seconds(a.cpu_s)};
@@ -298,12 +300,13 @@ class Presentation {
     for (const WorkMeasurement& m : m_.work) {
       if (m.group != "methods") continue;
       std::vector<std::string> cells{m.name};
-      const Measured all[] = {Measured::kArea, Measured::kEmitted, Measured::kIntensity};
-      for (const Measured what : all) {
+      const StudiedQuantity all[] = {StudiedQuantity::kArea, StudiedQuantity::kEmitted,
+                                     StudiedQuantity::kIntensity};
+      for (const StudiedQuantity what : all) {
         const auto slope = error_slope(against_main_samples(m.point, what), floor(what));
         cells.push_back(slope ? fmt::format("{:.2f}", *slope) : "-");
       }
-      for (const Measured what : all) {
+      for (const StudiedQuantity what : all) {
         const auto rays = work_to_target(against_samples(m.point, what), kOnePerMille, floor(what));
         cells.push_back(rays ? (rays->extrapolated ? "~" : "") + number(rays->work) : "never");
       }
@@ -319,10 +322,11 @@ class Presentation {
     for (const WorkMeasurement& m : m_.work) {
       if (m.group == "methods" || m.group == "effects") continue;
       const WorkPoint& end = m.point.back();
-      t.row.push_back({m.name,
-                       percent(end.relative_error[static_cast<std::size_t>(Measured::kIntensity)]),
-                       seconds(end.cpu_s), time_cell(time_to(m, Measured::kIntensity, kOnePercent)),
-                       time_cell(time_to(m, Measured::kIntensity, kOnePerMille))});
+      t.row.push_back(
+          {m.name,
+           percent(end.relative_error[static_cast<std::size_t>(StudiedQuantity::kIntensity)]),
+           seconds(end.cpu_s), time_cell(time_to(m, StudiedQuantity::kIntensity, kOnePercent)),
+           time_cell(time_to(m, StudiedQuantity::kIntensity, kOnePerMille))});
     }
     return t;
   }
@@ -352,6 +356,33 @@ std::string accuracy_csv_header() {
          "spectrum,"
          "relative_error_emitted,relative_error_projected_area,relative_error_asked,"
          "relative_numerical_error\n";
+}
+
+std::string stated_errors_table(std::span<const StatedRow> rows) {
+  constexpr const char* kStatedName[kStated] = {"intensity_w_sr", "apparent_intensity_w_sr",
+                                                "contrast_intensity_w_sr", "projected_area_m2",
+                                                "spectral_intensity_w_sr_um"};
+  std::string out =
+      "|stored - longer run| / stored standard error (true errors: 0.67, 2.0), and / numerical "
+      "error\n"
+      "| value | values | median | 95th percentile | largest | beyond 2 numerical errors | beyond "
+      "5 | largest |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (std::size_t q = 0; q < kStated; ++q) {
+    const StatedErrorSummary s = summary_of(rows, static_cast<Stated>(q));
+    out += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.2f} | ", kStatedName[q], s.values,
+                       s.median, s.percentile_95, s.largest);
+    if (s.with_numerical_error == 0) {
+      out += "- | - | - |\n";
+      continue;
+    }
+    const auto share = [&](std::size_t n) {
+      return 100.0 * static_cast<double>(n) / static_cast<double>(s.with_numerical_error);
+    };
+    out += fmt::format("{} ({:.2g} %) | {} ({:.2g} %) | {:.2f} |\n", s.beyond_2, share(s.beyond_2),
+                       s.beyond_5, share(s.beyond_5), s.largest_of_numerical_error);
+  }
+  return out;
 }
 
 }  // namespace irsig

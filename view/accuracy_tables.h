@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/geo/viewpoint.h"
+#include "core/study/stated_errors.h"
 #include "core/study/work_precision.h"
 #include "view/work_precision_plot.h"
 
@@ -58,5 +60,9 @@ struct StudiedRow {
 
 [[nodiscard]] StudiedRow present(const RowMeasurements& measured);
 [[nodiscard]] std::string accuracy_csv_header();
+
+// How far stored values are from longer runs, in stored standard errors and numerical errors: a
+// line for each quantity. Markdown.
+[[nodiscard]] std::string stated_errors_table(std::span<const StatedRow> rows);
 
 }  // namespace irsig

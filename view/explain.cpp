@@ -89,15 +89,17 @@ std::string title(const Explained& e) {
   return out;
 }
 
-// What a numerical error is made of: every bound that is not 0.
+// What a numerical error is made of.
 std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
                    double numerical_error) {
   std::string out = line("standard error", stderr_, value);
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
-    const double bound = stored_bound(row, intensity, which);
-    if (bound != 0)
-      out += line(fmt::format("{} bound", info_of(which).name), bound, value, info_of(which).what);
+    // At the target there is no depth of air; a stored row was not moved.
+    if (which == BoundOf::kMoved || (which == BoundOf::kDepth && intensity == IntensityOf::kSource))
+      continue;
+    out += line(fmt::format("{} bound", info_of(which).name), stored_bound(row, intensity, which),
+                value, info_of(which).what);
   }
   return out + line("numerical error", numerical_error, value,
                     "sqrt(standard error^2 + (sum of bounds)^2 / 3)");

@@ -15,21 +15,22 @@ void add_squares(const RowValue& value, const RowValue& reference, double* sum) 
     const double relative = b != 0 ? a / b - 1 : a;
     return relative * relative;
   };
-  sum[static_cast<int>(Measured::kIntensity)] +=
+  sum[static_cast<int>(StudiedQuantity::kIntensity)] +=
       square(value.intensity_w_sr, reference.intensity_w_sr);
-  sum[static_cast<int>(Measured::kEmitted)] += square(value.emitted_w_sr, reference.emitted_w_sr);
-  sum[static_cast<int>(Measured::kArea)] +=
+  sum[static_cast<int>(StudiedQuantity::kEmitted)] +=
+      square(value.emitted_w_sr, reference.emitted_w_sr);
+  sum[static_cast<int>(StudiedQuantity::kArea)] +=
       square(value.projected_area_m2, reference.projected_area_m2);
   const std::size_t bins = reference.spectral_w_sr_um.size();
   for (std::size_t k = 0; k < bins; ++k)
-    sum[static_cast<int>(Measured::kSpectrum)] +=
+    sum[static_cast<int>(StudiedQuantity::kSpectrum)] +=
         square(value.spectral_w_sr_um[k], reference.spectral_w_sr_um[k]) /
         static_cast<double>(bins);
 }
 
 double relative(double error, double value) { return value != 0 ? std::abs(error / value) : 0; }
 
-void set_stderr(Measured what, const Estimate& e, EstimateRun& run) {
+void set_stderr(StudiedQuantity what, const Estimate& e, EstimateRun& run) {
   run.relative_stderr[static_cast<std::size_t>(what)] = relative(e.stderr_, e.value);
 }
 
@@ -38,7 +39,7 @@ void set_spectral_stderr(const std::vector<double>& stderr_w_sr_um, EstimateRun&
   double square = 0;
   for (std::size_t k = 0; k < spectrum.size(); ++k)
     square += std::pow(relative(stderr_w_sr_um[k], spectrum[k]), 2);
-  run.relative_stderr[static_cast<std::size_t>(Measured::kSpectrum)] =
+  run.relative_stderr[static_cast<std::size_t>(StudiedQuantity::kSpectrum)] =
       std::sqrt(square / static_cast<double>(std::max<std::size_t>(spectrum.size(), 1)));
 }
 
@@ -52,7 +53,7 @@ class SeedMean {
     samples_per_replicate_ += static_cast<double>(run.samples_per_replicate);
     numerical_ += run.relative_numerical_error * run.relative_numerical_error;
     add_squares(run.value, reference_.value, sum_);
-    for (std::size_t q = 0; q < kMeasured; ++q)
+    for (std::size_t q = 0; q < kStudiedQuantities; ++q)
       random_[q] += run.relative_stderr[q] * run.relative_stderr[q];
   }
   [[nodiscard]] std::uint32_t seeds() const { return point_.seeds; }
@@ -65,7 +66,7 @@ class SeedMean {
     out.samples_per_replicate =
         static_cast<std::uint64_t>(std::llround(samples_per_replicate_ / seeds));
     out.relative_numerical_error = std::sqrt(numerical_ / seeds);
-    for (std::size_t q = 0; q < kMeasured; ++q) {
+    for (std::size_t q = 0; q < kStudiedQuantities; ++q) {
       out.relative_error[q] = std::sqrt(sum_[q] / seeds);
       out.relative_stderr[q] = std::sqrt(random_[q] / seeds);
     }
@@ -76,7 +77,7 @@ class SeedMean {
   const ReferenceValue& reference_;
   WorkPoint point_;
   double samples_per_replicate_ = 0, numerical_ = 0;
-  double sum_[kMeasured]{}, random_[kMeasured]{};
+  double sum_[kStudiedQuantities]{}, random_[kStudiedQuantities]{};
 };
 
 struct Line {
@@ -113,7 +114,7 @@ double between(double x, double x0, double y0, double x1, double y1) {
                   (std::log(y1) - std::log(y0)) * std::log(x / x0) / std::log(x1 / x0));
 }
 
-std::vector<WorkError> against(const std::vector<WorkPoint>& points, Measured what,
+std::vector<WorkError> against(const std::vector<WorkPoint>& points, StudiedQuantity what,
                                double WorkPoint::*work) {
   std::vector<WorkError> out;
   for (const WorkPoint& p : points)
@@ -125,9 +126,9 @@ std::vector<WorkError> against(const std::vector<WorkPoint>& points, Measured wh
 
 EstimateRun run_of(const ViewValue& view, std::size_t row) {
   EstimateRun out{view.row[row], static_cast<double>(view.samples), {}, 0, 0};
-  set_stderr(Measured::kIntensity, view.intensity_w_sr[row], out);
-  set_stderr(Measured::kEmitted, view.emitted_w_sr[row], out);
-  set_stderr(Measured::kArea, view.projected_area_m2[row], out);
+  set_stderr(StudiedQuantity::kIntensity, view.intensity_w_sr[row], out);
+  set_stderr(StudiedQuantity::kEmitted, view.emitted_w_sr[row], out);
+  set_stderr(StudiedQuantity::kArea, view.projected_area_m2[row], out);
   set_spectral_stderr(view.spectral_stderr_w_sr_um[row], out);
   return out;
 }
@@ -138,9 +139,9 @@ EstimateRun run_of(const ViewResult& view, std::size_t row) {
   EstimateRun out;
   out.value = {r.intensity_w_sr.value, emitted.value, r.projected_area_m2.value, r.spectral.value};
   out.samples = static_cast<double>(view.samples);
-  set_stderr(Measured::kIntensity, r.intensity_w_sr, out);
-  set_stderr(Measured::kEmitted, emitted, out);
-  set_stderr(Measured::kArea, r.projected_area_m2, out);
+  set_stderr(StudiedQuantity::kIntensity, r.intensity_w_sr, out);
+  set_stderr(StudiedQuantity::kEmitted, emitted, out);
+  set_stderr(StudiedQuantity::kArea, r.projected_area_m2, out);
   set_spectral_stderr(r.spectral.stderr_, out);
   out.samples_per_replicate = view.samples_per_replicate;
   out.relative_numerical_error = relative(r.numerical_error_w_sr, r.intensity_w_sr.value);
@@ -212,7 +213,7 @@ ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKn
                                const CpuClock& cpu_s) {
   const double start_s = cpu_s();
   ReferenceValue out;
-  double square[kMeasured]{};
+  double square[kStudiedQuantities]{};
   double n = 0;
   for (; n < 2 || cpu_s() - start_s < budget_s; ++n) {
     const ViewValue v = estimator.estimate(knobs, {&row, 1}, samples_per_replicate,
@@ -226,7 +227,7 @@ ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKn
     out.value.spectral_w_sr_um.resize(r.spectral_w_sr_um.size());
     for (std::size_t k = 0; k < r.spectral_w_sr_um.size(); ++k)
       out.value.spectral_w_sr_um[k] += r.spectral_w_sr_um[k];
-    for (std::size_t q = 0; q < kMeasured; ++q)
+    for (std::size_t q = 0; q < kStudiedQuantities; ++q)
       square[q] += run.relative_stderr[q] * run.relative_stderr[q];
   }
   out.value.intensity_w_sr /= n;
@@ -234,19 +235,21 @@ ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKn
   out.apparent_intensity_w_sr /= n;
   out.value.projected_area_m2 /= n;
   for (double& value : out.value.spectral_w_sr_um) value /= n;
-  for (std::size_t q = 0; q < kMeasured; ++q) out.relative_stderr[q] = std::sqrt(square[q]) / n;
+  for (std::size_t q = 0; q < kStudiedQuantities; ++q)
+    out.relative_stderr[q] = std::sqrt(square[q]) / n;
   return out;
 }
 
-std::vector<WorkError> against_time(const std::vector<WorkPoint>& points, Measured what) {
+std::vector<WorkError> against_time(const std::vector<WorkPoint>& points, StudiedQuantity what) {
   return against(points, what, &WorkPoint::cpu_s);
 }
 
-std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points, Measured what) {
+std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points, StudiedQuantity what) {
   return against(points, what, &WorkPoint::samples);
 }
 
-std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points, Measured what) {
+std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points,
+                                            StudiedQuantity what) {
   std::vector<WorkError> out;
   for (const WorkPoint& p : points) {
     const auto q = static_cast<std::size_t>(what);

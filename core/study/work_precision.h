@@ -16,14 +16,14 @@ namespace irsig {
 
 // What the relative error is taken of. Of the spectrum: root mean square over the stored
 // wavelengths, each relative to its own value.
-enum class Measured { kIntensity, kSpectrum, kEmitted, kArea };
-inline constexpr std::size_t kMeasured = 4;
+enum class StudiedQuantity { kIntensity, kSpectrum, kEmitted, kArea };
+inline constexpr std::size_t kStudiedQuantities = 4;
 
 // What errors are taken against, with its own relative standard error.
 struct ReferenceValue {
   RowValue value;
   double apparent_intensity_w_sr = 0;
-  double relative_stderr[kMeasured]{};
+  double relative_stderr[kStudiedQuantities]{};
 };
 
 struct WorkPoint {
@@ -31,10 +31,10 @@ struct WorkPoint {
   double samples = 0;  // primary rays, all replicates; mean over the seeds
   double cpu_s = 0;    // mean over the seeds
   std::uint32_t seeds = 0;
-  double relative_error[kMeasured]{};  // root mean square over the seeds
+  double relative_error[kStudiedQuantities]{};  // root mean square over the seeds
   // Likewise of the standard errors that the runs' own replicates give: the random part of the
   // error, known much better than from a few seeds. 0: the method has no replicates.
-  double relative_stderr[kMeasured]{};
+  double relative_stderr[kStudiedQuantities]{};
   // Of the in-band intensity. 0: a number of samples was asked for, and no such error is stated.
   double asked_relative_error = 0;
   double relative_numerical_error = 0;  // as the runs state it: rms over the seeds
@@ -44,7 +44,7 @@ struct WorkPoint {
 struct EstimateRun {
   RowValue value;
   double samples = 0;
-  double relative_stderr[kMeasured]{};  // 0: no replicates
+  double relative_stderr[kStudiedQuantities]{};  // 0: no replicates
   // Of whole runs, which decide about their samples themselves.
   std::uint64_t samples_per_replicate = 0;
   double relative_numerical_error = 0;
@@ -102,14 +102,14 @@ struct WorkError {
 };
 // Of the measured quantity against CPU time, or against primary rays.
 [[nodiscard]] std::vector<WorkError> against_time(const std::vector<WorkPoint>& points,
-                                                  Measured what);
+                                                  StudiedQuantity what);
 [[nodiscard]] std::vector<WorkError> against_samples(const std::vector<WorkPoint>& points,
-                                                     Measured what);
+                                                     StudiedQuantity what);
 // The random part of the error (relative_stderr; where there is none, relative_error) against the
 // samples of the main stratum in each replicate, which alone set the rate of convergence: strata of
 // hot parts have a least number of samples.
 [[nodiscard]] std::vector<WorkError> against_main_samples(const std::vector<WorkPoint>& points,
-                                                          Measured what);
+                                                          StudiedQuantity what);
 
 // Exponent of error ~ work^slope: least squares of the logarithms over the points whose error is at
 // least `floor` (what the reference's own error leaves; 0: all). None for fewer than 3 points.

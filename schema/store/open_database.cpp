@@ -112,11 +112,14 @@ absl::Status create(Database& database) {
 }  // namespace
 
 std::string real_path(const std::string& path) {
-  std::error_code error;
+  std::error_code error, absent;
   fs::path real = fs::weakly_canonical(path, error);
-  // A link to what does not exist yet is where SQLite will make it.
-  for (int links = 0; fs::is_symlink(fs::symlink_status(real, error)) && links < 40; ++links)
-    real = fs::weakly_canonical(real.parent_path() / fs::read_symlink(real, error), error);
+  // A link to what does not exist yet: where SQLite will make it.
+  for (int links = 0; !error && links < 40 && fs::is_symlink(fs::symlink_status(real, absent));
+       ++links) {
+    const fs::path target = fs::read_symlink(real, error);
+    if (!error) real = fs::weakly_canonical(real.parent_path() / target, error);
+  }
   return error || real.empty() ? path : real.string();
 }
 

@@ -99,16 +99,17 @@ TEST(WorkCurve, TakesTheRootMeanSquareOverSeedsAndTheTimeOfOneRun) {
     EXPECT_NEAR(p.cpu_s, 1e-3 * n, 1e-12);
     EXPECT_EQ(p.samples, 32 * n);
     EXPECT_GE(p.seeds, budget.least_seeds);
-    const auto error = [&](Measured what) {
+    const auto error = [&](StudiedQuantity what) {
       return p.relative_error[static_cast<std::size_t>(what)];
     };
-    EXPECT_NEAR(error(Measured::kIntensity), 1 / std::sqrt(n), 1e-9);
-    EXPECT_NEAR(error(Measured::kEmitted), 1 / std::sqrt(n), 1e-9);
-    EXPECT_EQ(error(Measured::kArea), 0);
-    EXPECT_NEAR(error(Measured::kSpectrum), std::sqrt(0.5 / n), 1e-9) << "one of two is right";
+    EXPECT_NEAR(error(StudiedQuantity::kIntensity), 1 / std::sqrt(n), 1e-9);
+    EXPECT_NEAR(error(StudiedQuantity::kEmitted), 1 / std::sqrt(n), 1e-9);
+    EXPECT_EQ(error(StudiedQuantity::kArea), 0);
+    EXPECT_NEAR(error(StudiedQuantity::kSpectrum), std::sqrt(0.5 / n), 1e-9)
+        << "one of two is right";
   }
   EXPECT_EQ(points[1].samples_per_replicate, 16u);
-  EXPECT_NEAR(*error_slope(against_time(points, Measured::kIntensity), 0), -0.5, 1e-9);
+  EXPECT_NEAR(*error_slope(against_time(points, StudiedQuantity::kIntensity), 0), -0.5, 1e-9);
   EXPECT_LT(now_s, 1.5 * budget.cpu_s);
 }
 
