@@ -232,6 +232,35 @@ TEST_F(ServerTest, AResultThatWasCutIsNotTakenForAResult) {
   EXPECT_EQ(farm_status(address)->sweep(0).done(), 1U);
 }
 
+// Calls that nobody ends are cancelled; one that never began to be answered is no reason to wait.
+TEST_F(ServerTest, AStreamThatNeverEndsDoesNotHoldUpTheEnd) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto farm = schema::Farm::NewStub(connect(*parse_address(socket())));
+  grpc::ClientContext submitting, completing;
+  schema::SubmitReply submitted;
+  const auto submission = farm->Submit(&submitting, &submitted);
+  schema::SubmitChunk first;
+  *first.mutable_sweep() = frigate_sweep(1);
+  first.set_physics_version(1);
+  ASSERT_TRUE(submission->Write(first));
+  schema::CompleteReply completed;
+  const auto result = farm->Complete(&completing, &completed);
+  schema::CompleteChunk piece;
+  piece.set_worker_id("nobody");
+  piece.set_result_bytes(1000);
+  piece.set_piece("half");
+  ASSERT_TRUE(result->Write(piece));
+  const auto before = std::chrono::steady_clock::now();
+  EXPECT_TRUE((*server)->stop().ok());  // without the end of these calls it would wait for ever
+  RecordProperty(
+      "seconds",
+      std::to_string(
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count()));
+  EXPECT_FALSE(submission->Finish().ok());
+  EXPECT_FALSE(result->Finish().ok());
+}
+
 TEST_F(ServerTest, ADamagedModelIsRefused) {
   auto server = start(socket());
   ASSERT_TRUE(server.ok()) << server.status();
