@@ -6,10 +6,10 @@
 
 namespace irsig {
 
-// The catalogue of what one row of a database says in numbers: a viewpoint, a condition, a band. The
-// core's result, the message, the stored row, its SQL and what views list of it are made from this
-// list; whoever adds a quantity adds a line here, a field of the message, a column in a migration,
-// and computes it.
+// The catalogue of what one row of a database says in numbers: a viewpoint, a condition, a band.
+// The core's result, the message, the stored row, its SQL and what views list of it are made from
+// this list; whoever adds a quantity adds a line here, a field of the message, a column in a
+// migration, and computes it.
 //
 //   VALUE(name, stderr_name, unit, since, what)   with a sampling error of its own
 //   NUMBER(name, kind, unit, since, what)
@@ -19,58 +19,58 @@ namespace irsig {
 // sensor" is behind the air between it and the target.
 
 // Of which the source intensity is made up.
-#define IRSIG_CAUSE_QUANTITIES(VALUE)                                                            \
-  VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", 1, "emitted by what the sensor sees")         \
-  VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", 1, "direct sun, reflected")       \
-  VALUE(sky_reflected_w_sr, sky_reflected_stderr_w_sr, "W/sr", 1, "sky, reflected")              \
-  VALUE(sea_reflected_w_sr, sea_reflected_stderr_w_sr, "W/sr", 1,                                \
-        "what lies below the horizon, reflected")                                                \
-  VALUE(parts_reflected_w_sr, parts_reflected_stderr_w_sr, "W/sr", 1,                            \
+#define IRSIG_CAUSE_QUANTITIES(VALUE)                                                      \
+  VALUE(emitted_w_sr, emitted_stderr_w_sr, "W/sr", 1, "emitted by what the sensor sees")   \
+  VALUE(sun_reflected_w_sr, sun_reflected_stderr_w_sr, "W/sr", 1, "direct sun, reflected") \
+  VALUE(sky_reflected_w_sr, sky_reflected_stderr_w_sr, "W/sr", 1, "sky, reflected")        \
+  VALUE(sea_reflected_w_sr, sea_reflected_stderr_w_sr, "W/sr", 1,                          \
+        "what lies below the horizon, reflected")                                          \
+  VALUE(parts_reflected_w_sr, parts_reflected_stderr_w_sr, "W/sr", 1,                      \
         "emitted by parts of the target, reflected by others")
 
-#define IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)                                                   \
-  VALUE(intensity_w_sr, intensity_stderr_w_sr, "W/sr", 1, "in-band intensity at the target")     \
+#define IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)                                                     \
+  VALUE(intensity_w_sr, intensity_stderr_w_sr, "W/sr", 1, "in-band intensity at the target")       \
   NUMBER(numerical_error_w_sr, kError, "W/sr", 1, "of intensity_w_sr: one sigma, bounds included") \
-  VALUE(projected_area_m2, projected_area_stderr_m2, "m2", 1, "of the silhouette")               \
-  NUMBER(apparent_temperature_k, kDerived, "K", 1,                                               \
+  VALUE(projected_area_m2, projected_area_stderr_m2, "m2", 1, "of the silhouette")                 \
+  NUMBER(apparent_temperature_k, kDerived, "K", 1,                                                 \
          "of a blackbody with the same in-band radiance over the projected area; 0: no area")
 
-#define IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)                                                   \
-  VALUE(apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, "W/sr", 1,                      \
-        "in-band intensity at the sensor")                                                       \
-  NUMBER(apparent_numerical_error_w_sr, kError, "W/sr", 1, "of apparent_intensity_w_sr")         \
-  VALUE(contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, "W/sr", 3,                      \
-        "at the sensor: the target less what would be seen in its place")                        \
-  NUMBER(contrast_numerical_error_w_sr, kError, "W/sr", 3, "of contrast_intensity_w_sr")         \
-  VALUE(background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, "W/(m2 sr)", 3,         \
-        "at the sensor, mean over the silhouette: what would be seen in its place")              \
-  NUMBER(model_error_w_sr, kModelError, "W/sr", 3,                                               \
-         "of intensity_w_sr: one sigma of the models of sky and sea")                            \
-  NUMBER(apparent_model_error_w_sr, kModelError, "W/sr", 3,                                      \
-         "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")              \
-  NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")                   \
+#define IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)                                           \
+  VALUE(apparent_intensity_w_sr, apparent_intensity_stderr_w_sr, "W/sr", 1,              \
+        "in-band intensity at the sensor")                                               \
+  NUMBER(apparent_numerical_error_w_sr, kError, "W/sr", 1, "of apparent_intensity_w_sr") \
+  VALUE(contrast_intensity_w_sr, contrast_intensity_stderr_w_sr, "W/sr", 3,              \
+        "at the sensor: the target less what would be seen in its place")                \
+  NUMBER(contrast_numerical_error_w_sr, kError, "W/sr", 3, "of contrast_intensity_w_sr") \
+  VALUE(background_radiance_w_m2_sr, background_radiance_stderr_w_m2_sr, "W/(m2 sr)", 3, \
+        "at the sensor, mean over the silhouette: what would be seen in its place")      \
+  NUMBER(model_error_w_sr, kModelError, "W/sr", 3,                                       \
+         "of intensity_w_sr: one sigma of the models of sky and sea")                    \
+  NUMBER(apparent_model_error_w_sr, kModelError, "W/sr", 3,                              \
+         "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")      \
+  NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")           \
   NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", 3, "in-band, of the air in front")
 
-#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                           \
-  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed")  \
-  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
-         "over wavelength; basis_bound_w_sr is contained in it")                                 \
-  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                   \
-         "of rare bright events that were met too seldom to show in the standard error")         \
-  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")               \
-  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                      \
-         "of sky and sea between the directions at which they are known")                        \
-  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")        \
-  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr")  \
-  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr")  \
-  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here")  \
-  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                    \
+#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                          \
+  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed") \
+  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                              \
+         "over wavelength; basis_bound_w_sr is contained in it")                                \
+  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                  \
+         "of rare bright events that were met too seldom to show in the standard error")        \
+  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")              \
+  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                     \
+         "of sky and sea between the directions at which they are known")                       \
+  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")       \
+  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr") \
+  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr") \
+  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here") \
+  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                   \
          "at the sensor: of one range for the target's whole depth")
 
-#define IRSIG_QUANTITIES(VALUE, NUMBER)       \
-  IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)      \
-  IRSIG_CAUSE_QUANTITIES(VALUE)               \
-  IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)      \
+#define IRSIG_QUANTITIES(VALUE, NUMBER)  \
+  IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
+  IRSIG_CAUSE_QUANTITIES(VALUE)          \
+  IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER) \
   IRSIG_BOUND_QUANTITIES(NUMBER)
 
 enum class QuantityKind : std::uint8_t {
@@ -92,8 +92,8 @@ struct QuantityInfo {
   std::string_view what;
 };
 
-#define IRSIG_VALUE_INFO(name, stderr_name, unit, since, what)        \
-  QuantityInfo{#name, QuantityKind::kSampled, unit, since, what},     \
+#define IRSIG_VALUE_INFO(name, stderr_name, unit, since, what)    \
+  QuantityInfo{#name, QuantityKind::kSampled, unit, since, what}, \
       QuantityInfo{#stderr_name, QuantityKind::kStderr, unit, since, what},
 #define IRSIG_NUMBER_INFO(name, kind, unit, since, what) \
   QuantityInfo{#name, QuantityKind::kind, unit, since, what},
