@@ -32,8 +32,10 @@ class Door(unittest.TestCase):
         self.folder.cleanup()
 
     def start(self, *arguments, program=IRSIG, **more):
-        return subprocess.Popen([program, *map(str, arguments)], cwd=self.path, env=self.environment, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+        process = subprocess.Popen([program, *map(str, arguments)], cwd=self.path, env=self.environment, text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, **more)
+        self.addCleanup(lambda: process.poll() is None and process.kill())  # of a test that failed
+        return process
 
     def run_sweep(self, *arguments, **more):
         run = self.start("run", "sweep.toml", "--db", self.db, *arguments, **more)
@@ -100,6 +102,12 @@ class Door(unittest.TestCase):
         coordinator.terminate()
         self.assertEqual(coordinator.communicate(timeout=PATIENCE_S) and coordinator.returncode, 0)
         self.assertEqual(self.beside(), ["out.sigdb"], "a coordinator's database is not a run's to remove")
+        # Empty as it is, it is not for another process to remove: that one did not make it.
+        other = self.start("--db", self.db, "--listen", "127.0.0.1:0", "--remove-unused", program=COORDINATOR)
+        other.stdout.readline()
+        other.terminate()
+        self.assertEqual(other.communicate(timeout=PATIENCE_S) and other.returncode, 0)
+        self.assertEqual(self.beside(), ["out.sigdb"])
 
     def test_a_link_to_a_database_that_is_not_there_yet(self):
         (self.path / "elsewhere").mkdir()
