@@ -33,6 +33,32 @@ class CoreJobRunner final : public JobRunner {
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     const double start_s = cpu_seconds();
+    auto result = compute(job);
+    if (!result.ok()) return result.status();
+    result->set_job_key(job.job_key());
+    result->set_seconds(cpu_seconds() - start_s);
+    result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
+    result->set_determinism_class(determinism_class());
+    result->set_build_id(build_id());
+    return result;
+  }
+
+  [[nodiscard]] JobMemory memory() const override {
+    return job_memory(sweep_, *simulator_, environment_.get());
+  }
+
+ private:
+  absl::StatusOr<schema::JobResult> compute(const schema::JobSpec& job) {
+    switch (job.kind_case()) {
+      case schema::JobSpec::kView:
+        return compute_view(job.view());
+      case schema::JobSpec::KIND_NOT_SET:
+        break;
+    }
+    return absl::InvalidArgumentError("the job is of a kind that this worker does not know");
+  }
+
+  absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
     const auto request = request_from_job(sweep_, job, environment_);
     if (!request.ok()) return request.status();
     if (request->thumbnail_px > 0 && !encoder_)
@@ -50,19 +76,9 @@ class CoreJobRunner final : public JobRunner {
     if (!result.ok()) return result.status();
     if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
       return status;
-    result->set_job_key(job.job_key());
-    result->set_seconds(cpu_seconds() - start_s);
-    result->set_physics_version(static_cast<std::uint32_t>(physics_version()));
-    result->set_determinism_class(determinism_class());
-    result->set_build_id(build_id());
     return result;
   }
 
-  [[nodiscard]] JobMemory memory() const override {
-    return job_memory(sweep_, *simulator_, environment_.get());
-  }
-
- private:
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere

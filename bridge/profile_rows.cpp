@@ -68,7 +68,7 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     if (auto status = check_numbers(absl::StrCat("profile[", i, "]"), *measured); !status.ok())
       return status;
     for (const ProfileRow& row : measured->row)
-      for (schema::SignatureRow& signature : *result.mutable_row()) {
+      for (schema::SignatureRow& signature : *result.mutable_view()->mutable_row()) {
         if (signature.condition_index() != row.condition || signature.band_index() != row.band)
           continue;
         schema::ProfileRow& out = *signature.add_profile();

@@ -123,7 +123,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
                                                   const ThumbnailEncoder* encoder) {
   schema::JobResult result;
   for (const SignatureResult& r : view.row) {
-    schema::SignatureRow* row = result.add_row();
+    schema::SignatureRow* row = result.mutable_view()->add_row();
     row->set_condition_index(r.condition);
     row->set_band_index(r.band);
     // The catalogue's quantities: the message has a field of each name, causes are in the enum's

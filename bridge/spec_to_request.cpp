@@ -152,7 +152,7 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
 }
 
 absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
-                                             const schema::JobSpec& job,
+                                             const schema::ViewJob& job,
                                              std::shared_ptr<const Environment> environment) {
   const schema::Sweep& sweep = resolved.sweep();
   if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())

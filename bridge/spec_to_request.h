@@ -28,10 +28,10 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 
-// Everything of one job but the scene: the sun's position is computed here. `environment`: of
-// environment_from_sweep.
+// Everything of one view's job but the scene: the sun's position is computed here. `environment`:
+// of environment_from_sweep.
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
-    const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
+    const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
     std::shared_ptr<const Environment> environment);
 
 // Where the sun stands in one condition.

@@ -174,9 +174,10 @@ std::string job_key(const std::string& sweep_digest, int physics_version,
   *alone.add_viewpoint() = viewpoint;
   std::string text = absl::StrCat("irsig job 1\nphysics_version ", physics_version, "\nsweep ",
                                   sweep_digest, "\n", canonical_encoding(alone));
-  for (const std::uint32_t index : job.condition_index())
+  for (const std::uint32_t index : job.view().condition_index())
     absl::StrAppend(&text, "condition ", index, "\n");
-  for (const std::uint32_t index : job.band_index()) absl::StrAppend(&text, "band ", index, "\n");
+  for (const std::uint32_t index : job.view().band_index())
+    absl::StrAppend(&text, "band ", index, "\n");
   return sha256_hex(text);
 }
 
@@ -192,12 +193,13 @@ std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int
     for (const Piece& piece : pieces) {
       schema::JobSpec& job = jobs.emplace_back();
       job.set_sweep_sha256(sweep_sha256);
-      job.set_viewpoint_index(static_cast<std::uint32_t>(view));
+      job.mutable_view()->set_viewpoint_index(static_cast<std::uint32_t>(view));
       for (std::uint32_t s = piece.seasons.begin; s < piece.seasons.end; ++s) {
         for (std::uint32_t t = piece.times.begin; t < piece.times.end; ++t)
-          job.add_condition_index(s * times + t);
+          job.mutable_view()->add_condition_index(s * times + t);
       }
-      for (std::uint32_t b = piece.bands.begin; b < piece.bands.end; ++b) job.add_band_index(b);
+      for (std::uint32_t b = piece.bands.begin; b < piece.bands.end; ++b)
+        job.mutable_view()->add_band_index(b);
       job.set_job_key(job_key(digest, physics_version, sweep.viewpoint(view), job));
     }
   }

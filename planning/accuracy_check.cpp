@@ -144,7 +144,7 @@ class Checker {
   }
 
   [[nodiscard]] absl::StatusOr<CheckedErrors> check(const ViewRows& view) const {
-    schema::JobSpec job;
+    schema::ViewJob job;
     job.set_viewpoint_index(view.viewpoint);
     auto request = request_from_job(sweep_, job, environment_);
     if (!request.ok()) return request.status();

@@ -69,7 +69,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
   if (!for_all.ok()) return for_all.status();
   std::vector<CheckedView> views;
   for (const ViewRows& chosen : *rows) {
-    schema::JobSpec job;
+    schema::ViewJob job;
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
     job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());

@@ -35,12 +35,12 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
   for (const int view : views) {
     schema::JobSpec job;
     job.set_job_key(sha256_hex(absl::StrCat("pilot ", view)));
-    job.set_viewpoint_index(static_cast<std::uint32_t>(view));
+    job.mutable_view()->set_viewpoint_index(static_cast<std::uint32_t>(view));
     for (int i = 0; i < sweep.condition_size(); ++i) {
-      job.add_condition_index(static_cast<std::uint32_t>(i));
+      job.mutable_view()->add_condition_index(static_cast<std::uint32_t>(i));
     }
     for (int i = 0; i < sweep.sweep().band_size(); ++i) {
-      job.add_band_index(static_cast<std::uint32_t>(i));
+      job.mutable_view()->add_band_index(static_cast<std::uint32_t>(i));
     }
     const auto start = std::chrono::steady_clock::now();
     const auto result = (*runner)->run(job);

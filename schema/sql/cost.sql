@@ -11,7 +11,7 @@ SELECT sweep_sha256, made_unix_s, determinism_class, workers, pilot_viewpoints, 
        job_cpu_quartile1_s, job_cpu_median_s, job_cpu_quartile3_s, database_bytes
 FROM prediction WHERE sweep_sha256 = ?1;
 
--- The done jobs of a sweep, with the lease under which each was done.
+-- The done views of a sweep, with the lease under which each was done.
 -- name: done_jobs
 SELECT j.job_index, v.viewpoint_index, p.seconds, p.samples, p.replicates, p.target_paths, p.rays,
        p.guarded_backface_hits, p.guarded_nonfinite, p.guarded_path_limit, p.guarded_negative, p.worker_name,

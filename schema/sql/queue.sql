@@ -1,7 +1,8 @@
 -- The queue (schema/store/queue.cpp). States and outcomes: tables job_state and attempt_outcome.
 
 -- name: next_waiting_job
-SELECT job_id, failures FROM job WHERE state = 0 ORDER BY failures, sweep_id, job_index LIMIT 1;
+SELECT job_id, failures FROM job WHERE state = 0 AND unmet_needs = 0
+ORDER BY failures, sweep_id, job_index LIMIT 1;
 
 -- name: insert_attempt
 INSERT INTO attempt (job_id, worker_id, leased_unix_s) VALUES (?1, ?2, ?3) RETURNING fencing_token;
@@ -10,16 +11,19 @@ INSERT INTO attempt (job_id, worker_id, leased_unix_s) VALUES (?1, ?2, ?3) RETUR
 UPDATE job SET state = ?2 WHERE job_id = ?1;
 
 -- name: queued_job
-SELECT w.sweep_sha256, j.job_key, v.viewpoint_index, j.condition_index, j.band_index, j.state,
+SELECT w.sweep_sha256, j.job_key, j.kind, v.viewpoint_index, j.condition_index, j.band_index, j.state,
        (SELECT count(DISTINCT a.worker_name) FROM attempt a
         WHERE a.job_id = j.job_id AND a.outcome = 3 AND a.fencing_token > j.failures_after_token)
 FROM job j
 JOIN sweep w USING (sweep_id)
-JOIN viewpoint v USING (viewpoint_id)
+LEFT JOIN viewpoint v USING (viewpoint_id)
 WHERE j.job_id = ?1;
 
+-- name: needs_of_job
+SELECT j.job_key FROM job_need n JOIN job j ON j.job_id = n.needs_job_id WHERE n.job_id = ?1 ORDER BY j.job_index;
+
 -- name: leased_job
-SELECT j.job_id, j.sweep_id, j.job_key, j.viewpoint_id, j.condition_index, j.band_index
+SELECT j.job_id, j.sweep_id, j.job_key, j.kind, j.viewpoint_id, j.condition_index, j.band_index
 FROM attempt a
 JOIN job j USING (job_id)
 WHERE a.fencing_token = ?1 AND a.outcome = 0;
@@ -32,6 +36,22 @@ UPDATE job SET state = 0 WHERE state = 1;
 
 -- name: release_all_attempts
 UPDATE attempt SET outcome = 2, message = 'the coordinator ended' WHERE outcome = 0;
+
+-- After a job was done.
+-- name: recount_needs_of_dependents
+UPDATE job
+SET unmet_needs = (SELECT count(*) FROM job_need n JOIN job needed ON needed.job_id = n.needs_job_id
+                   WHERE n.job_id = job.job_id AND needed.state <> 2)
+WHERE job_id IN (SELECT job_id FROM job_need WHERE needs_job_id = ?1);
+
+-- What needs a job that was given up, directly or through others, cannot be computed either.
+-- name: quarantine_dependents
+UPDATE job SET state = 3
+WHERE state = 0 AND job_id IN (
+  WITH RECURSIVE dependent (job_id) AS (
+    SELECT job_id FROM job_need WHERE needs_job_id = ?1
+    UNION SELECT n.job_id FROM job_need n JOIN dependent d ON n.needs_job_id = d.job_id)
+  SELECT job_id FROM dependent);
 
 -- name: count_failure
 UPDATE job SET failures = failures + 1 WHERE job_id = ?1 RETURNING failures;
@@ -58,13 +78,19 @@ SELECT sweep, sweep_sha256, jobs, waiting, leased, done, quarantined, cancelled,
 FROM sweep_view
 ORDER BY sweep_id;
 
--- The messages of quarantined jobs: the last failure of each.
+-- The messages of quarantined jobs: the last failure of each, or the first job that it needs and that was given up.
 -- name: failures_of_sweep
-SELECT j.job_index, a.worker_name, a.message, max(a.fencing_token)
-FROM job j JOIN attempt a USING (job_id)
-WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND a.outcome = 3
-GROUP BY j.job_id
-ORDER BY j.job_index;
+SELECT job_index, worker_name, message
+FROM (SELECT j.job_index, a.worker_name, a.message, max(a.fencing_token)
+      FROM job j JOIN attempt a USING (job_id)
+      WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND j.unmet_needs = 0 AND a.outcome = 3
+      GROUP BY j.job_id
+      UNION ALL
+      SELECT j.job_index, 'no worker', 'needs job ' || min(needed.job_index) || ', which was given up', 0
+      FROM job j JOIN job_need n USING (job_id) JOIN job needed ON needed.job_id = n.needs_job_id
+      WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND needed.state = 3
+      GROUP BY j.job_id)
+ORDER BY job_index;
 
 -- name: determinism_class
 SELECT w.determinism_class FROM sweep w

@@ -171,7 +171,7 @@ WHERE band.sweep_id = ?1 AND band.superseded = 1 AND new.sweep_id = ?1 AND new.s
 UPDATE job SET superseded = 1 WHERE sweep_id = ?1;
 
 -- name: job_by_key
-SELECT job_id, state, viewpoint_id, condition_index, band_index FROM job WHERE sweep_id = ?1 AND job_key = ?2;
+SELECT job_id, state, kind, viewpoint_id, condition_index, band_index FROM job WHERE sweep_id = ?1 AND job_key = ?2;
 
 -- Signatures of the job that were computed with the definitions that hold now.
 -- name: count_current_signatures
@@ -181,11 +181,25 @@ JOIN condition USING (condition_id)
 JOIN band USING (band_id)
 WHERE job_id = ?1 AND condition.superseded = 0 AND band.superseded = 0;
 
--- name: insert_job
-INSERT INTO job (sweep_id, job_key, job_index, viewpoint_id, condition_index, band_index, state)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0);
+-- name: insert_view_job
+INSERT INTO job (sweep_id, job_key, job_index, viewpoint_id, condition_index, band_index, kind, state)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, 1, 0);
 
--- name: revive_job
+-- name: clear_needs
+DELETE FROM job_need WHERE job_id IN (SELECT job_id FROM job WHERE sweep_id = ?1);
+
+-- name: insert_need
+INSERT INTO job_need (job_id, needs_job_id)
+SELECT j.job_id, needed.job_id FROM job j JOIN job needed USING (sweep_id)
+WHERE j.sweep_id = ?1 AND j.job_key = ?2 AND needed.job_key = ?3;
+
+-- name: count_needs
+UPDATE job
+SET unmet_needs = (SELECT count(*) FROM job_need n JOIN job needed ON needed.job_id = n.needs_job_id
+                   WHERE n.job_id = job.job_id AND needed.state <> 2)
+WHERE sweep_id = ?1;
+
+-- name: revive_view_job
 UPDATE job
 SET superseded = 0, job_index = ?2, viewpoint_id = ?3, condition_index = ?4, band_index = ?5, state = ?6,
     failures_after_token = iif(?6 = state, failures_after_token,

@@ -178,8 +178,10 @@ absl::Status check_result(const schema::JobResult& result, const ExpectedResult&
   for (const std::uint32_t condition : expected.condition_index) {
     for (const std::uint32_t band : expected.band_index) missing.emplace(condition, band);
   }
-  for (int i = 0; i < result.row_size(); ++i) {
-    const schema::SignatureRow& row = result.row(i);
+  if (result.kind_case() != schema::JobResult::kView)
+    return wrong("kind", "is not the job's: a view");
+  for (int i = 0; i < result.view().row_size(); ++i) {
+    const schema::SignatureRow& row = result.view().row(i);
     const std::string path = absl::StrCat("row[", i, "]");
     if (missing.erase({row.condition_index(), row.band_index()}) == 0) {
       return wrong(path,

@@ -88,37 +88,71 @@ absl::Status check_names(const schema::ResolvedSweep& sweep) {
   return absl::OkStatus();
 }
 
+// Of the sweep's views: each row is computed by one of them.
+class ViewRule {
+ public:
+  explicit ViewRule(const schema::ResolvedSweep& sweep)
+      : sweep_(sweep),
+        viewpoints_(static_cast<std::size_t>(sweep.viewpoint_size())),
+        conditions_(static_cast<std::size_t>(sweep.condition_size())),
+        bands_(static_cast<std::size_t>(sweep.sweep().band_size())),
+        covered_(viewpoints_ * conditions_ * bands_) {}
+
+  absl::Status add(const schema::ViewJob& job) {
+    if (job.viewpoint_index() >= viewpoints_)
+      return wrong(sweep_, "a job names a viewpoint that does not exist");
+    for (const std::uint32_t condition : job.condition_index()) {
+      for (const std::uint32_t band : job.band_index()) {
+        if (condition >= conditions_ || band >= bands_) {
+          return wrong(sweep_, "a job names a condition or band that does not exist");
+        }
+        auto place = covered_[(job.viewpoint_index() * conditions_ + condition) * bands_ + band];
+        if (place) return wrong(sweep_, "two jobs compute the same row");
+        place = true;
+        ++places_;
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status finish() const {
+    if (places_ == covered_.size()) return absl::OkStatus();
+    return wrong(sweep_,
+                 absl::StrCat("its jobs compute ", places_, " of ", covered_.size(), " rows"));
+  }
+
+ private:
+  const schema::ResolvedSweep& sweep_;
+  std::size_t viewpoints_, conditions_, bands_;
+  std::vector<bool> covered_;
+  std::size_t places_ = 0;
+};
+
 absl::Status check_jobs(const schema::ResolvedSweep& sweep,
                         const std::vector<schema::JobSpec>& jobs) {
-  const auto viewpoints = static_cast<std::size_t>(sweep.viewpoint_size());
-  const auto conditions = static_cast<std::size_t>(sweep.condition_size());
-  const auto bands = static_cast<std::size_t>(sweep.sweep().band_size());
-  std::vector<bool> covered(viewpoints * conditions * bands);
+  ViewRule views(sweep);
   std::set<std::string_view> keys;
-  std::size_t places = 0;
   for (const schema::JobSpec& job : jobs) {
+    // That what is needed comes first keeps circles out, too.
+    std::set<std::string_view> needed;
+    for (const std::string& key : job.needs()) {
+      if (!keys.contains(key) || !needed.insert(key).second)
+        return wrong(sweep, absl::StrCat("a job needs \"", key,
+                                         "\", which is no job before it, or needs it twice"));
+    }
     if (job.job_key().empty() || !keys.insert(job.job_key()).second) {
       return wrong(sweep,
                    absl::StrCat("the job key \"", job.job_key(), "\" is empty or comes twice"));
     }
-    if (job.viewpoint_index() >= viewpoints)
-      return wrong(sweep, "a job names a viewpoint that does not exist");
-    for (const std::uint32_t condition : job.condition_index()) {
-      for (const std::uint32_t band : job.band_index()) {
-        if (condition >= conditions || band >= bands) {
-          return wrong(sweep, "a job names a condition or band that does not exist");
-        }
-        auto place = covered[(job.viewpoint_index() * conditions + condition) * bands + band];
-        if (place) return wrong(sweep, "two jobs compute the same row");
-        place = true;
-        ++places;
-      }
+    switch (job.kind_case()) {
+      case schema::JobSpec::kView:
+        IRSIG_STORE_TRY(views.add(job.view()));
+        break;
+      case schema::JobSpec::KIND_NOT_SET:
+        return wrong(sweep, absl::StrCat("the job \"", job.job_key(), "\" is of no known kind"));
     }
   }
-  if (places != covered.size()) {
-    return wrong(sweep, absl::StrCat("its jobs compute ", places, " of ", covered.size(), " rows"));
-  }
-  return absl::OkStatus();
+  return views.finish();
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 double worst_relative_error(const schema::JobResult& result) {
   double worst = 0;
-  for (const schema::SignatureRow& row : result.row()) {
+  for (const schema::SignatureRow& row : result.view().row()) {
     const double error = row.numerical_error_w_sr();
     const double intensity = std::abs(row.intensity_w_sr().value());
     if (error > 0)
@@ -96,7 +96,7 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
   , row.name().value(), row.name().stderr()
 #define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
   IRSIG_STORE_TRY(database.run(
-      insert_signature_statement(), job.job_id, job.viewpoint_id, *condition_id, *band_id,
+      insert_signature_statement(), job.job_id, job.view.viewpoint_id, *condition_id, *band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
       row.energy_gain(),
       row.reflections() IRSIG_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)));
@@ -159,14 +159,15 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
                       Blob{thumbnail.exr()});
 }
 
-absl::Status make_room(Database& database, const LeasedJob& job, const schema::JobResult& result) {
+absl::Status make_room(Database& database, const LeasedJob& job,
+                       const schema::ViewJobResult& result) {
   const absl::StatusOr<std::int64_t> earlier =
-      database.integer(sql::count_signatures_of_viewpoint, job.viewpoint_id);
+      database.integer(sql::count_signatures_of_viewpoint, job.view.viewpoint_id);
   if (!earlier.ok()) return earlier.status();
   if (*earlier == 0) return absl::OkStatus();
   for (const schema::SignatureRow& row : result.row()) {
-    IRSIG_STORE_TRY(database.run(sql::delete_signature_at_place, job.sweep_id, job.viewpoint_id,
-                                 row.condition_index(), row.band_index()));
+    IRSIG_STORE_TRY(database.run(sql::delete_signature_at_place, job.sweep_id,
+                                 job.view.viewpoint_id, row.condition_index(), row.band_index()));
   }
   return absl::OkStatus();
 }
@@ -174,7 +175,7 @@ absl::Status make_room(Database& database, const LeasedJob& job, const schema::J
 // Jobs of an earlier version of the sweep end with their last signature; the definitions that only
 // they used, with the last of these jobs.
 absl::Status remove_superseded(Database& database, const LeasedJob& job) {
-  IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.viewpoint_id));
+  IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.view.viewpoint_id));
   if (database.changes() == 0) return absl::OkStatus();
   const absl::StatusOr<std::int64_t> left =
       database.integer(sql::has_superseded_jobs, job.sweep_id);
@@ -185,10 +186,8 @@ absl::Status remove_superseded(Database& database, const LeasedJob& job) {
   return database.run(sql::delete_superseded_parts, job.sweep_id);
 }
 
-}  // namespace
-
-absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
-                          const std::string& worker_name) {
+absl::Status store_view(Database& database, const LeasedJob& job, const schema::JobResult& result,
+                        const std::string& worker_name) {
   const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
   if (!parts.ok()) return parts.status();
   const absl::StatusOr<std::int64_t> thumbnail =
@@ -201,21 +200,32 @@ absl::Status store_result(Database& database, const LeasedJob& job, const schema
   if (!names.ok()) return names.status();
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
-               .condition_index = job.condition_index,
-               .band_index = job.band_index,
+               .condition_index = job.view.condition_index,
+               .band_index = job.view.band_index,
                .parts = parts->size(),
                .profile_rows = static_cast<std::size_t>(*profile_rows),
                .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt,
                .ledger = *names}));
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();
-  IRSIG_STORE_TRY(make_room(database, job, result));
+  IRSIG_STORE_TRY(make_room(database, job, result.view()));
   IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
-  for (const schema::SignatureRow& row : result.row()) {
+  for (const schema::SignatureRow& row : result.view().row()) {
     IRSIG_STORE_TRY(insert_row(database, job, *parts, *names, row));
   }
   IRSIG_STORE_TRY(remove_superseded(database, job));
   return (*savepoint)->keep();
+}
+
+}  // namespace
+
+absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
+                          const std::string& worker_name) {
+  switch (job.kind) {
+    case JobKind::kView:
+      return store_view(database, job, result, worker_name);
+  }
+  return absl::InternalError("a job of no known kind");
 }
 
 }  // namespace irsig

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -98,15 +99,44 @@ absl::Status write_ahead(const std::string& path, Database& database) {
       path, ": its file system cannot share memory between processes: use a local disk"));
 }
 
+absl::Status run_steps(Database& database, std::int64_t from,
+                       std::span<const MigrationStep> steps) {
+  for (const MigrationStep& step : steps) {
+    if (step.version <= from) continue;
+    IRSIG_STORE_TRY(database.script(step.script));
+    IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA user_version = ", step.version)));
+  }
+  return absl::OkStatus();
+}
+
+// One transaction in which tables may be made anew: foreign keys are checked once, at its end.
+absl::Status change_format(Database& database, const std::function<absl::Status()>& change) {
+  const auto run = [&]() -> absl::Status {
+    IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
+    IRSIG_STORE_TRY(change());
+    const absl::StatusOr<std::int64_t> lost =
+        database.integer("SELECT count(*) FROM pragma_foreign_key_check()");
+    if (!lost.ok()) return lost.status();
+    if (*lost > 0)
+      return absl::DataLossError(absl::StrCat(*lost, " rows name rows that do not exist"));
+    return database.script("COMMIT");
+  };
+  IRSIG_STORE_TRY(database.script("PRAGMA foreign_keys = OFF"));
+  const absl::Status status = run();
+  if (database.in_transaction()) static_cast<void>(database.script("ROLLBACK"));
+  const absl::Status restored = database.script("PRAGMA foreign_keys = ON");
+  return status.ok() ? restored : status;
+}
+
 absl::Status create(Database& database) {
   // 16 kB pages: a spectrum (2-5 kB) lies in one page, an image of 20 kB in two. CPU seconds of
   // 2000 completions (tests/benchmark/store_bench.cpp) with pages of 4, 8, 16, 32 kB: 1.09, 0.96,
   // 0.88, 1.02; with 32 kB the file is a quarter larger.
   IRSIG_STORE_TRY(database.script("PRAGMA page_size = 16384"));
-  IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
-  IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA application_id = ", kApplicationId)));
-  IRSIG_STORE_TRY(migrate(database, all_steps()));
-  return database.script("COMMIT");
+  return change_format(database, [&]() -> absl::Status {
+    IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA application_id = ", kApplicationId)));
+    return run_steps(database, 0, all_steps());
+  });
 }
 
 }  // namespace
@@ -181,21 +211,7 @@ absl::Status migrate(Database& database, std::span<const MigrationStep> steps) {
                                                    "; known are versions up to ", newest));
   }
   if (*from == newest) return absl::OkStatus();
-  const bool own_transaction = !database.in_transaction();
-  if (own_transaction) IRSIG_STORE_TRY(database.script("BEGIN EXCLUSIVE"));
-  const auto run = [&]() -> absl::Status {
-    for (const MigrationStep& step : steps) {
-      if (step.version <= *from) continue;
-      IRSIG_STORE_TRY(database.script(step.script));
-      IRSIG_STORE_TRY(database.script(absl::StrCat("PRAGMA user_version = ", step.version)));
-    }
-    return own_transaction ? database.script("COMMIT") : absl::OkStatus();
-  };
-  const absl::Status status = run();
-  if (!status.ok() && own_transaction && database.in_transaction()) {
-    static_cast<void>(database.script("ROLLBACK"));
-  }
-  return status;
+  return change_format(database, [&] { return run_steps(database, *from, steps); });
 }
 
 absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {

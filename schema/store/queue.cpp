@@ -26,16 +26,31 @@ absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
   QueuedJob job{};
   job.spec.set_sweep_sha256(row->text());
   job.spec.set_job_key(row->text());
-  job.spec.set_viewpoint_index(static_cast<std::uint32_t>(row->integer()));
-  for (auto* list : {job.spec.mutable_condition_index(), job.spec.mutable_band_index()}) {
-    const absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
-    if (!values.ok()) return values.status();
-    list->Add(values->begin(), values->end());
+  const absl::StatusOr<JobKind> kind = job_kind(row->integer());
+  if (!kind.ok()) return kind.status();
+  switch (*kind) {
+    case JobKind::kView: {
+      schema::ViewJob& view = *job.spec.mutable_view();
+      view.set_viewpoint_index(static_cast<std::uint32_t>(row->integer()));
+      for (auto* list : {view.mutable_condition_index(), view.mutable_band_index()}) {
+        const absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
+        if (!values.ok()) return values.status();
+        list->Add(values->begin(), values->end());
+      }
+      break;
+    }
   }
   job.state = static_cast<JobState>(row->integer());
   job.failures = static_cast<std::uint32_t>(row->integer());
   job.fencing_token = fencing_token;
-  return job;
+  absl::StatusOr<Rows> need = database.query(sql::needs_of_job, job_id);
+  if (!need.ok()) return need.status();
+  for (;;) {
+    const absl::StatusOr<bool> more = need->next();
+    if (!more.ok()) return more.status();
+    if (!*more) return job;
+    job.spec.add_needs(need->text());
+  }
 }
 
 absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
@@ -54,6 +69,11 @@ absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
 }
 
 }  // namespace
+
+absl::StatusOr<JobKind> job_kind(std::int64_t stored) {
+  if (stored == static_cast<std::int64_t>(JobKind::kView)) return JobKind::kView;
+  return absl::DataLossError(absl::StrCat("a stored job is of kind ", stored));
+}
 
 std::string index_list_text(const google::protobuf::RepeatedField<std::uint32_t>& list) {
   return absl::StrCat("[", absl::StrJoin(list, ","), "]");
@@ -99,11 +119,18 @@ absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_t
   job.job_id = row->integer();
   job.sweep_id = row->integer();
   job.job_key = row->text();
-  job.viewpoint_id = row->integer();
-  for (auto* list : {&job.condition_index, &job.band_index}) {
-    absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
-    if (!values.ok()) return values.status();
-    *list = *std::move(values);
+  const absl::StatusOr<JobKind> kind = job_kind(row->integer());
+  if (!kind.ok()) return kind.status();
+  job.kind = *kind;
+  switch (job.kind) {
+    case JobKind::kView:
+      job.view.viewpoint_id = row->integer();
+      for (auto* list : {&job.view.condition_index, &job.view.band_index}) {
+        absl::StatusOr<std::vector<std::uint32_t>> values = index_list(row->text());
+        if (!values.ok()) return values.status();
+        *list = *std::move(values);
+      }
+      break;
   }
   return job;
 }
@@ -114,6 +141,13 @@ absl::Status end_lease(Database& database, std::uint64_t fencing_token, std::int
   IRSIG_STORE_TRY(database.run(sql::end_attempt, fencing_token, static_cast<int>(outcome), message,
                                worker_name));
   return database.run(sql::set_job_state, job_id, static_cast<int>(state));
+}
+
+absl::Status end_lease_done(Database& database, std::uint64_t fencing_token, std::int64_t job_id,
+                            const std::string& worker_name) {
+  IRSIG_STORE_TRY(end_lease(database, fencing_token, job_id, AttemptOutcome::kDone, JobState::kDone,
+                            "", worker_name));
+  return database.run(sql::recount_needs_of_dependents, job_id);
 }
 
 absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
@@ -129,7 +163,9 @@ absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
   if (!workers.ok()) return workers.status();
   if (*workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine)
     return absl::OkStatus();
-  return database.run(sql::set_job_state, job->job_id, static_cast<int>(JobState::kQuarantined));
+  IRSIG_STORE_TRY(
+      database.run(sql::set_job_state, job->job_id, static_cast<int>(JobState::kQuarantined)));
+  return database.run(sql::quarantine_dependents, job->job_id);
 }
 
 absl::Status release_all_leases(Database& database) {

@@ -21,14 +21,24 @@ enum class AttemptOutcome : int {
   kRevoked = 4
 };
 
+// What a job computes, as stored (table job_kind; numbers are never reused).
+enum class JobKind : int { kView = 1 };
+[[nodiscard]] absl::StatusOr<JobKind> job_kind(std::int64_t stored);
+
+// What a view has besides.
+struct LeasedView {
+  std::int64_t viewpoint_id;
+  std::vector<std::uint32_t> condition_index;
+  std::vector<std::uint32_t> band_index;
+};
+
 // A job under a lease.
 struct LeasedJob {
   std::int64_t job_id;
   std::int64_t sweep_id;
   std::string job_key;
-  std::int64_t viewpoint_id;
-  std::vector<std::uint32_t> condition_index;
-  std::vector<std::uint32_t> band_index;
+  JobKind kind;
+  LeasedView view;  // of a view
 };
 
 // Index lists are stored as JSON arrays: "[0,1,2]".
@@ -45,6 +55,9 @@ struct LeasedJob {
 [[nodiscard]] absl::Status end_lease(Database& database, std::uint64_t fencing_token,
                                      std::int64_t job_id, AttemptOutcome outcome, JobState state,
                                      const std::string& message, const std::string& worker_name);
+// The same for a job that was done: what needs it may be leased now.
+[[nodiscard]] absl::Status end_lease_done(Database& database, std::uint64_t fencing_token,
+                                          std::int64_t job_id, const std::string& worker_name);
 [[nodiscard]] absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
                                       const std::string& worker_name, const std::string& message);
 [[nodiscard]] absl::Status release_all_leases(Database& database);

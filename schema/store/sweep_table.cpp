@@ -220,7 +220,12 @@ class SweepUpdate {
   absl::Status put_jobs(const std::vector<schema::JobSpec>& jobs) {
     IRSIG_STORE_TRY(database_.run(sql::supersede_jobs, sweep_id_));
     for (std::size_t i = 0; i < jobs.size(); ++i) IRSIG_STORE_TRY(put_job(jobs[i], i));
-    return absl::OkStatus();
+    IRSIG_STORE_TRY(database_.run(sql::clear_needs, sweep_id_));
+    for (const schema::JobSpec& job : jobs) {
+      for (const std::string& needed : job.needs())
+        IRSIG_STORE_TRY(database_.run(sql::insert_need, sweep_id_, job.job_key(), needed));
+    }
+    return database_.run(sql::count_needs, sweep_id_);
   }
 
   absl::Status remove_what_is_gone() {
@@ -274,7 +279,8 @@ class SweepUpdate {
   struct KnownJob {
     std::int64_t job_id;
     JobState state;
-    std::int64_t viewpoint_id;
+    JobKind kind;
+    std::int64_t viewpoint_id;  // of a view
     std::string condition_index, band_index;
   };
 
@@ -287,6 +293,9 @@ class SweepUpdate {
     KnownJob job;
     job.job_id = row->integer();
     job.state = static_cast<JobState>(row->integer());
+    const absl::StatusOr<JobKind> kind = job_kind(row->integer());
+    if (!kind.ok()) return kind.status();
+    job.kind = *kind;
     job.viewpoint_id = row->integer();
     job.condition_index = row->text();
     job.band_index = row->text();
@@ -294,16 +303,30 @@ class SweepUpdate {
   }
 
   absl::Status put_job(const schema::JobSpec& spec, std::size_t index) {
+    const absl::StatusOr<std::optional<KnownJob>> known = known_job(spec.job_key());
+    if (!known.ok()) return known.status();
+    switch (spec.kind_case()) {
+      case schema::JobSpec::kView:
+        return put_view_job(spec.job_key(), spec.view(), index, *known);
+      case schema::JobSpec::KIND_NOT_SET:
+        break;
+    }
+    return absl::InternalError("a job of no known kind");  // check_sweep refuses it
+  }
+
+  absl::Status put_view_job(const std::string& job_key, const schema::ViewJob& spec,
+                            std::size_t index, const std::optional<KnownJob>& known) {
     const std::int64_t viewpoint_id = viewpoint_ids_[spec.viewpoint_index()];
     const std::string condition_index = index_list_text(spec.condition_index());
     const std::string band_index = index_list_text(spec.band_index());
-    const absl::StatusOr<std::optional<KnownJob>> known = known_job(spec.job_key());
-    if (!known.ok()) return known.status();
-    if (!known->has_value()) {
-      return database_.run(sql::insert_job, sweep_id_, spec.job_key(), index, viewpoint_id,
+    if (!known) {
+      return database_.run(sql::insert_view_job, sweep_id_, job_key, index, viewpoint_id,
                            condition_index, band_index);
     }
-    const KnownJob& job = **known;
+    const KnownJob& job = *known;
+    if (job.kind != JobKind::kView)
+      return absl::InvalidArgumentError(
+          absl::StrCat("the job \"", job_key, "\" was of another kind"));
     JobState state = JobState::kWaiting;
     if (job.state == JobState::kDone) {
       // All its signatures must still be there (a version of the sweep in between may have replaced
@@ -322,7 +345,7 @@ class SweepUpdate {
         IRSIG_STORE_TRY(database_.run(sql::revoke_lease_of_job, job.job_id));
       }
     }
-    return database_.run(sql::revive_job, job.job_id, index, viewpoint_id, condition_index,
+    return database_.run(sql::revive_view_job, job.job_id, index, viewpoint_id, condition_index,
                          band_index, static_cast<int>(state));
   }
 

@@ -96,8 +96,7 @@ class SqliteWriter final : public StoreWriter {
     const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
     if (!job.ok()) return job.status();
     IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name));
-    return end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kDone, JobState::kDone,
-                     "", worker_name);
+    return end_lease_done(database_, fencing_token, job->job_id, worker_name);
   }
 
   absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) override {

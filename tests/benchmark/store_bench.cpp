@@ -69,9 +69,9 @@ std::vector<schema::JobSpec> make_jobs(int viewpoints) {
   for (int v = 0; v < viewpoints; ++v) {
     schema::JobSpec& job = jobs.emplace_back();
     job.set_job_key("job" + std::to_string(v));
-    job.set_viewpoint_index(static_cast<std::uint32_t>(v));
-    for (std::uint32_t c = 0; c < 3; ++c) job.add_condition_index(c);
-    for (std::uint32_t b = 0; b < 2; ++b) job.add_band_index(b);
+    job.mutable_view()->set_viewpoint_index(static_cast<std::uint32_t>(v));
+    for (std::uint32_t c = 0; c < 3; ++c) job.mutable_view()->add_condition_index(c);
+    for (std::uint32_t b = 0; b < 2; ++b) job.mutable_view()->add_band_index(b);
   }
   return jobs;
 }
@@ -88,7 +88,7 @@ schema::JobResult make_result(std::mt19937_64& random) {
   result.set_rays(10'000'000);
   for (std::uint32_t c = 0; c < 3; ++c) {
     for (std::uint32_t b = 0; b < 2; ++b) {
-      schema::SignatureRow& row = *result.add_row();
+      schema::SignatureRow& row = *result.mutable_view()->add_row();
       row.set_condition_index(c);
       row.set_band_index(b);
       for (auto* estimate :

@@ -41,7 +41,7 @@ SweepShape shape() {
       if (!job.ok() || !job->has_value()) _exit(3);
       const auto result = make_result(sweep, (*job)->spec, 41, 4000, 20000);
       if (!(*writer)->complete((*job)->fencing_token, result, "child").ok()) _exit(4);
-      completed.push_back((*job)->spec.viewpoint_index());
+      completed.push_back((*job)->spec.view().viewpoint_index());
     }
     if (!(*writer)->commit().ok()) _exit(5);
     if (write(pipe, completed.data(), completed.size() * sizeof(std::uint32_t)) < 0) _exit(6);
@@ -132,7 +132,7 @@ TEST(StoreKill, NothingAcknowledgedIsLost) {
   for (std::size_t i = 0; i < found->size(); i += 37) {
     const StoredSignature& s = (*found)[i];
     const schema::JobResult expected = make_result(sweep, jobs[(s.row - 1) / 2], 41, 4000, 20000);
-    const schema::SignatureRow& row = expected.row(static_cast<int>((s.row - 1) % 2));
+    const schema::SignatureRow& row = expected.view().row(static_cast<int>((s.row - 1) % 2));
     EXPECT_EQ(s.intensity_w_sr, row.intensity_w_sr().value());
     EXPECT_EQ((*reader)->thumbnail(s.signature_id).value()->exr(), row.thumbnail().exr());
     EXPECT_EQ((*reader)->spectrum(s.signature_id)->SerializeAsString(),

@@ -30,9 +30,10 @@ class SyntheticRunner final : public JobRunner {
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     if (work_.seconds > 0)
       std::this_thread::sleep_for(std::chrono::duration<double>(work_.seconds));
-    if (work_.crashing.contains(job.viewpoint_index())) std::abort();
-    if (work_.failing.contains(job.viewpoint_index())) {
-      return absl::InternalError(absl::StrCat("viewpoint ", job.viewpoint_index(), " is cursed"));
+    if (work_.crashing.contains(job.view().viewpoint_index())) std::abort();
+    if (work_.failing.contains(job.view().viewpoint_index())) {
+      return absl::InternalError(
+          absl::StrCat("viewpoint ", job.view().viewpoint_index(), " is cursed"));
     }
     return synthetic_result(sweep_, job);
   }
@@ -70,10 +71,10 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
   };
   schema::JobResult result;
   result.set_job_key(job.job_key());
-  for (const std::uint32_t condition : job.condition_index()) {
-    for (const std::uint32_t band_index : job.band_index()) {
+  for (const std::uint32_t condition : job.view().condition_index()) {
+    for (const std::uint32_t band_index : job.view().band_index()) {
       const schema::Band& band = sweep.sweep().band(static_cast<int>(band_index));
-      auto* row = result.add_row();
+      auto* row = result.mutable_view()->add_row();
       row->set_condition_index(condition);
       row->set_band_index(band_index);
       estimate(row->mutable_intensity_w_sr());

@@ -68,9 +68,9 @@ TEST(ExpandJobs, OneForEachViewpointInOrder) {
   ASSERT_EQ(jobs.size(), 24U);
   std::set<std::string> keys;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    EXPECT_EQ(jobs[i].viewpoint_index(), i);
-    EXPECT_THAT(jobs[i].condition_index(), ElementsAre(0, 1, 2));
-    EXPECT_THAT(jobs[i].band_index(), ElementsAre(0, 1));
+    EXPECT_EQ(jobs[i].view().viewpoint_index(), i);
+    EXPECT_THAT(jobs[i].view().condition_index(), ElementsAre(0, 1, 2));
+    EXPECT_THAT(jobs[i].view().band_index(), ElementsAre(0, 1));
     EXPECT_EQ(jobs[i].sweep_sha256(), sha256_hex(canonical_encoding(sweep)));
     keys.insert(jobs[i].job_key());
   }
@@ -285,11 +285,11 @@ schema::ResolvedSweep sixteen_rows(double job_size_in_tracings) {
 std::vector<std::string> pieces_of_first_view(double job_size_in_tracings) {
   std::vector<std::string> pieces;
   for (const schema::JobSpec& job : expand_jobs(sixteen_rows(job_size_in_tracings), 1)) {
-    if (job.viewpoint_index() != 0) continue;
+    if (job.view().viewpoint_index() != 0) continue;
     std::string text;
-    for (const auto c : job.condition_index()) text += std::to_string(c);
+    for (const auto c : job.view().condition_index()) text += std::to_string(c);
     text += "/";
-    for (const auto b : job.band_index()) text += std::to_string(b);
+    for (const auto b : job.view().band_index()) text += std::to_string(b);
     pieces.push_back(text);
   }
   return pieces;
@@ -316,8 +316,8 @@ TEST(ExpandJobs, CutsAlongSeasonWhereTimeIsNotEnough) {
   while (sweep.condition_size() < 200) *sweep.add_condition() = sweep.condition(0);
   std::vector<int> sizes;
   for (const schema::JobSpec& job : expand_jobs(sweep, 1)) {
-    if (job.viewpoint_index() == 0) sizes.push_back(job.condition_index_size());
-    EXPECT_EQ(job.band_index_size(), 2);
+    if (job.view().viewpoint_index() == 0) sizes.push_back(job.view().condition_index_size());
+    EXPECT_EQ(job.view().band_index_size(), 2);
   }
   EXPECT_THAT(sizes, ElementsAre(33, 33, 34, 33, 33, 34));
 }
@@ -329,11 +329,11 @@ TEST(ExpandJobs, CutsAlongBandLast) {
   for (schema::Band& band : *sweep.mutable_sweep()->mutable_band()) band.set_step_um(1e-4);
   std::vector<std::string> pieces;
   for (const schema::JobSpec& job : expand_jobs(sweep, 1)) {
-    if (job.viewpoint_index() != 0) continue;
-    ASSERT_EQ(job.condition_index_size(), 1);
-    ASSERT_EQ(job.band_index_size(), 1);
-    pieces.push_back(std::to_string(job.condition_index(0)) + "/" +
-                     std::to_string(job.band_index(0)));
+    if (job.view().viewpoint_index() != 0) continue;
+    ASSERT_EQ(job.view().condition_index_size(), 1);
+    ASSERT_EQ(job.view().band_index_size(), 1);
+    pieces.push_back(std::to_string(job.view().condition_index(0)) + "/" +
+                     std::to_string(job.view().band_index(0)));
   }
   ASSERT_EQ(pieces.size(), 16U);
   EXPECT_THAT(std::vector(pieces.begin(), pieces.begin() + 6),
@@ -347,9 +347,9 @@ TEST(ExpandJobs, PiecesCoverEveryRowOnceAndHaveTheirOwnKeys) {
     const auto jobs = expand_jobs(sixteen_rows(size), 1);
     for (const schema::JobSpec& job : jobs) {
       keys.insert(job.job_key());
-      for (const auto c : job.condition_index()) {
-        for (const auto b : job.band_index()) {
-          rows.insert(std::to_string(job.viewpoint_index()) + "," + std::to_string(c) + "," +
+      for (const auto c : job.view().condition_index()) {
+        for (const auto b : job.view().band_index()) {
+          rows.insert(std::to_string(job.view().viewpoint_index()) + "," + std::to_string(c) + "," +
                       std::to_string(b));
           ++count;
         }

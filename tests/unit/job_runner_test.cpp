@@ -63,7 +63,7 @@ TEST(JobRunner, RefusesThumbnailsThatItCannotEncode) {
 TEST(JobRunner, NeedsNoEncoderWithoutThumbnails) {
   const auto result = first_job(disk(0), {});
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_FALSE(result->row(0).has_thumbnail());
+  EXPECT_FALSE(result->view().row(0).has_thumbnail());
 }
 
 TEST(JobRunner, GivesTheEncoderEveryPixel) {
@@ -77,8 +77,8 @@ TEST(JobRunner, GivesTheEncoderEveryPixel) {
   const auto result = first_job(disk(16), ThumbnailEncoder{size, size});
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_GT(pixels, 0U);
-  EXPECT_EQ(result->row(0).thumbnail().png(), "encoded");
-  EXPECT_EQ(result->row(0).thumbnail().exr(), "encoded");
+  EXPECT_EQ(result->view().row(0).thumbnail().png(), "encoded");
+  EXPECT_EQ(result->view().row(0).thumbnail().exr(), "encoded");
 }
 
 TEST(JobRunner, PassesOnThatTheEncoderFails) {
@@ -121,7 +121,7 @@ TEST(JobRunner, HasTheEffectsThatTheSweepAsksFor) {
   schema::ResolvedSweep sweep = soot(0.05);
   auto result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
-  const schema::SignatureRow& row = result->row(0);
+  const schema::SignatureRow& row = result->view().row(0);
   EXPECT_EQ(state_of(row, "sky_reflected"), "EFFECT_STATE_OFF within_share");
   EXPECT_GT(row.omitted_bound_w_sr(), 0);
   EXPECT_GT(row.absolute_floor_w_sr(), 0);
@@ -133,15 +133,15 @@ TEST(JobRunner, HasTheEffectsThatTheSweepAsksFor) {
   sweep.mutable_sweep()->mutable_effects()->set_mode("all");
   result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_ON forced");
-  EXPECT_EQ(result->row(0).omitted_bound_w_sr(), 0);
-  EXPECT_GT(result->row(0).reflections(), 0U);
+  EXPECT_EQ(state_of(result->view().row(0), "sky_reflected"), "EFFECT_STATE_ON forced");
+  EXPECT_EQ(result->view().row(0).omitted_bound_w_sr(), 0);
+  EXPECT_GT(result->view().row(0).reflections(), 0U);
 
   sweep.mutable_sweep()->mutable_effects()->set_mode("only");
   sweep.mutable_sweep()->mutable_effects()->add_only("direct_sun");
   result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_OFF forced");
+  EXPECT_EQ(state_of(result->view().row(0), "sky_reflected"), "EFFECT_STATE_OFF forced");
 
   sweep.mutable_sweep()->mutable_effects()->add_only("perspective");
   EXPECT_EQ(first_job(sweep, {}).status().code(), absl::StatusCode::kInvalidArgument);
@@ -157,7 +157,7 @@ TEST(JobRunner, APilotHasItsOwnNumberOfSamples) {
     const auto result = first_job(sweep, {});
     ASSERT_TRUE(result.ok()) << result.status();
     EXPECT_EQ(result->samples(), samples * result->replicates());
-    EXPECT_EQ(state_of(result->row(0), "sky_reflected"), "EFFECT_STATE_OFF within_share");
+    EXPECT_EQ(state_of(result->view().row(0), "sky_reflected"), "EFFECT_STATE_OFF within_share");
   }
 }
 
@@ -173,15 +173,15 @@ TEST(JobRunner, ComputesThroughTheEmbeddedAtmosphere) {
   sweep->mutable_sweep()->mutable_output()->set_thumbnail_px(0);
   const auto result = first_job(*sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
-  ASSERT_EQ(result->row_size(), 6);
-  for (const schema::SignatureRow& row : result->row()) {
+  ASSERT_EQ(result->view().row_size(), 6);
+  for (const schema::SignatureRow& row : result->view().row()) {
     EXPECT_GT(row.apparent_intensity_w_sr().value(), 0);
     EXPECT_LT(row.apparent_intensity_w_sr().value(), row.intensity_w_sr().value());
   }
   // Summer's 8-12 um: 5 km of humid air take more than winter's.
   const auto through = [&](int row) {
-    return result->row(row).apparent_intensity_w_sr().value() /
-           result->row(row).intensity_w_sr().value();
+    return result->view().row(row).apparent_intensity_w_sr().value() /
+           result->view().row(row).intensity_w_sr().value();
   };
   EXPECT_LT(through(5), through(1));
 }

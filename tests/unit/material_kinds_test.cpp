@@ -375,8 +375,8 @@ TEST(MaterialKinds, EnergyThatIsPermittedIsFlaggedInEveryRow) {
     ASSERT_TRUE(runner.ok()) << kind << ": " << runner.status();
     const auto result = (*runner)->run(expand_jobs(*sweep, physics_version()).front());
     ASSERT_TRUE(result.ok()) << kind << ": " << result.status();
-    EXPECT_GT(result->row_size(), 0);
-    for (const auto& row : result->row()) EXPECT_TRUE(row.energy_gain()) << kind;
+    EXPECT_GT(result->view().row_size(), 0);
+    for (const auto& row : result->view().row()) EXPECT_TRUE(row.energy_gain()) << kind;
   }
 }
 

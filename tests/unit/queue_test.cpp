@@ -302,7 +302,7 @@ TEST_F(FarmTest, AResultThatDoesNotFitItsJobCountsAsAFailure) {
   const auto a = worker("a");
   const auto leased = job(a);
   auto wrong = synthetic_result(sweep_, leased.job());
-  wrong.mutable_row()->RemoveLast();
+  wrong.mutable_view()->mutable_row()->RemoveLast();
   EXPECT_TRUE(absl::IsInvalidArgument(
       ask([&] { return farm_->complete(a, leased.fencing_token(), wrong); })));
   EXPECT_EQ(status().done(), 0U);

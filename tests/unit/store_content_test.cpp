@@ -41,7 +41,7 @@ TEST_F(StoreContent, EveryScalarComesBack) {
   std::size_t n = 0;
   for (std::uint32_t v = 0; v < 4; ++v) {
     const schema::JobResult result = make_result(sweep_, jobs[v]);
-    for (const schema::SignatureRow& row : result.row()) {
+    for (const schema::SignatureRow& row : result.view().row()) {
       const StoredSignature& s = (*found)[n++];
       EXPECT_EQ(s.row, ((v * 2) + row.condition_index()) * 2 + row.band_index() + 1);
       EXPECT_EQ(s.row, n);
@@ -124,7 +124,7 @@ TEST_F(StoreContent, SpectraPartsAndThumbnailsComeBack) {
   std::size_t n = 0;
   for (const schema::JobSpec& job : jobs) {
     const schema::JobResult result = make_result(sweep_, job);
-    for (const schema::SignatureRow& row : result.row()) {
+    for (const schema::SignatureRow& row : result.view().row()) {
       const std::int64_t id = (*found)[n++].signature_id;
       const auto spectrum = reader_->spectrum(id);
       ASSERT_OK(spectrum.status());
@@ -149,7 +149,7 @@ TEST_F(StoreContent, SpectraPartsAndThumbnailsComeBack) {
 // schema/README.md promises this to readers in other languages.
 TEST_F(StoreContent, BlobsAreLittleEndianFloat32) {
   const schema::JobResult result = make_result(sweep_, make_jobs(sweep_, "")[0]);
-  const float first = result.row(0).spectrum().emitted_w_sr_um(0);
+  const float first = result.view().row(0).spectrum().emitted_w_sr_um(0);
   std::uint32_t bits = 0;
   std::memcpy(&bits, &first, 4);
   std::string hex;

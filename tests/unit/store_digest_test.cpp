@@ -18,10 +18,10 @@ struct Run {
 std::vector<schema::JobSpec> cut_along_conditions(const std::vector<schema::JobSpec>& jobs) {
   std::vector<schema::JobSpec> pieces;
   for (const schema::JobSpec& job : jobs) {
-    for (const std::uint32_t condition : job.condition_index()) {
+    for (const std::uint32_t condition : job.view().condition_index()) {
       schema::JobSpec& piece = pieces.emplace_back(job);
-      piece.clear_condition_index();
-      piece.add_condition_index(condition);
+      piece.mutable_view()->clear_condition_index();
+      piece.mutable_view()->add_condition_index(condition);
       piece.set_job_key(absl::StrCat(job.job_key(), "#", condition));
     }
   }
@@ -50,13 +50,13 @@ std::string digest_of(const Run& run) {
   for (const int i : order) {
     const QueuedJob& job = leased[static_cast<std::size_t>(i)];
     // The numbers are those of the viewpoint, however the work was cut.
-    schema::JobResult result = make_result(sweep, whole[job.spec.viewpoint_index()]);
+    schema::JobResult result = make_result(sweep, whole[job.spec.view().viewpoint_index()]);
     result.set_job_key(job.spec.job_key());
-    for (int r = result.row_size() - 1; r >= 0; --r) {
-      const auto& wanted = job.spec.condition_index();
-      if (std::find(wanted.begin(), wanted.end(), result.row(r).condition_index()) ==
+    for (int r = result.view().row_size() - 1; r >= 0; --r) {
+      const auto& wanted = job.spec.view().condition_index();
+      if (std::find(wanted.begin(), wanted.end(), result.view().row(r).condition_index()) ==
           wanted.end()) {
-        result.mutable_row()->DeleteSubrange(r, 1);
+        result.mutable_view()->mutable_row()->DeleteSubrange(r, 1);
       }
     }
     run.change(result);
@@ -80,7 +80,7 @@ TEST(StoreDigest, DoesNotDependOnOrderTimeOrHost) {
                              result.set_seconds(77);
                              result.set_determinism_class("another");
                              result.set_build_id("another");
-                             for (auto& row : *result.mutable_row())
+                             for (auto& row : *result.mutable_view()->mutable_row())
                                for (auto& effect : *row.mutable_effect()) effect.set_time_s(1);
                            }}),
             digest);
@@ -98,36 +98,61 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
   std::set<std::string> digests = {digest_of({})};
   const std::vector<std::function<void(schema::JobResult&)>> changes = {
       [](auto& r) {
-        r.mutable_row(0)->mutable_intensity_w_sr()->set_value(
-            std::nextafter(r.row(0).intensity_w_sr().value(), 1e9));
+        r.mutable_view()->mutable_row(0)->mutable_intensity_w_sr()->set_value(
+            std::nextafter(r.view().row(0).intensity_w_sr().value(), 1e9));
       },
-      [](auto& r) { r.mutable_row(1)->set_sun_zenith_deg(1); },
-      [](auto& r) { r.mutable_row(1)->mutable_parts_reflected_w_sr()->set_stderr(1e-9); },
+      [](auto& r) { r.mutable_view()->mutable_row(1)->set_sun_zenith_deg(1); },
       [](auto& r) {
-        r.mutable_row(3)->mutable_spectrum()->set_apparent_spectral_intensity_stderr_w_sr_um(4,
-                                                                                             1e-9F);
+        r.mutable_view()->mutable_row(1)->mutable_parts_reflected_w_sr()->set_stderr(1e-9);
       },
       [](auto& r) {
-        for (auto& row : *r.mutable_row())
+        r.mutable_view()
+            ->mutable_row(3)
+            ->mutable_spectrum()
+            ->set_apparent_spectral_intensity_stderr_w_sr_um(4, 1e-9F);
+      },
+      [](auto& r) {
+        for (auto& row : *r.mutable_view()->mutable_row())
           row.mutable_spectrum()->set_lambda_um(1, row.spectrum().lambda_um(1) + 1e-9);
       },
-      [](auto& r) { r.mutable_row(2)->mutable_thumbnail()->mutable_exr()->back() ^= 1; },
-      [](auto& r) { r.mutable_row(2)->mutable_thumbnail()->mutable_png()->back() ^= 1; },
-      [](auto& r) { r.mutable_row(2)->mutable_part(1)->mutable_intensity_w_sr()->set_value(-1); },
-      [](auto& r) { r.mutable_row(2)->set_energy_gain(!r.row(2).energy_gain()); },
-      [](auto& r) { r.mutable_row(2)->set_stop_reason(schema::STOP_REASON_SAMPLE_LIMIT); },
-      [](auto& r) { r.mutable_row(2)->mutable_contrast_intensity_w_sr()->set_value(0); },
-      [](auto& r) { r.mutable_row(0)->set_sky_bound_w_sr(1e-9); },
-      [](auto& r) { r.mutable_row(0)->set_path_radiance_w_m2_sr(1e-9); },
-      [](auto& r) { r.mutable_row(1)->mutable_spectrum()->set_path_radiance_w_m2_sr_um(2, 1e-9F); },
-      [](auto& r) { r.mutable_row(0)->set_contrast_omitted_bound_w_sr(1e-9); },
-      [](auto& r) { r.mutable_row(0)->set_absolute_floor_w_sr(1e-9); },
-      [](auto& r) { r.mutable_row(0)->set_reflections(7); },
-      [](auto& r) { r.mutable_row(1)->mutable_effect(1)->set_apparent_bound_w_sr(1e-9); },
-      [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_reason("forced"); },
-      [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_state(schema::EFFECT_STATE_ON); },
-      [](auto& r) { r.mutable_row(1)->mutable_effect(0)->clear_share_w_sr(); },
-      [](auto& r) { r.mutable_row(2)->mutable_energy()->mutable_cut_off()->set_value(1e-9); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_thumbnail()->mutable_exr()->back() ^= 1;
+      },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_thumbnail()->mutable_png()->back() ^= 1;
+      },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_part(1)->mutable_intensity_w_sr()->set_value(-1);
+      },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->set_energy_gain(!r.view().row(2).energy_gain());
+      },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->set_stop_reason(schema::STOP_REASON_SAMPLE_LIMIT);
+      },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_contrast_intensity_w_sr()->set_value(0);
+      },
+      [](auto& r) { r.mutable_view()->mutable_row(0)->set_sky_bound_w_sr(1e-9); },
+      [](auto& r) { r.mutable_view()->mutable_row(0)->set_path_radiance_w_m2_sr(1e-9); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_path_radiance_w_m2_sr_um(2,
+                                                                                           1e-9F);
+      },
+      [](auto& r) { r.mutable_view()->mutable_row(0)->set_contrast_omitted_bound_w_sr(1e-9); },
+      [](auto& r) { r.mutable_view()->mutable_row(0)->set_absolute_floor_w_sr(1e-9); },
+      [](auto& r) { r.mutable_view()->mutable_row(0)->set_reflections(7); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(1)->mutable_effect(1)->set_apparent_bound_w_sr(1e-9);
+      },
+      [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(2)->set_reason("forced"); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(1)->mutable_effect(2)->set_state(schema::EFFECT_STATE_ON);
+      },
+      [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(0)->clear_share_w_sr(); },
+      [](auto& r) {
+        r.mutable_view()->mutable_row(2)->mutable_energy()->mutable_cut_off()->set_value(1e-9);
+      },
       [](auto& r) { r.set_samples(1); },
       [](auto& r) { r.set_seed_hex("ab"); },
       [](auto& r) { r.set_physics_version(2); },

@@ -95,11 +95,11 @@ inline std::vector<schema::JobSpec> make_jobs(const schema::ResolvedSweep& sweep
     job.set_sweep_sha256(sweep_sha256);
     job.set_job_key(absl::StrCat(determining, sweep.viewpoint(v).aspect_azimuth_deg(), ",",
                                  sweep.viewpoint(v).aspect_elevation_deg()));
-    job.set_viewpoint_index(static_cast<std::uint32_t>(v));
+    job.mutable_view()->set_viewpoint_index(static_cast<std::uint32_t>(v));
     for (int c = 0; c < sweep.condition_size(); ++c)
-      job.add_condition_index(static_cast<std::uint32_t>(c));
+      job.mutable_view()->add_condition_index(static_cast<std::uint32_t>(c));
     for (int b = 0; b < sweep.sweep().band_size(); ++b)
-      job.add_band_index(static_cast<std::uint32_t>(b));
+      job.mutable_view()->add_band_index(static_cast<std::uint32_t>(b));
   }
   return jobs;
 }
@@ -131,9 +131,9 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
   result.set_job_key(job.job_key());
   const std::size_t hash = std::hash<std::string>()(job.job_key());
   double next = 1 + static_cast<double>(hash % 1000);
-  for (const std::uint32_t c : job.condition_index()) {
-    for (const std::uint32_t b : job.band_index()) {
-      schema::SignatureRow& row = *result.add_row();
+  for (const std::uint32_t c : job.view().condition_index()) {
+    for (const std::uint32_t b : job.view().band_index()) {
+      schema::SignatureRow& row = *result.mutable_view()->add_row();
       row.set_condition_index(c);
       row.set_band_index(b);
       fill_numbers(row, next);
@@ -243,7 +243,12 @@ inline std::string without_what_came_after(int version) {
   std::string script =
       "DROP VIEW ledger_view; DROP TABLE ledger; DROP TABLE energy; DROP TABLE effect;"
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
-      "DROP VIEW profile_view; DROP VIEW signature_view;";
+      "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
+      // The job table of version 6: views only, and nothing waits for anything.
+      "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
+      "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
+      "PRAGMA legacy_alter_table = ON; DROP TABLE job; ALTER TABLE old_job RENAME TO job;"
+      "DROP TABLE job_kind;";
   std::vector<std::string> columns = {"reflections"};
   for (const QuantityInfo& quantity : kQuantities)
     if (quantity.since_format > version) columns.emplace_back(quantity.name);
@@ -257,6 +262,7 @@ inline std::string with_version(int version) {
   return absl::StrCat(
       "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
       "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
+      "CREATE VIEW job_view AS SELECT job_id FROM job;"
       "PRAGMA user_version = ",
       version, "; SELECT 'older'");
 }

@@ -37,7 +37,7 @@ TEST_F(StoreLedger, ComesBackWithWhatIsNotKnown) {
   std::size_t n = 0;
   for (const schema::JobSpec& job : make_jobs(sweep_, "sweep-a")) {
     const schema::JobResult result = make_result(sweep_, job);
-    for (const schema::SignatureRow& row : result.row()) {
+    for (const schema::SignatureRow& row : result.view().row()) {
       const auto ledger = reader->ledger(found[n++].signature_id);
       ASSERT_OK(ledger.status());
       ASSERT_EQ(ledger->effect.size(), kEffects);
@@ -107,7 +107,7 @@ TEST_F(StoreLedger, WhatMayBeMissing) {
   ASSERT_OK(writer->begin());
   const QueuedJob job = writer->lease_next("w", 0).value().value();
   schema::JobResult result = make_result(sweep_, job.spec);
-  schema::SignatureRow& row = *result.mutable_row(0);
+  schema::SignatureRow& row = *result.mutable_view()->mutable_row(0);
   row.mutable_effect(1)->set_reason("forced");
   row.mutable_effect(1)->clear_bound_w_sr();
   row.mutable_effect(7)->set_state(schema::EFFECT_STATE_OFF);  // hot parts: with inter_reflection
@@ -150,7 +150,7 @@ TEST_F(StoreLedger, AFileOfVersion4HasNone) {
   const auto before = StoreReader::open(path_).value()->find({}).value();
   ASSERT_EQ(back_to_version_4(path_), "older");
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "7");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
   auto reader = StoreReader::open(path_).value();
   const auto after = reader->find({}).value();

@@ -41,7 +41,14 @@ TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
   ASSERT_NO_FATAL_FAILURE(write());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "7");
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT count(*) FROM job_view WHERE kind = 'view' AND state = 'done'"
+                        " AND viewpoint_index IS NOT NULL AND unmet_needs = 0"),
+            "4");
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM attempt JOIN job USING (job_id)"), "4")
+      << "the rows that name a job stay";
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM pragma_foreign_key_check()"), "0");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA application_id"), absl::StrCat(0x49525347));
 }
 
@@ -215,7 +222,14 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
   const absl::Status refused = StoreReader::open(path_).status();
   EXPECT_NE(refused.message().find("has the older format version 2"), absl::string_view::npos);
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "7");
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT count(*) FROM job_view WHERE kind = 'view' AND state = 'done'"
+                        " AND viewpoint_index IS NOT NULL AND unmet_needs = 0"),
+            "4");
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM attempt JOIN job USING (job_id)"), "4")
+      << "the rows that name a job stay";
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM pragma_foreign_key_check()"), "0");
   EXPECT_EQ(sqlite_text(path_,
                         "SELECT count(*) FROM signature_view WHERE path_transmittance IS NULL"
                         " AND contrast_intensity_w_sr IS NULL AND warning IS NULL"),
@@ -289,6 +303,23 @@ TEST_F(StoreOpen, EveryQuantityComesBackAsItWasStored) {
 }
 
 // The mechanism, on steps made for the test.
+TEST_F(StoreOpen, AMigrationThatLosesRowsIsNone) {
+  auto opened = Database::open(path_, Database::Mode::kReadWriteCreate);
+  ASSERT_OK(opened.status());
+  Database& database = **opened;
+  const MigrationStep first = {
+      1,
+      "CREATE TABLE t (x INTEGER PRIMARY KEY) STRICT; INSERT INTO t VALUES (1);"
+      "CREATE TABLE u (x INTEGER REFERENCES t) STRICT;"
+      "INSERT INTO u VALUES (1)"};
+  const MigrationStep losing = {2, "DELETE FROM t"};
+  ASSERT_OK(migrate(database, std::vector{first}));
+  EXPECT_TRUE(absl::IsDataLoss(migrate(database, std::vector{first, losing})));
+  EXPECT_EQ(*database.integer("SELECT count(*) FROM t"), 1);
+  EXPECT_EQ(*database.integer("PRAGMA user_version"), 1);
+  EXPECT_EQ(*database.integer("PRAGMA foreign_keys"), 1);
+}
+
 TEST_F(StoreOpen, MigrationsRunInOrderOnceAndAllOrNothing) {
   auto opened = Database::open(path_, Database::Mode::kReadWriteCreate);
   ASSERT_OK(opened.status());

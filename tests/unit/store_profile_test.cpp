@@ -29,7 +29,7 @@ schema::ResolvedSweep sweep_with_profile() {
 }
 
 void add_profile(schema::JobResult& result) {
-  for (schema::SignatureRow& row : *result.mutable_row())
+  for (schema::SignatureRow& row : *result.mutable_view()->mutable_row())
     for (std::uint32_t p = 0; p < kPoints; ++p)
       for (std::uint32_t n = 0; n < kReflections; ++n) {
         schema::ProfileRow& out = *row.add_profile();
@@ -126,26 +126,30 @@ TEST_F(StoreProfile, RefusesAnIncompleteProfile) {
       {"of the sweep's 6 rows",
        [](auto& r) {
          add_profile(r);
-         r.mutable_row(0)->mutable_profile()->RemoveLast();
+         r.mutable_view()->mutable_row(0)->mutable_profile()->RemoveLast();
        }},
       {"twice",
        [](auto& r) {
          add_profile(r);
-         r.mutable_row(0)->mutable_profile(1)->set_reflections(0);
+         r.mutable_view()->mutable_row(0)->mutable_profile(1)->set_reflections(0);
        }},
       {"without radiance",
        [](auto& r) {
          add_profile(r);
-         r.mutable_row(0)->mutable_profile(1)->clear_radiance_w_m2_sr();
+         r.mutable_view()->mutable_row(0)->mutable_profile(1)->clear_radiance_w_m2_sr();
        }},
       {"finite",
        [](auto& r) {
          add_profile(r);
-         r.mutable_row(0)->mutable_profile(1)->mutable_radiance_w_m2_sr()->set_value(HUGE_VAL);
+         r.mutable_view()
+             ->mutable_row(0)
+             ->mutable_profile(1)
+             ->mutable_radiance_w_m2_sr()
+             ->set_value(HUGE_VAL);
        }},
       {"negative", [](auto& r) {
          add_profile(r);
-         r.mutable_row(0)->mutable_profile(1)->set_truncation_bound_w_m2_sr(-1);
+         r.mutable_view()->mutable_row(0)->mutable_profile(1)->set_truncation_bound_w_m2_sr(-1);
        }}};
   for (const auto& [text, mistake] : mistakes) {
     const absl::Status status = complete(sweep, "a", mistake);
@@ -167,12 +171,13 @@ TEST_F(StoreProfile, IsPartOfTheDigest) {
   digests.insert(digest_of(sweep, add_profile));
   EXPECT_FALSE(digests.insert(digest_of(sweep, add_profile)).second);
   EXPECT_TRUE(digests
-                  .insert(digest_of(sweep,
-                                    [](auto& r) {
-                                      add_profile(r);
-                                      r.mutable_row(0)->mutable_profile(1)->set_target_fraction(
-                                          std::nextafter(0.75, 1));
-                                    }))
+                  .insert(digest_of(
+                      sweep,
+                      [](auto& r) {
+                        add_profile(r);
+                        r.mutable_view()->mutable_row(0)->mutable_profile(1)->set_target_fraction(
+                            std::nextafter(0.75, 1));
+                      }))
                   .second);
   schema::ResolvedSweep other = sweep;
   other.mutable_sweep()->mutable_published(0)->set_remark("otherwise");
@@ -202,7 +207,7 @@ TEST_F(StoreProfile, AnOlderFileIsMigrated) {
       "older");
   EXPECT_FALSE(StoreReader::open(path_).ok());
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "6");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "7");
   EXPECT_TRUE(stored().empty());
   EXPECT_FALSE(StoreReader::open(path_).value()->find({})->empty());
 }

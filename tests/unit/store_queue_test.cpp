@@ -35,11 +35,11 @@ TEST_F(StoreQueue, LeasesInSweepOrderUnderIncreasingTokens) {
   std::uint64_t last = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     const QueuedJob job = lease();
-    EXPECT_EQ(job.spec.viewpoint_index(), i);
+    EXPECT_EQ(job.spec.view().viewpoint_index(), i);
     EXPECT_EQ(job.spec.sweep_sha256(), "sweep-a");
     EXPECT_EQ(job.spec.job_key(), make_jobs(sweep_, "")[i].job_key());
-    EXPECT_EQ(job.spec.condition_index_size(), 2);
-    EXPECT_EQ(job.spec.band_index(1), 1U);
+    EXPECT_EQ(job.spec.view().condition_index_size(), 2);
+    EXPECT_EQ(job.spec.view().band_index(1), 1U);
     EXPECT_EQ(job.state, JobState::kLeased);
     EXPECT_GT(job.fencing_token, last);
     last = job.fencing_token;
@@ -82,11 +82,11 @@ TEST_F(StoreQueue, FailuresOnThreeWorkersQuarantine) {
   const QueuedJob first = lease();
   ASSERT_OK(writer_->fail(first.fencing_token, "host:1", "no memory"));
   // It went to the back of the queue, so that the others come first.
-  EXPECT_EQ(lease().spec.viewpoint_index(), 1U);
-  EXPECT_EQ(lease().spec.viewpoint_index(), 2U);
-  EXPECT_EQ(lease().spec.viewpoint_index(), 3U);
+  EXPECT_EQ(lease().spec.view().viewpoint_index(), 1U);
+  EXPECT_EQ(lease().spec.view().viewpoint_index(), 2U);
+  EXPECT_EQ(lease().spec.view().viewpoint_index(), 3U);
   const QueuedJob second = lease();
-  EXPECT_EQ(second.spec.viewpoint_index(), 0U);
+  EXPECT_EQ(second.spec.view().viewpoint_index(), 0U);
   EXPECT_EQ(second.failures, 1U);
   ASSERT_OK(writer_->fail(second.fencing_token, "host:1", "no memory again"));
   const QueuedJob third = lease();
@@ -105,7 +105,7 @@ TEST_F(StoreQueue, FailuresOnThreeWorkersQuarantine) {
   EXPECT_EQ(added->to_compute, 4U);
   ASSERT_OK(writer_->begin());
   const QueuedJob fresh = lease();
-  EXPECT_EQ(fresh.spec.viewpoint_index(), 0U);
+  EXPECT_EQ(fresh.spec.view().viewpoint_index(), 0U);
   EXPECT_EQ(fresh.failures, 0U);
   ASSERT_OK(writer_->fail(fresh.fencing_token, "host:4", "x"));
   EXPECT_EQ(progress().quarantined, 0U);
@@ -143,7 +143,7 @@ TEST_F(StoreQueue, ProgressSumsRaysAndFindsTheWorstError) {
     const QueuedJob job = lease();
     const auto result = make_result(sweep_, job.spec);
     rays += result.rays();
-    for (const auto& row : result.row()) {
+    for (const auto& row : result.view().row()) {
       worst = std::max(worst, row.numerical_error_w_sr() / row.intensity_w_sr().value());
     }
     ASSERT_OK(writer_->complete(job.fencing_token, result, "w"));
@@ -168,6 +168,105 @@ TEST_F(StoreQueue, AnUnfinishedSweepKeepsItsDeterminismClass) {
   shape.aspects.emplace_back(45, 45);
   ASSERT_OK(submit(*writer_, make_sweep(shape), "sweep-b").status());
   EXPECT_EQ(writer_->determinism_class().value(), "avx2");
+}
+
+// Jobs 2 and 3 need job 0, job 3 also job 2.
+class StoreNeeds : public StoreQueue {
+ protected:
+  void SetUp() override {
+    open();
+    submit_with_needs();
+    ASSERT_OK(writer_->begin());
+  }
+  void submit_with_needs() {
+    auto jobs = make_jobs(sweep_, "sweep-a");
+    jobs[2].add_needs(jobs[0].job_key());
+    jobs[3].add_needs(jobs[0].job_key());
+    jobs[3].add_needs(jobs[2].job_key());
+    ASSERT_OK(writer_->begin());
+    ASSERT_OK(writer_->add_sweep(sweep_, "sweep-a", jobs, {}).status());
+    ASSERT_OK(writer_->commit());
+  }
+  std::optional<std::uint32_t> next() {
+    const auto job = writer_->lease_next("w", 100).value();
+    if (!job) return std::nullopt;
+    leased_[job->spec.view().viewpoint_index()] = *job;
+    return job->spec.view().viewpoint_index();
+  }
+  void complete(std::uint32_t view) {
+    const QueuedJob& job = leased_[view];
+    ASSERT_OK(writer_->complete(job.fencing_token, make_result(sweep_, job.spec), "w"));
+  }
+  std::map<std::uint32_t, QueuedJob> leased_;
+};
+
+TEST_F(StoreNeeds, AJobWaitsForThoseThatItNeeds) {
+  EXPECT_EQ(next(), 0U);
+  EXPECT_EQ(next(), 1U);
+  EXPECT_EQ(next(), std::nullopt);
+  EXPECT_EQ(progress().waiting, 2U);
+  complete(1);
+  EXPECT_EQ(next(), std::nullopt) << "nobody needs job 1";
+  complete(0);
+  EXPECT_EQ(next(), 2U);
+  EXPECT_EQ(leased_[2].spec.needs_size(), 1);
+  EXPECT_EQ(leased_[2].spec.needs(0), leased_[0].spec.job_key());
+  EXPECT_EQ(next(), std::nullopt) << "job 3 needs job 2, too";
+  ASSERT_OK(writer_->release(leased_[2].fencing_token, "lost"));
+  EXPECT_EQ(next(), 2U);
+  complete(2);
+  EXPECT_EQ(next(), 3U);
+  complete(3);
+  EXPECT_EQ(progress().done, 4U);
+}
+
+TEST_F(StoreNeeds, WhatNeedsAJobThatWasGivenUpIsGivenUp) {
+  for (const char* worker : {"a", "b", "c"}) {
+    QueuedJob job = lease();
+    if (job.spec.view().viewpoint_index() == 1) {
+      leased_[1] = job;
+      job = lease();
+    }
+    ASSERT_EQ(job.spec.view().viewpoint_index(), 0U);
+    ASSERT_OK(writer_->fail(job.fencing_token, worker, "no memory"));
+  }
+  EXPECT_EQ(progress().quarantined, 3U);
+  EXPECT_EQ(progress().waiting, 0U) << "a farm would wait for ever";
+  EXPECT_EQ(progress().failures,
+            (std::vector<std::string>{"job 0 on c: no memory",
+                                      "job 2 on no worker: needs job 0, which was given up",
+                                      "job 3 on no worker: needs job 0, which was given up"}));
+  complete(1);
+  ASSERT_OK(writer_->commit());
+  // Submitted again, all of them wait again, in their order.
+  submit_with_needs();
+  ASSERT_OK(writer_->begin());
+  EXPECT_EQ(progress().waiting, 3U);
+  EXPECT_EQ(next(), 0U);
+  EXPECT_EQ(next(), std::nullopt);
+  complete(0);
+  EXPECT_EQ(next(), 2U);
+}
+
+TEST_F(StoreNeeds, NeedsOutliveARestartAndAreThoseOfTheLastSubmission) {
+  EXPECT_EQ(next(), 0U);
+  ASSERT_OK(writer_->commit());
+  writer_.reset();
+  open();
+  ASSERT_OK(writer_->begin());
+  ASSERT_OK(writer_->release_all());
+  EXPECT_EQ(next(), 0U);
+  EXPECT_EQ(next(), 1U);
+  EXPECT_EQ(next(), std::nullopt);
+  complete(0);
+  ASSERT_OK(writer_->commit());
+  submit_with_needs();  // job 0 is done already
+  ASSERT_OK(writer_->begin());
+  EXPECT_EQ(next(), 2U);
+  ASSERT_OK(writer_->commit());
+  ASSERT_OK(submit(*writer_, sweep_, "sweep-a").status());  // without needs
+  ASSERT_OK(writer_->begin());
+  EXPECT_EQ(next(), 3U);
 }
 
 }  // namespace

@@ -30,79 +30,112 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
 
   const std::vector<Damage> damages = {
       {"job_key", [](auto& r) { r.set_job_key("another"); }},
-      {"missing for condition 1, band 1", [](auto& r) { r.mutable_row()->RemoveLast(); }},
-      {"comes twice", [](auto& r) { *r.add_row() = r.row(0); }},
-      {"does not belong to the job", [](auto& r) { r.mutable_row(0)->set_condition_index(7); }},
+      {"missing for condition 1, band 1",
+       [](auto& r) { r.mutable_view()->mutable_row()->RemoveLast(); }},
+      {"kind is not the job's", [](auto& r) { r.clear_view(); }},
+      {"comes twice", [](auto& r) { *r.mutable_view()->add_row() = r.view().row(0); }},
+      {"does not belong to the job",
+       [](auto& r) { r.mutable_view()->mutable_row(0)->set_condition_index(7); }},
       {"row[2].intensity_w_sr.value is not a finite number",
-       [](auto& r) { r.mutable_row(2)->mutable_intensity_w_sr()->set_value(kNan); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(2)->mutable_intensity_w_sr()->set_value(kNan);
+       }},
       {"row[2].sun_azimuth_deg is not a finite number",
-       [](auto& r) { r.mutable_row(2)->set_sun_azimuth_deg(INFINITY); }},
+       [](auto& r) { r.mutable_view()->mutable_row(2)->set_sun_azimuth_deg(INFINITY); }},
       {"row[0].intensity_w_sr.stderr is negative",
-       [](auto& r) { r.mutable_row(0)->mutable_intensity_w_sr()->set_stderr(-1); }},
+       [](auto& r) { r.mutable_view()->mutable_row(0)->mutable_intensity_w_sr()->set_stderr(-1); }},
       {"row[0].projected_area_m2.value is negative",
-       [](auto& r) { r.mutable_row(0)->mutable_projected_area_m2()->set_value(-1); }},
-      {"row[0].emitted_w_sr is missing", [](auto& r) { r.mutable_row(0)->clear_emitted_w_sr(); }},
-      {"row[0].spectrum is missing", [](auto& r) { r.mutable_row(0)->clear_spectrum(); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(0)->mutable_projected_area_m2()->set_value(-1);
+       }},
+      {"row[0].emitted_w_sr is missing",
+       [](auto& r) { r.mutable_view()->mutable_row(0)->clear_emitted_w_sr(); }},
+      {"row[0].spectrum is missing",
+       [](auto& r) { r.mutable_view()->mutable_row(0)->clear_spectrum(); }},
       {"row[1].spectrum.emitted_w_sr_um has 4 values for 5 wavelengths",
        [](auto& r) {
-         r.mutable_row(1)->mutable_spectrum()->mutable_emitted_w_sr_um()->RemoveLast();
+         r.mutable_view()
+             ->mutable_row(1)
+             ->mutable_spectrum()
+             ->mutable_emitted_w_sr_um()
+             ->RemoveLast();
        }},
       {"row[1].spectrum.sky_reflected_w_sr_um[3] is not a finite number",
-       [](auto& r) { r.mutable_row(1)->mutable_spectrum()->set_sky_reflected_w_sr_um(3, NAN); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_sky_reflected_w_sr_um(3, NAN);
+       }},
       {"lambda_um does not increase",
        [](auto& r) {
-         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(3, r.row(1).spectrum().lambda_um(2));
+         r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_lambda_um(
+             3, r.view().row(1).spectrum().lambda_um(2));
        }},
       {"differ from those stored",
        [](auto& r) {
-         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(
-             3, r.row(1).spectrum().lambda_um(3) + 1e-6);
+         r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_lambda_um(
+             3, r.view().row(1).spectrum().lambda_um(3) + 1e-6);
        }},
       {"reaches outside the band",
        [](auto& r) {
-         r.mutable_row(1)->mutable_spectrum()->set_lambda_um(4,
-                                                             r.row(1).spectrum().lambda_um(4) + 1);
+         r.mutable_view()->mutable_row(1)->mutable_spectrum()->set_lambda_um(
+             4, r.view().row(1).spectrum().lambda_um(4) + 1);
        }},
-      {"1 of the sweep's 2 parts", [](auto& r) { r.mutable_row(1)->mutable_part()->RemoveLast(); }},
-      {"names part 0 twice", [](auto& r) { r.mutable_row(1)->mutable_part(1)->set_part_index(0); }},
+      {"1 of the sweep's 2 parts",
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_part()->RemoveLast(); }},
+      {"names part 0 twice",
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_part(1)->set_part_index(0); }},
       {"names part 9 twice, or it does not exist",
-       [](auto& r) { r.mutable_row(1)->mutable_part(1)->set_part_index(9); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_part(1)->set_part_index(9); }},
       {"row[0].contrast_intensity_w_sr is missing",
-       [](auto& r) { r.mutable_row(0)->clear_contrast_intensity_w_sr(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(0)->clear_contrast_intensity_w_sr(); }},
       {"row[0].contrast_numerical_error_w_sr is negative",
-       [](auto& r) { r.mutable_row(0)->set_contrast_numerical_error_w_sr(-1); }},
+       [](auto& r) { r.mutable_view()->mutable_row(0)->set_contrast_numerical_error_w_sr(-1); }},
       {"row[1].spectrum.path_transmittance has 0 values for 5 wavelengths",
-       [](auto& r) { r.mutable_row(1)->mutable_spectrum()->clear_path_transmittance(); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_spectrum()->clear_path_transmittance();
+       }},
       {"row[0].effect lacks refraction",
-       [](auto& r) { r.mutable_row(0)->mutable_effect()->RemoveLast(); }},
-      {"row[0].effect lacks ", [](auto& r) { r.mutable_row(0)->clear_effect(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(0)->mutable_effect()->RemoveLast(); }},
+      {"row[0].effect lacks ", [](auto& r) { r.mutable_view()->mutable_row(0)->clear_effect(); }},
       {"row[1].effect[19] is there twice: direct_sun",
-       [](auto& r) { *r.mutable_row(1)->add_effect() = r.row(1).effect(1); }},
+       [](auto& r) {
+         *r.mutable_view()->mutable_row(1)->add_effect() = r.view().row(1).effect(1);
+       }},
       {"row[1].effect[2] names an unknown effect: \"moonlight\"",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_effect("moonlight"); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_effect(2)->set_effect("moonlight");
+       }},
       {"row[1].effect[2] (diffuse_sun) has an unknown reason: \"mood\"",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(2)->set_reason("mood"); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(2)->set_reason("mood"); }},
       {"row[1].effect[2] (diffuse_sun) has no state",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(2)->clear_state(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(2)->clear_state(); }},
       {"row[1].effect[1] (direct_sun) is off without a bound",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(1)->clear_contrast_bound_w_sr(); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_effect(1)->clear_contrast_bound_w_sr();
+       }},
       {"row[1].effect[1].bound_w_sr is negative",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(1)->set_bound_w_sr(-1); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(1)->set_bound_w_sr(-1); }},
       {"row[1].effect[0].share_w_sr is not a finite number",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(0)->set_share_w_sr(INFINITY); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_effect(0)->set_share_w_sr(INFINITY);
+       }},
       {"row[1].effect[1].time_s is negative",
-       [](auto& r) { r.mutable_row(1)->mutable_effect(1)->set_time_s(-1); }},
-      {"row[1].energy is missing", [](auto& r) { r.mutable_row(1)->clear_energy(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_effect(1)->set_time_s(-1); }},
+      {"row[1].energy is missing",
+       [](auto& r) { r.mutable_view()->mutable_row(1)->clear_energy(); }},
       {"row[1].energy is incomplete",
-       [](auto& r) { r.mutable_row(1)->mutable_energy()->clear_cut_off(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->mutable_energy()->clear_cut_off(); }},
       {"row[1].energy.balance.value is not a finite number",
-       [](auto& r) { r.mutable_row(1)->mutable_energy()->mutable_balance()->set_value(kNan); }},
+       [](auto& r) {
+         r.mutable_view()->mutable_row(1)->mutable_energy()->mutable_balance()->set_value(kNan);
+       }},
       {"row[1].absolute_floor_w_sr is negative",
-       [](auto& r) { r.mutable_row(1)->set_absolute_floor_w_sr(-1); }},
-      {"stop_reason is not stated", [](auto& r) { r.mutable_row(3)->clear_stop_reason(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(1)->set_absolute_floor_w_sr(-1); }},
+      {"stop_reason is not stated",
+       [](auto& r) { r.mutable_view()->mutable_row(3)->clear_stop_reason(); }},
       {"thumbnail is incomplete",
-       [](auto& r) { r.mutable_row(3)->mutable_thumbnail()->clear_exr(); }},
-      {"thumbnail is missing", [](auto& r) { r.mutable_row(3)->clear_thumbnail(); }},
+       [](auto& r) { r.mutable_view()->mutable_row(3)->mutable_thumbnail()->clear_exr(); }},
+      {"thumbnail is missing",
+       [](auto& r) { r.mutable_view()->mutable_row(3)->clear_thumbnail(); }},
       {"seconds is not a finite number", [](auto& r) { r.set_seconds(kNan); }},
       {"rays does not fit", [](auto& r) { r.set_rays(~0ULL); }},
   };

@@ -302,9 +302,20 @@ TEST_F(StoreSweep, SweepsThatCannotBeStoredAreRefused) {
       },
       "the season \"?31m\" has control characters");
   refused([](auto&, auto& j) { j.pop_back(); }, "its jobs compute 12 of 16 rows");
-  refused([](auto&, auto& j) { j[1].set_viewpoint_index(0); }, "two jobs compute the same row");
-  refused([](auto&, auto& j) { j[1].set_viewpoint_index(9); }, "does not exist");
+  refused([](auto&, auto& j) { j[1].mutable_view()->set_viewpoint_index(0); },
+          "two jobs compute the same row");
+  refused([](auto&, auto& j) { j[1].mutable_view()->set_viewpoint_index(9); }, "does not exist");
   refused([](auto&, auto& j) { j[1].set_job_key(j[0].job_key()); }, "comes twice");
+  refused([](auto&, auto& j) { j[1].clear_view(); }, "is of no known kind");
+  refused([](auto&, auto& j) { j[1].add_needs("nobody"); }, "which is no job before it");
+  refused([](auto&, auto& j) { j[1].add_needs(j[1].job_key()); }, "which is no job before it");
+  refused([](auto&, auto& j) { j[1].add_needs(j[2].job_key()); }, "which is no job before it");
+  refused(
+      [](auto&, auto& j) {
+        j[2].add_needs(j[1].job_key());
+        j[2].add_needs(j[1].job_key());
+      },
+      "needs it twice");
 }
 
 }  // namespace
