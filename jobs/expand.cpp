@@ -168,12 +168,14 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   return canonical_encoding(sweep);
 }
 
+// Of a view.
 std::string job_key(const std::string& sweep_digest, int physics_version,
                     const schema::Viewpoint& viewpoint, const schema::JobSpec& job) {
   schema::ResolvedSweep alone;  // the viewpoint in the same encoding as everything else
   *alone.add_viewpoint() = viewpoint;
   std::string text = absl::StrCat("irsig job 1\nphysics_version ", physics_version, "\nsweep ",
                                   sweep_digest, "\n", canonical_encoding(alone));
+  for (const std::string& needed : job.needs()) absl::StrAppend(&text, "needs ", needed, "\n");
   for (const std::uint32_t index : job.view().condition_index())
     absl::StrAppend(&text, "condition ", index, "\n");
   for (const std::uint32_t index : job.view().band_index())

@@ -17,9 +17,9 @@ enum class BoundOf : std::uint8_t {
   kSky,
   kOmitted,
   kDepth,
-  kMoved  // of bringing a stored row to another range
+  kMoved  // of bringing a stored row to another range; the last
 };
-inline constexpr std::size_t kBounds = 8;
+inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved) + 1;
 
 struct BoundInfo {
   std::string_view name;
