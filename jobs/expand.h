@@ -43,8 +43,8 @@ namespace irsig {
 // job_key = SHA-256 of what determines the job's result: physics_version, the canonical encoding of
 // the sweep without what does not (names, viewpoints other than the job's, how conditions were
 // written, job size, the closed-form model, published numbers), the viewpoint, and the job's
-// condition and band indices, the keys of what it needs. It covers ALL conditions and bands: they decide sample counts and hot
-// parts together.
+// condition and band indices, the keys of what it needs. It covers ALL conditions and bands: they
+// decide sample counts and hot parts together.
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 
