@@ -71,6 +71,17 @@ class BeardMaxwellModel final : public LobeModel {
       out[i] = dot(first, fresnel_[i]) + diffuse_[i] + volume_[i] * volume;
   }
 
+  // sqrt(1 + t) / (w^2 + t) falls with t = tan^2; the volume's part is at most 2 / pi.
+  [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const override {
+    const double t = range.tan2_h_min;
+    const double d = spec_.bias * std::sqrt(1 + t) / (spec_.width * spec_.width + t);
+    const float fresnel = *std::max_element(fresnel_row_.begin(), fresnel_row_.end());
+    return d * static_cast<double>(fresnel) *
+               (spec_.published ? open_grazing(range) : groove_grazing(range)) +
+           *std::max_element(diffuse_.begin(), diffuse_.end()) / kPi +
+           2 / kPi * *std::max_element(volume_.begin(), volume_.end());
+  }
+
   [[nodiscard]] double narrowest_slope() const override { return spec_.width; }
   [[nodiscard]] double roulette_slope2() const override { return 0; }  // the lobe's tail is heavy
 

@@ -35,6 +35,9 @@ class BrdfModel {
                                      double sin_phi) const = 0;
   [[nodiscard]] virtual double density_per_sr(const ReflectionGeometry& g) const = 0;
 
+  // As in Material. [1/sr]
+  [[nodiscard]] virtual double cos_brdf_limit_per_sr(const ReflectionRange& range) const = 0;
+
   // As in Material.
   [[nodiscard]] virtual double narrowest_slope() const = 0;
   [[nodiscard]] virtual double roulette_slope2() const = 0;

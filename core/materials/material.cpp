@@ -101,6 +101,7 @@ absl::Status Material::prepare_lambert(const Lambert& spec, const std::vector<do
     for (const double lambda_um : node_um)
       dhr.value.push_back(1 - spectrum_at(spec.emissivity, lambda_um));
   set_tables(dhr, -1);
+  largest_reflectance_ = *std::max_element(dhr.value.begin(), dhr.value.end());
   reflectance_.assign(kFresnelCells + 1, static_cast<float>(dhr.value.front()));
   // Nothing depends on angle, but the lookup is that of the other materials.
   for (int row = 0; row <= kSpectralFresnelCells; ++row)
@@ -146,6 +147,9 @@ absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
                               out[i] = dot(lobe, fresnel[i]);
                           }),
              spec.forced_emissivity);
+  for (const auto& table : fresnel)
+    largest_reflectance_ =
+        std::max(largest_reflectance_, *std::max_element(table.begin(), table.end()));
   if (grey_)
     for (const double f : fresnel.front()) reflectance_.push_back(static_cast<float>(f));
   const int stride = cells / kSpectralFresnelCells;
@@ -154,6 +158,22 @@ absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
       spectral_reflectance_.push_back(
           static_cast<float>(fresnel[grey_ ? 0 : i][static_cast<std::size_t>(entry)]));
   return absl::OkStatus();
+}
+
+double Material::cos_brdf_limit_per_sr(const ReflectionRange& range) const {
+  if (roughness_ < 0) return model_->cos_brdf_limit_per_sr(range);
+  if (roughness_ == 0) return largest_reflectance_ / std::numbers::pi;
+  // F D G / (4 cos_o): V-grooves have G <= 2 cos_h cos_o / cos_d; Smith's G <= G1(cos_o), and
+  // G1(cos_o) / cos_o falls with cos_o.
+  const double m = static_cast<double>(roughness_), m2 = m * m;
+  const double bell = largest_bell(range.tan2_h_min, m2, 2) / (std::numbers::pi * m2);
+  double grazing = groove_grazing(range);
+  if (masking_ == Masking::kNone) grazing = open_grazing(range);
+  if (masking_ == Masking::kSmith) {
+    const double c = std::max(range.cos_o_min, 1e-9);
+    grazing = std::max(0.25, 0.25 * smith_masking(1, c, m) / c);
+  }
+  return largest_reflectance_ * bell * grazing;
 }
 
 absl::Status Material::prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,

@@ -53,6 +53,11 @@ class Material {
   // how probable it is that a small light matters. 0: as for a diffuse material.
   [[nodiscard]] float roulette_slope2() const { return roulette_slope2_; }
 
+  // brdf x cos_i is nowhere larger at any node, for all reflections of a range: proven for each
+  // model (docs/methods/materials.md, "The largest reflection"); infinite where a model has no
+  // limit there. [1/sr]
+  [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
+
   // The BRDF of a grey material. [1/sr]
   [[nodiscard]] float brdf_per_sr(const Reflection& r) const;
   // The probability density of sample(), which does not depend on wavelength. [1/sr]
@@ -127,7 +132,8 @@ class Material {
   std::vector<float> spectral_emissivity_;  // [cell][node]
 
   // Lambert and Cook-Torrance factor into brdf = shape(geometry) x reflectance(lambda, cos_d).
-  float roughness_ = 0;  // 0: Lambert; below 0: the other models
+  double largest_reflectance_ = 0;  // of the tables below
+  float roughness_ = 0;             // 0: Lambert; below 0: the other models
   Masking masking_ = Masking::kVGroove;
   std::vector<float> reflectance_;           // [kFresnelCells + 1], grey
   std::vector<float> spectral_reflectance_;  // [kSpectralFresnelCells + 1][node]

@@ -17,6 +17,12 @@ struct ReflectionGeometry {
   double cos_i, cos_o, cos_h, sin2_h, cos_d;
 };
 
+// All reflections whose cosines are at least these, and whose half vector has a slope tan^2 of at
+// least tan2_h_min. It follows that cos_d >= (cos_i_min + cos_o_min) / 2.
+struct ReflectionRange {
+  double cos_i_min, cos_o_min, tan2_h_min;
+};
+
 [[nodiscard]] inline ReflectionGeometry widen(const Reflection& r) {
   return {r.cos_i, r.cos_o, r.cos_h, r.sin2_h, r.cos_d};
 }

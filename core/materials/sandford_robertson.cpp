@@ -81,6 +81,7 @@ class SandfordRobertsonModel final : public LobeModel {
       not_specular_.push_back(diffuse_.back() + spectrum_at(spec.emissivity, node_um[i]));
     }
     balance();
+    find_limits();
     const double most_diffuse = *std::max_element(diffuse_.begin(), diffuse_.end());
     const double least = *std::min_element(not_specular_.begin(), not_specular_.end());
     set_lobes({{SamplingLobe::Kind::kVisibleHalfVectors, {SlopeLaw::kEllipsoid, e_}},
@@ -110,6 +111,14 @@ class SandfordRobertsonModel final : public LobeModel {
     }
   }
 
+  [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const override {
+    const double q = (e_ * e_ + range.tan2_h_min) / (1 + range.tan2_h_min);
+    const double lobe = e_ * e_ / (4 * kPi * q * q);
+    const double diffuse = *std::max_element(diffuse_.begin(), diffuse_.end());
+    return diffuse / (kPi * fall_.mean() * fall_.mean()) +
+           lobe * most_of_light_[cell_of(range.cos_i_min)] * most_seen_[cell_of(range.cos_o_min)];
+  }
+
   [[nodiscard]] double narrowest_slope() const override { return e_; }
   [[nodiscard]] double roulette_slope2() const override { return 0; }  // the lobe's tail is heavy
 
@@ -137,6 +146,30 @@ class SandfordRobertsonModel final : public LobeModel {
   [[nodiscard]] double scale(std::size_t spectrum, const AngleGrid::Stencil& at) const {
     const double* s = scale_.data() + offset(spectrum) + at.first;
     return s[0] * at.weight[0] + s[1] * at.weight[1] + s[2] * at.weight[2] + s[3] * at.weight[3];
+  }
+
+  // The largest s(cos) base(cos) cos and s(cos) base(cos) from each grid cell on: base falls and
+  // base x cos rises, and the weights of a cubic through four neighbours add up to at most 1.25.
+  void find_limits() {
+    most_of_light_.assign(AngleGrid::kPoints, 0.0);
+    most_seen_.assign(AngleGrid::kPoints, 0.0);
+    double light = 0, seen = 0;
+    for (std::size_t cell = AngleGrid::kPoints; cell-- > 0;) {
+      double scale = 0;
+      for (std::size_t k = 0; k < spectra(); ++k)
+        for (std::size_t i = cell < 2 ? 0 : cell - 2; i < std::min(cell + 4, AngleGrid::kPoints);
+             ++i)
+          scale = std::max(scale, scale_[k * AngleGrid::kPoints + i]);
+      const double from = grid_.cos_of(cell),
+                   to = grid_.cos_of(std::min(cell + 1, AngleGrid::kPoints - 1));
+      light = std::max(light, 1.25 * scale * grid_.base(to) * to);
+      seen = std::max(seen, 1.25 * scale * grid_.base(from));
+      most_of_light_[cell] = light;
+      most_seen_[cell] = seen;
+    }
+  }
+  [[nodiscard]] std::size_t cell_of(double cosine) const {
+    return grid_.stencil(std::clamp(cosine, 0.0, 1.0)).first;
   }
 
   // s <- sqrt(s rho_S / (K s)) until DHR is rho_S at every grid point: 30 rounds reach 1e-9 for all
@@ -175,8 +208,9 @@ class SandfordRobertsonModel final : public LobeModel {
   double e_;
   AngleGrid grid_;
   LobeQuadrature quadrature_;
-  std::vector<double> diffuse_, not_specular_;  // rho_D, rho_D + epsilon
-  std::vector<double> scale_;                   // s / base [spectrum][grid point]
+  std::vector<double> diffuse_, not_specular_;     // rho_D, rho_D + epsilon
+  std::vector<double> most_of_light_, most_seen_;  // [grid point]
+  std::vector<double> scale_;                      // s / base [spectrum][grid point]
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "core/materials/slope_law.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -29,6 +30,19 @@ double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h) {
       return cauchy_scale(w2) / kPi * cos_h / (w2 * cos2 + sin2_h);
   }
   return 0;
+}
+
+double largest_bell(double tan2, double w2, double power) {
+  // Rises until 1 + t = power w2.
+  const double t = std::max(tan2, power * w2 - 1);
+  return std::exp(-t / w2) * std::pow(1 + t, power);
+}
+
+double open_grazing(const ReflectionRange& range) { return 0.25 / std::max(range.cos_o_min, 0.0); }
+
+double groove_grazing(const ReflectionRange& range) {
+  return std::min(open_grazing(range),
+                  1 / (std::max(range.cos_i_min, 0.0) + std::max(range.cos_o_min, 0.0)));
 }
 
 double slope2_at(const SlopeLobe& lobe, double u) {

@@ -22,6 +22,15 @@ struct SlopeLobe {
 // The density of half vectors. [1/sr]
 [[nodiscard]] double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h);
 
+// The largest exp(-t / w2) (1 + t)^power for t >= tan2.
+[[nodiscard]] double largest_bell(double tan2, double w2, double power);
+
+// Of the two factors with which a lobe's brdf x cos_i goes to infinity at grazing, in a range of
+// reflections: 1 / (4 cos_o), and what V-grooves make of it, cos_h / (2 cos_d) <= 1 / (cos_i +
+// cos_o). Infinite where the range holds none.
+[[nodiscard]] double open_grazing(const ReflectionRange& range);
+[[nodiscard]] double groove_grazing(const ReflectionRange& range);
+
 // tan^2 of the angle that a fraction u in [0, 1) of the half vectors does not reach.
 [[nodiscard]] double slope2_at(const SlopeLobe& lobe, double u);
 

@@ -189,6 +189,10 @@ class TabulatedModel final : public BrdfModel {
     return out;
   }
 
+  [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& /*range*/) const override {
+    return static_cast<double>(*std::max_element(value_.begin(), value_.end()));
+  }
+
   [[nodiscard]] double narrowest_slope() const override {
     double least_deg = 90;
     for (std::size_t i = 0; i + 1 < zenith_.size(); ++i)
