@@ -98,7 +98,7 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
         Omitted{"contrast_omitted_bound_w_sr", r.contrast_omitted_bound_w_sr,
                 r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
     reasons.see(row + o.name, o.bound_w_sr, 0);
-    if (numerical_error(o.stderr_w_sr, o.bound_w_sr) > (1 + 1e-9) * o.numerical_error_w_sr)
+    if (numerical_error(o.stderr_w_sr, 0, o.bound_w_sr) > (1 + 1e-9) * o.numerical_error_w_sr)
       reasons.add(absl::StrCat(row, o.name, " is no part of the numerical error: ", o.bound_w_sr,
                                " in ", o.numerical_error_w_sr));
   }

@@ -99,7 +99,7 @@ void print_shares(const std::vector<StoredSignature>& rows) {
   };
   // At the target itself neither depth nor another range counts.
   constexpr std::size_t kAtTarget = static_cast<std::size_t>(BoundOf::kDepth);
-  std::vector<Share> shares{{"statistical"}};
+  std::vector<Share> shares{{"statistical"}, {"unseen hits"}};
   for (std::size_t i = 0; i < kAtTarget; ++i)
     shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
   double counted = 0;
@@ -114,8 +114,9 @@ void print_shares(const std::vector<StoredSignature>& rows) {
       share.largest = std::max(share.largest, part);
     };
     add(shares[0], source.sampled_share());
+    add(shares[1], source.unseen_share());
     for (std::size_t i = 0; i < kAtTarget; ++i)
-      add(shares[i + 1], source.share(static_cast<BoundOf>(i)));
+      add(shares[i + 2], source.share(static_cast<BoundOf>(i)));
   }
   if (counted == 0) return;
   print_text("share of the numerical error's square, mean over the rows (largest):\n ");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/replicates.h"
 #include "jobs/expand.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
@@ -160,7 +161,8 @@ class Planner {
         out.value_w_sr = std::abs(row.intensity_w_sr);
         // Samples mend what was not seen, and none of the other bounds.
         Measured lasting = source_of(row);
-        out.unseen_w_sr = std::exchange(lasting.of(BoundOf::kUnseen), 0);
+        out.unseen_w_sr = numerical_error(0, lasting.unseen_stderr,
+                                          std::exchange(lasting.of(BoundOf::kUnseen), 0));
         out.bias_w_sr = lasting.bias_bound();
         out.floor_w_sr = row.absolute_floor_w_sr;
       }

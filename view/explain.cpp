@@ -93,6 +93,8 @@ std::string title(const Explained& e) {
 std::string errors(const StoredSignature& row, IntensityOf intensity, double value, double stderr_,
                    double numerical_error) {
   std::string out = line("standard error", stderr_, value);
+  out += line("unseen, estimate", stored_unseen_stderr(row, intensity), value,
+              "a standard error for the brightest that a sample could have met");
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
     // At the target there is no depth of air; a stored row was not moved.
@@ -102,7 +104,7 @@ std::string errors(const StoredSignature& row, IntensityOf intensity, double val
                 value, info_of(which).what);
   }
   return out + line("numerical error", numerical_error, value,
-                    "sqrt(standard error^2 + (sum of bounds)^2 / 3)");
+                    "sqrt(standard error^2 + unseen^2 + (sum of bounds)^2 / 3)");
 }
 
 std::string values(const Explained& e) {

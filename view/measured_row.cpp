@@ -12,7 +12,9 @@ constexpr double kRounding = 1e-9;
 
 Measured measured(const S& row, IntensityOf intensity, double value, double stderr_,
                   double numerical_error) {
-  Measured out{value, stderr_, {}};
+  Measured out{value, stderr_, {}, 0};
+  if (const double unseen = stored_unseen_stderr(row, intensity); !std::isnan(unseen))
+    out.unseen_stderr = unseen;
   std::optional<BoundOf> lacking;
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
@@ -53,6 +55,18 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
       return source ? 0 : row.depth_bound_w_sr;
     case BoundOf::kMoved:
       return 0;
+  }
+  return kNotComputed;
+}
+
+double stored_unseen_stderr(const S& row, IntensityOf intensity) {
+  switch (intensity) {
+    case IntensityOf::kSource:
+      return row.unseen_stderr_w_sr;
+    case IntensityOf::kApparent:
+      return row.apparent_unseen_stderr_w_sr;
+    case IntensityOf::kContrast:
+      return row.contrast_unseen_stderr_w_sr;
   }
   return kNotComputed;
 }

@@ -15,6 +15,11 @@ double goal_w_sr(const RowPilot& row, double relative_error) {
   return std::max(relative_error * row.value_w_sr, row.floor_w_sr);
 }
 
+// What is unseen falls as 1 / n.
+double unseen_at(const ViewPilot& pilot, const RowPilot& row, std::uint64_t n) {
+  return row.unseen_w_sr * static_cast<double>(pilot.samples.back()) / static_cast<double>(n);
+}
+
 // Over all rows, from pilots of n1 and n2 samples, or of n2 alone (n1 = 0).
 std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std::uint64_t n1,
                              std::uint64_t n2) {
@@ -22,11 +27,10 @@ std::uint64_t needed_by_rows(const ViewPilot& pilot, double relative_error, std:
   for (const RowPilot& row : pilot.row) {
     const double e1 = n1 > 0 ? stderr_at(pilot.samples, row.stderr_w_sr, n1) : 0;
     const double e2 = stderr_at(pilot.samples, row.stderr_w_sr, n2);
-    if (e2 > 0)
-      needed = std::max(needed,
-                        samples_needed(n1, e1, n2, e2,
-                                       stderr_wanted(goal_w_sr(row, relative_error), row.bias_w_sr),
-                                       std::uint64_t{1} << 40));
+    needed = std::max(needed, samples_needed_with_unseen(
+                                  n1, e1, n2, e2, unseen_at(pilot, row, n2),
+                                  stderr_wanted(goal_w_sr(row, relative_error), row.bias_w_sr),
+                                  std::uint64_t{1} << 40));
   }
   return needed;
 }
@@ -141,7 +145,6 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
   const Count count = count_for(pilot, rule, target_paths_per_sample);
   ViewCost cost;
   cost.samples = count.stored;
-  const auto last = static_cast<double>(pilot.samples.back());
   cost.cpu_s = cpu_s_at(pilot, count.stored) +
                (count.further_pilots > 0 ? slope_of(pilot) * work(pilot, count.further_pilots) : 0);
   if (!pilot.point.empty()) {
@@ -158,13 +161,11 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
     ++cost.rows;
     if (rule.relative_error <= 0) continue;
     const double error = stderr_at(pilot.samples, row.stderr_w_sr, count.stored);
-    // What was not seen falls as 1 / n until it is seen.
-    const double unseen =
-        row.unseen_w_sr * last / std::max(last, static_cast<double>(cost.samples));
+    const double unseen = unseen_at(pilot, row, cost.samples);
     const double goal = goal_w_sr(row, rule.relative_error);
-    if (numerical_error(error, row.bias_w_sr + unseen) <= goal)
+    if (numerical_error(error, unseen, row.bias_w_sr) <= goal)
       ++cost.reached;
-    else if (numerical_error(0, row.bias_w_sr) > 0.8 * goal)
+    else if (numerical_error(0, 0, row.bias_w_sr) > 0.8 * goal)
       ++cost.kept_by_bias;
     else if (limited)
       ++cost.kept_by_limit;

@@ -22,7 +22,8 @@ namespace irsig {
 // One row of a view (a condition and a band).
 struct RowPilot {
   std::vector<double> stderr_w_sr;  // [stage]
-  // By the largest stage: |intensity|, the sum of the bias bounds but for `unseen`, and that.
+  // By the largest stage: |intensity|, the sum of the bias bounds but for that of what is unseen,
+  // and the error that this leaves.
   double value_w_sr = 0, bias_w_sr = 0, unseen_w_sr = 0;
   double floor_w_sr = 0;  // an error that is small enough whatever the value; 0: none
 };

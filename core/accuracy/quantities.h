@@ -51,21 +51,25 @@ namespace irsig {
   NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")           \
   NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", 3, "in-band, of the air in front")
 
-#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                          \
-  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed") \
-  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                              \
-         "over wavelength; basis_bound_w_sr is contained in it")                                \
-  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                  \
-         "of rare bright events that were met too seldom to show in the standard error")        \
-  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")              \
-  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                     \
-         "of sky and sea between the directions at which they are known")                       \
-  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")       \
-  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr") \
-  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr") \
-  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here") \
-  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                   \
-         "at the sensor: of one range for the target's whole depth")
+#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                           \
+  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed")  \
+  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
+         "over wavelength; basis_bound_w_sr is contained in it")                                 \
+  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                   \
+         "of rare bright events that were met too seldom to show in the standard error")         \
+  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")               \
+  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                      \
+         "of sky and sea between the directions at which they are known")                        \
+  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")        \
+  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr")  \
+  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr")  \
+  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here")  \
+  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                    \
+         "at the sensor: of one range for the target's whole depth")                             \
+  NUMBER(unseen_stderr_w_sr, kStderr, "W/sr", 8,                                                 \
+         "estimate: what samples that met nothing brighter may have missed, of intensity_w_sr")  \
+  NUMBER(apparent_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of apparent_intensity_w_sr") \
+  NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr")
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
@@ -75,7 +79,7 @@ namespace irsig {
 
 enum class QuantityKind : std::uint8_t {
   kSampled,     // a mean over paths
-  kStderr,      // one sigma of that mean
+  kStderr,      // one sigma: of that mean, or of what no sample may have met
   kError,       // numerical error: standard error and bounds (measured.h)
   kModelError,  // one sigma of a model; never part of a numerical error
   kBound,       // the most by which a value can be off, for one reason

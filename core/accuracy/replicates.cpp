@@ -21,8 +21,9 @@ Estimate ReplicateStatistics::estimate(std::size_t quantity) const {
   return {mean_[quantity], std::sqrt(m2_[quantity] / (n * (n - 1)))};
 }
 
-double numerical_error(double stderr_of_mean, double sum_of_bias_bounds) {
-  return std::sqrt(stderr_of_mean * stderr_of_mean + sum_of_bias_bounds * sum_of_bias_bounds / 3);
+double numerical_error(double stderr_of_mean, double unseen_stderr, double sum_of_bias_bounds) {
+  return std::sqrt(stderr_of_mean * stderr_of_mean + unseen_stderr * unseen_stderr +
+                   sum_of_bias_bounds * sum_of_bias_bounds / 3);
 }
 
 double stderr_wanted(double goal, double sum_of_bias_bounds) {
@@ -40,6 +41,19 @@ double truncation_bound(const std::array<double, 3>& beyond, std::uint32_t spaci
   return geometric ? std::min(at_most, 1.5 * last.value / std::expm1(fall2 / spacing)) : at_most;
 }
 
+namespace {
+
+// m 2^j with m in 8 .. 15: a few whole nets of the sequence, at most an eighth more than n.
+std::uint64_t whole_nets(double n, std::uint64_t n_max) {
+  std::uint64_t unit = 1;
+  while (static_cast<double>(16 * unit) < n && unit < (std::uint64_t{1} << 58)) unit *= 2;
+  if (!(n < 16 * static_cast<double>(unit))) return n_max;
+  const auto multiples = static_cast<std::uint64_t>(std::ceil(n / static_cast<double>(unit)));
+  return std::min(multiples * unit, n_max);
+}
+
+}  // namespace
+
 std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
                              double target, std::uint64_t n_max) {
   const double aim = 0.8 * target;
@@ -48,12 +62,21 @@ std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, doub
                                                                         static_cast<double>(n1)),
                                            0.5, 0.7)
                               : 0.5;
-  const double n = static_cast<double>(n2) * std::pow(e2 / aim, 1 / slope);
-  // m 2^j with m in 8 .. 15: a few whole nets of the sequence, at most an eighth more than needed.
-  std::uint64_t unit = 1;
-  while (static_cast<double>(16 * unit) < n && unit < (std::uint64_t{1} << 58)) unit *= 2;
-  const auto multiples = static_cast<std::uint64_t>(std::ceil(n / static_cast<double>(unit)));
-  return std::min(multiples * unit, n_max);
+  return whole_nets(static_cast<double>(n2) * std::pow(e2 / aim, 1 / slope), n_max);
+}
+
+std::uint64_t samples_needed_with_unseen(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
+                                         double unseen, double wanted, std::uint64_t n_max) {
+  if (!(unseen > 0)) return e2 > 0 ? samples_needed(n1, e1, n2, e2, wanted, n_max) : 0;
+  std::uint64_t least = n_max;
+  for (const double share : {0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.98}) {
+    const std::uint64_t met =
+        whole_nets(static_cast<double>(n2) * unseen / (share * wanted), n_max);
+    const std::uint64_t sampled =
+        e2 > 0 ? samples_needed(n1, e1, n2, e2, std::sqrt(1 - share * share) * wanted, n_max) : 0;
+    least = std::min(least, std::max(met, sampled));
+  }
+  return least;
 }
 
 namespace {

@@ -28,13 +28,15 @@ class ReplicateStatistics {
   std::uint32_t count_ = 0;
 };
 
-// Numerical error of a value: sqrt(stderr^2 + (sum of |bias bounds|)^2 / 3). A bias known only to
-// lie within a bound of 0 counts as uniformly distributed there.
-[[nodiscard]] double numerical_error(double stderr_of_mean, double sum_of_bias_bounds);
+// Numerical error of a value: sqrt(stderr^2 + unseen_stderr^2 + (sum of |bias bounds|)^2 / 3). A
+// bias known only to lie within a bound of 0 counts as uniformly distributed there.
+[[nodiscard]] double numerical_error(double stderr_of_mean, double unseen_stderr,
+                                     double sum_of_bias_bounds);
 
-// The standard error that a value may keep for its numerical error to reach `goal`: what its bias
-// bounds leave. Where they take more than 0.8 of the goal, samples cannot mend it: the standard
-// error is then brought to 0.6 of the goal, and the value will miss it.
+// The standard error, that of what is unseen included, that a value may keep for its numerical
+// error to reach `goal`: what its bias bounds leave. Where they take more than 0.8 of the goal,
+// samples cannot mend it: the standard error is then brought to 0.6 of the goal, and the value will
+// miss it.
 [[nodiscard]] double stderr_wanted(double goal, double sum_of_bias_bounds);
 
 // What reflections after the last one allowed could have added.
@@ -57,6 +59,12 @@ class ReplicateStatistics {
 // replicates: 13 %) is met by aiming at 0.8 of the target. At least n2, at most n_max.
 [[nodiscard]] std::uint64_t samples_needed(std::uint64_t n1, double e1, std::uint64_t n2, double e2,
                                            double target, std::uint64_t n_max);
+
+// The same where an error of what is unseen, which falls as 1 / n from `unseen` at n2, is part of
+// `wanted`: the smallest number over how the two may share it.
+[[nodiscard]] std::uint64_t samples_needed_with_unseen(std::uint64_t n1, double e1,
+                                                       std::uint64_t n2, double e2, double unseen,
+                                                       double wanted, std::uint64_t n_max);
 
 // Two-sided bound on |t| (replicates - 1 degrees of freedom) that all of `rows` independent correct
 // rows keep with probability about 0.999: |t| < t(1 - 0.0005 / rows).

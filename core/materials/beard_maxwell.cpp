@@ -75,7 +75,10 @@ class BeardMaxwellModel final : public LobeModel {
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const override {
     const double t = range.tan2_h_min;
     const double d = spec_.bias * std::sqrt(1 + t) / (spec_.width * spec_.width + t);
-    const float fresnel = *std::max_element(fresnel_row_.begin(), fresnel_row_.end());
+    const auto entry =
+        static_cast<std::ptrdiff_t>(std::sqrt(std::clamp(range.cos_d_min(), 0.0, 1.0)) * kCells);
+    const float fresnel = *std::max_element(
+        fresnel_row_.begin() + entry * static_cast<std::ptrdiff_t>(spectra()), fresnel_row_.end());
     return d * static_cast<double>(fresnel) *
                (spec_.published ? open_grazing(range) : groove_grazing(range)) +
            *std::max_element(diffuse_.begin(), diffuse_.end()) / kPi +

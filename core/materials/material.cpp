@@ -58,6 +58,7 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec,
     status = out.prepare_model(spec, node_um, lambda_min_um, lambda_max_um);
   }
   if (!status.ok()) return status;
+  out.set_limits();
   return out;
 }
 
@@ -101,7 +102,8 @@ absl::Status Material::prepare_lambert(const Lambert& spec, const std::vector<do
     for (const double lambda_um : node_um)
       dhr.value.push_back(1 - spectrum_at(spec.emissivity, lambda_um));
   set_tables(dhr, -1);
-  largest_reflectance_ = *std::max_element(dhr.value.begin(), dhr.value.end());
+  largest_reflectance_ = {
+      static_cast<float>(*std::max_element(dhr.value.begin(), dhr.value.end()))};
   reflectance_.assign(kFresnelCells + 1, static_cast<float>(dhr.value.front()));
   // Nothing depends on angle, but the lookup is that of the other materials.
   for (int row = 0; row <= kSpectralFresnelCells; ++row)
@@ -147,9 +149,12 @@ absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
                               out[i] = dot(lobe, fresnel[i]);
                           }),
              spec.forced_emissivity);
-  for (const auto& table : fresnel)
-    largest_reflectance_ =
-        std::max(largest_reflectance_, *std::max_element(table.begin(), table.end()));
+  largest_reflectance_.assign(static_cast<std::size_t>(cells) + 1, 0.0f);
+  for (std::size_t entry = largest_reflectance_.size(); entry-- > 0;) {
+    float& here = largest_reflectance_[entry];
+    if (entry + 1 < largest_reflectance_.size()) here = largest_reflectance_[entry + 1];
+    for (const auto& table : fresnel) here = std::max(here, static_cast<float>(table[entry]));
+  }
   if (grey_)
     for (const double f : fresnel.front()) reflectance_.push_back(static_cast<float>(f));
   const int stride = cells / kSpectralFresnelCells;
@@ -160,9 +165,7 @@ absl::Status Material::prepare_cook_torrance(const CookTorrance& spec,
   return absl::OkStatus();
 }
 
-double Material::cos_brdf_limit_per_sr(const ReflectionRange& range) const {
-  if (roughness_ < 0) return model_->cos_brdf_limit_per_sr(range);
-  if (roughness_ == 0) return largest_reflectance_ / std::numbers::pi;
+double Material::lobe_limit_per_sr(const ReflectionRange& range) const {
   // F D G / (4 cos_o): V-grooves have G <= 2 cos_h cos_o / cos_d; Smith's G <= G1(cos_o), and
   // G1(cos_o) / cos_o falls with cos_o.
   const double m = static_cast<double>(roughness_), m2 = m * m;
@@ -173,7 +176,63 @@ double Material::cos_brdf_limit_per_sr(const ReflectionRange& range) const {
     const double c = std::max(range.cos_o_min, 1e-9);
     grazing = std::max(0.25, 0.25 * smith_masking(1, c, m) / c);
   }
-  return largest_reflectance_ * bell * grazing;
+  const double position = std::sqrt(std::clamp(range.cos_d_min(), 0.0, 1.0)) *
+                          static_cast<double>(largest_reflectance_.size() - 1);
+  return static_cast<double>(largest_reflectance_[static_cast<std::size_t>(position)]) * bell *
+         grazing;
+}
+
+double Material::cos_brdf_limit_per_sr(const ReflectionRange& range) const {
+  if (roughness_ == 0) return static_cast<double>(largest_reflectance_.front()) / std::numbers::pi;
+  return roughness_ < 0 ? model_->cos_brdf_limit_per_sr(range) : lobe_limit_per_sr(range);
+}
+
+namespace {
+
+// Angles to the normal; narrower towards grazing, where limits rise.
+constexpr std::size_t kLimitCells = 64;
+double limit_cos(std::size_t cell) {
+  const double x = 1 - static_cast<double>(cell) / kLimitCells;
+  return std::sin(0.5 * std::numbers::pi * x * x);
+}
+std::size_t limit_cell(double cosine) {
+  const double x = std::sqrt(2 / std::numbers::pi * std::asin(std::clamp(cosine, 0.0, 1.0)));
+  return std::min(static_cast<std::size_t>((1 - x) * kLimitCells), kLimitCells - 1);
+}
+
+double largest_between(const std::vector<double>& limit, double cos_min, double cos_max) {
+  const std::size_t first = limit_cell(cos_max), last = limit_cell(cos_min);
+  return *std::max_element(limit.begin() + static_cast<std::ptrdiff_t>(first),
+                           limit.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+}
+
+}  // namespace
+
+void Material::set_limits() {
+  limit_of_light_.assign(kLimitCells, 0.0);
+  limit_seen_.assign(kLimitCells, 0.0);
+  std::vector<double> angle;
+  for (std::size_t k = 0; k <= kLimitCells; ++k) angle.push_back(std::acos(limit_cos(k)));
+  constexpr double kEdge = 1e-9;  // rounding of an angle that lies between two cells
+  for (std::size_t i = 0; i < kLimitCells; ++i)
+    for (std::size_t o = 0; o < kLimitCells; ++o) {
+      // The half vector lies at least half way between angles that differ.
+      const double apart =
+          std::max({0.0, angle[i] - angle[o + 1] - kEdge, angle[o] - angle[i + 1] - kEdge});
+      const double limit = cos_brdf_limit_per_sr(
+          {std::max(0.0, limit_cos(i + 1) - kEdge), std::max(0.0, limit_cos(o + 1) - kEdge),
+           std::pow(std::tan(0.5 * apart), 2), limit_cos(i) + kEdge, limit_cos(o) + kEdge});
+      limit_of_light_[i] = std::max(limit_of_light_[i], limit);
+      limit_seen_[o] = std::max(limit_seen_[o], limit);
+    }
+}
+
+double Material::limit_of_light_per_sr(double cos_i_min, double cos_i_max) const {
+  return largest_between(limit_of_light_, cos_i_min, cos_i_max);
+}
+
+double Material::limit_seen_per_sr(double cos_o_min, double cos_o_max) const {
+  return largest_between(limit_seen_, cos_o_min, cos_o_max);
 }
 
 absl::Status Material::prepare_model(const MaterialSpec& spec, const std::vector<double>& node_um,

@@ -54,9 +54,13 @@ class Material {
   [[nodiscard]] float roulette_slope2() const { return roulette_slope2_; }
 
   // brdf x cos_i is nowhere larger at any node, for all reflections of a range: proven for each
-  // model (docs/methods/materials.md, "The largest reflection"); infinite where a model has no
-  // limit there. [1/sr]
+  // model (docs/methods/README.md, "The largest reflection"); infinite where a model has no limit
+  // there. [1/sr]
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const;
+  // The same of light under these cosines, whoever looks; and for one who looks under these, of
+  // light from anywhere. [1/sr]
+  [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
+  [[nodiscard]] double limit_seen_per_sr(double cos_o_min, double cos_o_max) const;
 
   // The BRDF of a grey material. [1/sr]
   [[nodiscard]] float brdf_per_sr(const Reflection& r) const;
@@ -132,8 +136,13 @@ class Material {
   std::vector<float> spectral_emissivity_;  // [cell][node]
 
   // Lambert and Cook-Torrance factor into brdf = shape(geometry) x reflectance(lambda, cos_d).
-  double largest_reflectance_ = 0;  // of the tables below
-  float roughness_ = 0;             // 0: Lambert; below 0: the other models
+  void set_limits();
+  [[nodiscard]] double lobe_limit_per_sr(const ReflectionRange& range) const;
+
+  // [entry of sqrt(cos_d)]: the largest reflectance from there on, at any node.
+  std::vector<float> largest_reflectance_;
+  std::vector<double> limit_of_light_, limit_seen_;  // [kLimitCells of the angle]
+  float roughness_ = 0;                              // 0: Lambert; below 0: the other models
   Masking masking_ = Masking::kVGroove;
   std::vector<float> reflectance_;           // [kFresnelCells + 1], grey
   std::vector<float> spectral_reflectance_;  // [kSpectralFresnelCells + 1][node]

@@ -17,10 +17,14 @@ struct ReflectionGeometry {
   double cos_i, cos_o, cos_h, sin2_h, cos_d;
 };
 
-// All reflections whose cosines are at least these, and whose half vector has a slope tan^2 of at
-// least tan2_h_min. It follows that cos_d >= (cos_i_min + cos_o_min) / 2.
+// All reflections whose cosines lie between these, and whose half vector has a slope tan^2 of at
+// least tan2_h_min.
 struct ReflectionRange {
   double cos_i_min, cos_o_min, tan2_h_min;
+  double cos_i_max = 1, cos_o_max = 1;
+
+  // cos_d cos_h = (cos_i + cos_o) / 2
+  [[nodiscard]] double cos_d_min() const { return 0.5 * (cos_i_min + cos_o_min); }
 };
 
 [[nodiscard]] inline ReflectionGeometry widen(const Reflection& r) {

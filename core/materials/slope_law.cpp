@@ -32,10 +32,12 @@ double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h) {
   return 0;
 }
 
-double largest_bell(double tan2, double w2, double power) {
+double largest_bell(double tan2, double w2, int power) {
   // Rises until 1 + t = power w2.
   const double t = std::max(tan2, power * w2 - 1);
-  return std::exp(-t / w2) * std::pow(1 + t, power);
+  double bell = std::exp(-t / w2);
+  for (int k = 0; k < power; ++k) bell *= 1 + t;
+  return bell;
 }
 
 double open_grazing(const ReflectionRange& range) { return 0.25 / std::max(range.cos_o_min, 0.0); }

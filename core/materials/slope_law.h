@@ -23,7 +23,7 @@ struct SlopeLobe {
 [[nodiscard]] double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h);
 
 // The largest exp(-t / w2) (1 + t)^power for t >= tan2.
-[[nodiscard]] double largest_bell(double tan2, double w2, double power);
+[[nodiscard]] double largest_bell(double tan2, double w2, int power);
 
 // Of the two factors with which a lobe's brdf x cos_i goes to infinity at grazing, in a range of
 // reflections: 1 / (4 cos_o), and what V-grooves make of it, cos_h / (2 cos_d) <= 1 / (cos_i +

@@ -55,7 +55,7 @@ class WardModel final : public LobeModel {
     const double diffuse = *std::max_element(diffuse_.begin(), diffuse_.end()) / kPi;
     if (!has_lobe_) return diffuse;
     const double a2 = alpha_ * alpha_, o = std::max(range.cos_o_min, 0.0);
-    const auto bell = [&](double power) {
+    const auto bell = [&](int power) {
       return largest_bell(range.tan2_h_min, a2, power) / (4 * kPi * a2);
     };
     double lobe = 0;

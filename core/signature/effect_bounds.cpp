@@ -61,9 +61,7 @@ double hottest_k(const ConditionSpec& condition) {
 
 // What the target's materials can do with light that comes from anywhere.
 struct SurfaceLimits {
-  bool narrow = false;     // a lobe as narrow as a mirror's (kBrightSlope)
-  double brdf_per_sr = 0;  // largest of the others: DHR x 1 / pi, or a lobe's peak
-  double gathered = 1;     // light on a facet, that from other facets included / from outside
+  double gathered = 1;  // light on a facet, that from other facets included / from outside
   double least_dhr = 1;
 };
 SurfaceLimits surface_limits(const PreparedScene& scene) {
@@ -82,15 +80,9 @@ SurfaceLimits surface_limits(const PreparedScene& scene) {
       out.least_dhr = std::min(out.least_dhr, here);
     }
     most = std::max(most, dhr);
-    const double slope = m.narrowest_slope();
-    if (slope < static_cast<double>(kBrightSlope))
-      out.narrow = true;
-    else
-      out.brdf_per_sr = std::max(out.brdf_per_sr,
-                                 dhr / std::numbers::pi * std::max(1.0, 1 / (4 * slope * slope)));
   }
   // Radiances of facets that light each other obey L <= f E + DHR L.
-  if (!target.convex) out.gathered = most < 0.95 ? 1 / (1 - most) : kInfinite;
+  if (!target.convex) out.gathered = most < 1 ? 1 / (1 - most) : kInfinite;
   return out;
 }
 
@@ -117,6 +109,10 @@ std::vector<double> arriving_sunlight(const LightBounds& light, bool atmosphere,
 RowBounds::Bound smaller(const RowBounds::Bound& a, const RowBounds::Bound& b) {
   return {false, std::min(a.source, b.source), std::min(a.apparent, b.apparent),
           std::min(a.contrast, b.contrast)};
+}
+
+RowBounds::Bound together(const RowBounds::Bound& a, const RowBounds::Bound& b) {
+  return {false, a.source + b.source, a.apparent + b.apparent, a.contrast + b.contrast};
 }
 
 bool dark(const std::vector<double>& spectrum) {
@@ -218,24 +214,25 @@ PilotLimits best_case(const PreparedScene& scene, const ViewRequest& request, co
 }
 
 std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewRequest& request,
-                                     const PilotLimits& pilot, const AimedView* view,
+                                     const PilotLimits& pilot, const UnseenLight* lit,
                                      ViewSurroundings& surroundings) {
   const std::size_t bands = scene.axis.bands();
   const SurfaceLimits surface = surface_limits(scene);
   const double q0 = pilot.beyond_m2, area_m2 = pilot.area_m2;
+  const UnseenLight::Sun dark_facets;
   std::vector<RowBounds> out;
   for (std::uint32_t c = 0; c < request.condition.size(); ++c) {
     const ConditionSpec& condition = request.condition[c];
     const LightBounds& light = surroundings.bounds(c);
     const std::vector<double> sun_arrives =
         arriving_sunlight(light, request.environment != nullptr, scene.axis.node_um());
-    const bool sun = sun_shines(condition);
-    UnseenSun mirrored;
-    if (sun && surface.narrow && view != nullptr)
-      mirrored = unseen_sun(scene.target, scene.carried_material(), view->frame, view->range_m,
-                            {{condition.sun_direction,
-                              condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0}})
-                     .front();
+    const UnseenLight::Sun& facets =
+        lit != nullptr && sun_shines(condition)
+            ? lit->of({condition.sun_direction,
+                       condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0})
+            : dark_facets;
+    const double shown = lit ? lit->shown_m2_per_sr() : 0, edge_on = lit ? lit->edge_on_m2() : 0,
+                 any = lit ? lit->any_per_sr() : 0;
     for (std::size_t b = 0; b < bands; ++b) {
       const BandOf band(scene.axis.band(b), light.transmittance);
       const BandOf sunlight(scene.axis.band(b), sun_arrives);
@@ -266,11 +263,8 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
       if (!convex) at(row, Effect::kInterReflection) = row.reflected;
 
       if (!at(row, Effect::kDirectSun).absent) {
-        double per_irradiance = area_m2 * surface.brdf_per_sr * surface.gathered;
-        if (surface.narrow) {
-          per_irradiance += mirrored.glint;
-          if (!convex) per_irradiance += mirrored.caustic + q0 * mirrored.chain_per_sr;
-        }
+        double per_irradiance = std::min(facets.first.sum(), area_m2 * facets.first.brightest());
+        if (!convex) per_irradiance += q0 * facets.brightest_per_sr;
         at(row, Effect::kDirectSun) = times(per_irradiance, sunlight(light.sun));
       }
       const auto from_around = [&](Effect effect, const std::vector<double>& radiance,
@@ -281,10 +275,14 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
           bound = {true, 0, 0, 0};
           return;
         }
-        bound = times(q0, sunlight(radiance));
-        if (!surface.narrow)
-          bound = smaller(
-              bound, times(area_m2 * surface.brdf_per_sr * surface.gathered, sunlight(irradiance)));
+        const RowBounds::Bound all = times(q0, sunlight(radiance));
+        const RowBounds::Bound later =
+            convex ? RowBounds::Bound{}
+                   : smaller(all,
+                             times(q0 > 0 ? q0 * any * surface.gathered : 0, sunlight(irradiance)));
+        bound = smaller(all, together(together(times(shown, sunlight(irradiance)),
+                                               times(edge_on, sunlight(radiance))),
+                                      later));
       };
       from_around(Effect::kDiffuseSun, light.diffuse_sun, light.diffuse_sun_w_m2_um);
       from_around(Effect::kMirroredSun, light.mirrored_sun, light.mirrored_sun_w_m2_um);

@@ -30,19 +30,19 @@ struct PilotLimits {
 // limit of what is seen whatever else happens; A: the area, Q0: what is left after the first facet.
 //
 //   reflected sky, sea, parts   Q0 x the brightest of them
-//   direct sun                  A x largest BRDF x irradiance, x 1 / (1 - largest DHR) for what
-//                               other facets send on; mirrors: UnseenSun's sums over facets
-//   diffuse and mirrored sun    the same with their irradiance, or Q0 x their largest radiance;
-//                               mirrors: the latter
+//   direct sun                  what facets mirror at most (UnseenLight), and Q0 x the largest
+//                               radiance of any lit facet
+//   diffuse and mirrored sun    Q0 x their largest radiance, or the facets' largest BRDF x their
+//                               irradiance
 //   sun in path and background  A x radiance
 //
 // At the aperture each is multiplied, wavelength by wavelength, by the line's transmittance: that
 // is the most that arrives of light bounded by a smooth spectrum, lines or not. Of sunlight that is
-// the one outside the air. `view`: for the facets of mirrors; null: as if none were turned to the
-// sun.
+// the one outside the air. `lit`: for the facets that reflect the sun; null: as if none were
+// turned to it.
 [[nodiscard]] std::vector<RowBounds> effect_bounds(const PreparedScene& scene,
                                                    const ViewRequest& request,
-                                                   const PilotLimits& pilot, const AimedView* view,
+                                                   const PilotLimits& pilot, const UnseenLight* lit,
                                                    ViewSurroundings& surroundings);
 
 // The same without goals and bounds: what is absent only.

@@ -82,11 +82,11 @@ std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
                               const std::vector<double>& before, std::uint64_t n) {
   std::uint64_t samples = 16;
   for (std::size_t row = 0; row < pilot.rows(); ++row) {
-    const Estimate e = pilot.statistics(row).estimate(0);
-    if (!(e.stderr_ > 0)) continue;
     samples =
-        std::max(samples, samples_needed(n_before, n_before > 0 ? before[row] : 0, n, e.stderr_,
-                                         pilot.stderr_wanted(row), std::uint64_t{1} << 40));
+        std::max(samples, samples_needed_with_unseen(
+                              n_before, n_before > 0 ? before[row] : 0, n,
+                              pilot.statistics(row).estimate(0).stderr_, pilot.unseen_error(row),
+                              pilot.error_wanted(row), std::uint64_t{1} << 40));
   }
   return samples;
 }
@@ -102,7 +102,7 @@ std::vector<double> errors_of(const Pass& pilot) {
 // proves nothing where all that shines is a hot spot round the corner.
 bool saw_enough(const Pass& pilot) {
   for (std::size_t row = 0; row < pilot.rows(); ++row)
-    if (pilot.measured(row).source.of(BoundOf::kUnseen) > pilot.goal_w_sr(row)) return false;
+    if (pilot.unseen_error(row) > pilot.goal_w_sr(row)) return false;
   return true;
 }
 
@@ -297,6 +297,10 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   std::shared_ptr<const AimedView> aimed;
   if (goal || accuracy.target_paths > 0 || forced_off)
     aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
+  std::shared_ptr<const UnseenLight> unseen;
+  if (aimed != nullptr)
+    unseen =
+        std::make_shared<const UnseenLight>(scene.target, scene.carried_material(), aimed->frame);
   const std::uint64_t seed = view_seed(scene, request);
   auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                              scene.axis.node_um());
@@ -321,12 +325,12 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     ViewPlan emission_plan = plan;
     emission_plan.effects.max_reflections = 0;
     emission.emplace(scene, request, emission_plan,
-                     std::make_shared<const PreparedView>(
-                         PreparedView{aimed, surroundings->without_light(), emission_plan.effects}),
+                     std::make_shared<const PreparedView>(PreparedView{
+                         aimed, surroundings->without_light(), emission_plan.effects, unseen}),
                      all, seed);
     emission->run(emission_size, kEmissionStage, Pass::Kind::kPilot);
     plan.pilot_rays += emission->counts().rays;
-    rows = effect_bounds(scene, request, limits_of(*emission), aimed.get(), *surroundings);
+    rows = effect_bounds(scene, request, limits_of(*emission), unseen.get(), *surroundings);
   }
   if (request.max_reflections == 0) take_out_reflections(rows);
   EffectPlanner planner(rows, bands, request.effects);
@@ -337,7 +341,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
 
   const auto prepared = [&](ViewEnvironments environments) {
     return std::make_shared<const PreparedView>(
-        PreparedView{aimed, std::move(environments), plan.effects});
+        PreparedView{aimed, std::move(environments), plan.effects, unseen});
   };
   if (!goal && accuracy.target_paths <= 0) {
     if (!forced_off) return MadePlan{std::move(plan), nullptr};
@@ -370,7 +374,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     plan.pilot_rays += pilot.counts().rays;
     if (automatic && !decided) {
       // The bounds are for the ledger, and for what late reflections may take.
-      rows = effect_bounds(scene, request, limits_of(pilot), aimed.get(), *surroundings);
+      rows = effect_bounds(scene, request, limits_of(pilot), unseen.get(), *surroundings);
       planner = EffectPlanner(rows, bands, request.effects);
       plan.ledger = planner.ledger();
     }

@@ -172,6 +172,9 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
   r.basis_bound_w_sr = source.of(BoundOf::kBasis);
   r.unseen_bound_w_sr = source.of(BoundOf::kUnseen);
+  r.unseen_stderr_w_sr = source.unseen_stderr;
+  r.apparent_unseen_stderr_w_sr = apparent.unseen_stderr;
+  r.contrast_unseen_stderr_w_sr = contrast.unseen_stderr;
   r.sky_bound_w_sr = source.of(BoundOf::kSky);
   r.omitted_bound_w_sr = source.of(BoundOf::kOmitted);
   r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/accuracy/replicates.h"
 #include "core/base/sobol.h"
 
 namespace irsig {
@@ -22,8 +23,12 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
                 .parts = scene.target.part.size(),
                 .surface_z_m = scene.surface_z_m()},
                plan.effects, {view_, &view_->environments}, scene.axis.node_um()) {
-  unseen_sun_ = unseen_sun(scene.target, scene.carried_material(), view_->aimed->frame,
-                           view_->aimed->range_m, sources_.geometry().sun);
+  unseen_ = view_->unseen;
+  if (unseen_ == nullptr)
+    unseen_ = std::make_shared<const UnseenLight>(scene.target, scene.carried_material(),
+                                                  view_->aimed->frame);
+  for (const SunDirection& sun : sources_.geometry().sun)
+    glitter_.push_back(brightest_glitter(sun));
   for (std::size_t row = 0; row < this->rows(); ++row)
     brightest_.push_back(find_brightest_w_m2_sr(row));
 }
@@ -155,7 +160,8 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
       quadrature_relative_bound(scene_.band[band_of(row)], axis_band(row).grid, light.coldest_k(),
                                 light.hottest_k());
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
-  all.of(BoundOf::kUnseen) = unseen_w_sr(row) + unseen_rim_w_sr(row);
+  const Unseen unseen = this->unseen(row);
+  all.of(BoundOf::kUnseen) = unseen.bound;
   all.of(BoundOf::kSky) = environment.sky_interpolation * cause(Cause::kSkyReflected) +
                           environment.lower_interpolation * cause(Cause::kSeaReflected);
   RowBounds::Bound omitted;
@@ -174,23 +180,43 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
       all.of(BoundOf::kTruncation) = rest;
     }
   }
-  const auto with = [&](std::size_t quantity, double omitted_w_sr) {
+  const auto with = [&](std::size_t quantity, double omitted_w_sr, double unseen_stderr) {
     Measured out = all;
+    out.unseen_stderr = unseen_stderr;
     out.value = s.estimate(quantity).value;
     out.stderr_ = s.estimate(quantity).stderr_;
     out.of(BoundOf::kOmitted) = omitted_w_sr;
     return out;
   };
-  return {with(0, omitted.source), with(kApparentQuantity, omitted.apparent),
-          with(contrast_quantity(scene_.target.part.size()), omitted.contrast)};
+  return {with(0, omitted.source, unseen.source),
+          with(kApparentQuantity, omitted.apparent, unseen.apparent),
+          with(contrast_quantity(scene_.target.part.size()), omitted.contrast, unseen.contrast)};
 }
 
 double Pass::find_brightest_w_m2_sr(std::size_t row) const {
   const ConditionSources& light = this->light(row);
   double sum = light.brightest_thermal_w_m2_sr(axis_band(row));
   for (const LitSun& sun : light.suns())
-    sum += in_band(sun.irradiance, axis_band(row)) * unseen_sun_[sun.index].brightest_per_sr;
+    sum += in_band(sun.irradiance, axis_band(row)) *
+               unseen_->of(sources_.geometry().sun[sun.index]).brightest_per_sr +
+           glitter_w_m2_sr(row, sun, false);
   return sum;
+}
+
+// The sea where it mirrors the sun most.
+double Pass::glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const {
+  double most = 0;
+  for (const SeaGlint& glint : glitter_[sun.index]) {
+    const auto node = static_cast<std::uint32_t>(glint_share(glint.cos_incidence).node);
+    for (const std::uint32_t k : {node, node + 1}) {
+      const SourceId id = sources_.layout().glint(sun.index, k);
+      const ConditionSources& light = this->light(row);
+      most = std::max(
+          most, static_cast<double>(glint.per_sr) *
+                    in_band(apparent ? light.apparent(id) : light.radiance(id), axis_band(row)));
+    }
+  }
+  return most;
 }
 
 Estimate Pass::beyond_m2(std::uint32_t reflections) const { return beyond_.estimate(reflections); }
@@ -216,50 +242,90 @@ double Pass::goal_w_sr(std::size_t row) const {
                   absolute_floor_w_sr(row));
 }
 
-double Pass::stderr_wanted(std::size_t row) const {
+double Pass::error_wanted(std::size_t row) const {
   const Measured source = measured(row).source;
   return irsig::stderr_wanted(goal_w_sr(row), source.bias_bound() - source.of(BoundOf::kUnseen));
 }
 
-// Of each stratum a rim of its mask that no sample met: less than 3 / samples of it, 19 times
-// in 20. Where the silhouette fills its mask but for such a rim, the replicates do not differ.
-double Pass::unseen_rim_w_sr(std::size_t row) const {
-  double sum = 0;
-  for (std::uint32_t p = 0; p < scene_.target.part.size(); ++p) {
-    const auto samples =
-        static_cast<double>(stratum_samples(view_->aimed->stratum_of_part[p], samples_));
-    sum += kNoneSeen / (samples * accuracy_.replicates) *
-           std::abs(statistics_[row].estimate(part_quantity(p)).value);
-  }
-  return sum;
+double Pass::unseen_error(std::size_t row) const {
+  const Measured source = measured(row).source;
+  return numerical_error(0, source.unseen_stderr, source.of(BoundOf::kUnseen));
 }
 
-// Rare bright events that were met too seldom for the standard error to know them.
-// (docs/methods.md)
-double Pass::unseen_w_sr(std::size_t row) const {
-  if (plan_.effects.max_reflections == 0) return 0;
-  const double n = static_cast<double>(samples_) * accuracy_.replicates;
-  // What one event among all primary samples would be worth, per unit radiance. [m2]
-  const double none_seen_m2 = view_->aimed->stratum.front().empty()
-                                  ? 0
-                                  : kNoneSeen / n * view_->aimed->stratum.front().area_m2();
+// What one sample of a stratum stands for.
+double Pass::sample_m2(std::uint32_t stratum) const {
+  const AimedView& view = *view_->aimed;
+  if (view.stratum[stratum].empty()) return 0;
+  return view.stratum[stratum].area_m2() * std::pow(view.range_m / view.frame.plane_m, 2) /
+         (static_cast<double>(stratum_samples(stratum, samples_)) * accuracy_.replicates);
+}
+
+// What the scatter of samples cannot know, met or not. (docs/methods.md)
+Pass::Unseen Pass::unseen(std::size_t row) const {
   const ConditionSources& light = this->light(row);
-  double sum = 0;
-  // A hot part: roulette makes an aimed ray stand for up to 1 / kFaintHot others.
-  for (std::uint32_t p = 0; p < scene_.target.part.size(); ++p)
-    if (scene_.target.part[p].hot && plan_.effects.parts && !plan_.effects.no_second_hit)
-      sum = std::max(sum, kFaintHot * none_seen_m2 * light.part_w_m2_sr(p, axis_band(row)));
-  for (const LitSun& sun : light.suns()) {
-    const UnseenSun& unseen = unseen_sun_[sun.index];
-    double per_irradiance = 0;
-    if (counts_.sun_met_first[sun.index] < kSeenOften) per_irradiance += unseen.glint;
-    if (plan_.effects.max_reflections >= 2 && counts_.sun_met_later[sun.index] < kSeenOften) {
-      per_irradiance += unseen.caustic;
-      if (counts_.bright_to_bright > 0) per_irradiance += none_seen_m2 * unseen.chain_per_sr;
-    }
-    sum += per_irradiance * in_band(sun.irradiance, axis_band(row));
+  const BandOnAxis band = axis_band(row);
+  const auto seen = [&](SourceId id) { return in_band(light.apparent(id), band); };
+  double source = 0, apparent = 0, contrast = 0;  // variances
+  Unseen out;
+  const auto square = [](double x) { return x * x; };
+  // What the sensor sees of the parts themselves, and of what stands behind them.
+  double behind = 0;
+  for (const SourceId id : sources_.layout().behind()) behind = std::max(behind, seen(id));
+  double most_m2 = 0, emitted = 0, emitted_seen = 0, emitted_contrast = 0;
+  const Emitters& emitters = sources_.geometry().emitters;
+  double part = 0, part_seen = 0;
+  for (std::uint32_t e = 0; e < sources_.layout().emitters(); ++e) {
+    const std::uint32_t p = emitters.part_of(e);
+    const double m2 = sample_m2(view_->aimed->stratum_of_part[p]);
+    const SourceId id = sources_.layout().seen(e);
+    const double here = in_band(light.radiance(id), band), there = seen(id);
+    most_m2 = std::max(most_m2, m2);
+    emitted = std::max(emitted, m2 * here);
+    emitted_seen = std::max(emitted_seen, m2 * there);
+    emitted_contrast = std::max(emitted_contrast, m2 * std::max(there, behind));
+    part = std::max(part, here);
+    part_seen = std::max(part_seen, there);
   }
-  return sum;
+  source += square(2 * emitted);
+  apparent += square(2 * emitted_seen);
+  contrast += square(2 * emitted_contrast);
+  if (plan_.effects.max_reflections > 0) {
+    // Whatever may be reflected: parts, sky, sea, glitter. Then suns.
+    const bool parts = plan_.effects.parts && !plan_.effects.no_second_hit;
+    double around = parts ? part : 0, around_seen = parts ? part_seen : 0;
+    for (const SourceRange range : {sources_.layout().sky(), sources_.layout().lower()})
+      for (const SourceId id : range) {
+        around = std::max(around, in_band(light.radiance(id), band));
+        around_seen = std::max(around_seen, seen(id));
+      }
+    const auto add = [&](const RareLight& rare, bool estimate, double radiance,
+                         double radiance_seen) {
+      RareLight::Allowance a = rare.allowance(most_m2);
+      if (estimate) {
+        a.stderr_ = numerical_error(0, a.stderr_, a.bound);
+        a.bound = 0;
+      }
+      out.bound += a.bound * radiance;
+      source += square(a.stderr_ * radiance);
+      apparent += square(a.stderr_ * radiance_seen);
+      contrast += square(a.stderr_ * radiance_seen);
+    };
+    add(unseen_->reflected(), false, around, around_seen);
+    for (const LitSun& sun : light.suns()) {
+      const UnseenLight::Sun& rare = unseen_->of(sources_.geometry().sun[sun.index]);
+      add(unseen_->reflected(), false, glitter_w_m2_sr(row, sun, false),
+          glitter_w_m2_sr(row, sun, true));
+      if (!sun.direct) continue;
+      const double irradiance = in_band(sun.irradiance, band),
+                   arrives = in_band(sun.apparent, band);
+      add(rare.first, false, irradiance, arrives);
+      if (plan_.effects.max_reflections > 1) add(rare.later, true, irradiance, arrives);
+    }
+  }
+  out.source = std::sqrt(source);
+  out.apparent = std::sqrt(apparent);
+  out.contrast = std::sqrt(contrast);
+  return out;
 }
 
 ImagePlan Pass::plan_images() const {

@@ -75,9 +75,10 @@ class Pass {
   // is more. [W/sr]
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
-  // The standard error that a row may keep for its numerical error to reach its goal. What is
-  // unseen takes nothing of it: more samples meet it or rule it out.
-  [[nodiscard]] double stderr_wanted(std::size_t row) const;
+  // The error that a row may keep, besides its lasting bounds, for its numerical error to reach its
+  // goal; and what it has of it for what is unseen, which falls as 1 / n.
+  [[nodiscard]] double error_wanted(std::size_t row) const;
+  [[nodiscard]] double unseen_error(std::size_t row) const;
 
   // Throughput that goes on after each number of reflections, and an upper limit of it that
   // sampling will hardly exceed: 4 standard errors, and as much as none of the samples may have
@@ -107,9 +108,13 @@ class Pass {
   void collect(std::span<const PathWeights> weights, Kind kind);
   void find_basis_errors(std::span<const SummedWeights> sums);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
-  [[nodiscard]] double unseen_w_sr(std::size_t row) const;
+  struct Unseen {                                              // [W/sr]
+    double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
+  };
+  [[nodiscard]] Unseen unseen(std::size_t row) const;
+  [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
+  [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row) const;
-  [[nodiscard]] double unseen_rim_w_sr(std::size_t row) const;
   [[nodiscard]] ImagePlan plan_images() const;
 
   const PreparedScene& scene_;
@@ -120,9 +125,10 @@ class Pass {
   Rows rows_;
   std::uint64_t seed_;
   ViewSources sources_;
-  std::vector<UnseenSun> unseen_sun_;
-  std::vector<double> brightest_;     // [row]
-  std::vector<SourceTable> in_band_;  // [row]
+  std::shared_ptr<const UnseenLight> unseen_;
+  std::vector<std::vector<SeaGlint>> glitter_;  // [sun of the geometry]
+  std::vector<double> brightest_;               // [row]
+  std::vector<SourceTable> in_band_;            // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;        // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_;  // [row]

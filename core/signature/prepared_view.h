@@ -9,6 +9,7 @@
 #include "core/environment/environment.h"
 #include "core/signature/plan.h"
 #include "core/signature/request.h"
+#include "core/signature/unseen.h"
 #include "core/sources/view_sources.h"
 #include "core/transport/primary_rays.h"
 
@@ -18,7 +19,8 @@ namespace irsig {
 struct PreparedView {
   std::shared_ptr<const AimedView> aimed;
   ViewEnvironments environments;
-  EffectSet effects;  // for which the environments were made
+  EffectSet effects;                                    // for which the environments were made
+  std::shared_ptr<const UnseenLight> unseen = nullptr;  // null: whoever needs it makes it
 };
 
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.

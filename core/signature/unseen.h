@@ -1,44 +1,102 @@
 #pragma once
 
+#include <deque>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <utility>
 #include <vector>
 
+#include "core/environment/sea_glint.h"
 #include "core/materials/material.h"
 #include "core/scene/target.h"
 #include "core/sources/source_geometry.h"
-#include "core/transport/path_tracer.h"
+#include "core/transport/primary_rays.h"
 
 namespace irsig {
 
-// What sunlight on facets with narrow lobes could add without having been met yet, per unit
-// irradiance [m2/sr]: such glints are rare and bright, and an estimate that has met none says
-// nothing about them by its scatter.
-struct UnseenSun {
-  // Seen directly: sum over the facets of area x cos_o x the largest brdf x cos_i over the sun's
-  // disk (at most the disk's own radiance), nothing in the way.
-  double glint = 0;
-  // Thrown onto facets without narrow lobes: all sunlight that the narrow ones can reflect x the
-  // largest brdf x cos_o of those it may fall on (1/pi, or the peak 1/(4 pi m^2) of a lobe of
-  // slope m, times their reflectance).
-  double caustic = 0;
-  // From narrow onto narrow: the radiance of the disk. Per m2 of projected area; what share of the
-  // paths does that is known from counts only.
-  double chain_per_sr = 0;
-  // The largest radiance that any facet reflects, by the same measures. [1/sr]
-  double brightest_per_sr = 0;
+// Places that may shine more brightly than what is around them, and that samples may fail to meet:
+// each at most this bright, and seen over at most this area. What is in the way is not looked at.
+class RareLight {
+ public:
+  void add(double radiance, double seen_m2);
+
+  // What all of them together can be wrong by, if every sample stands for sample_m2: those above a
+  // threshold are bounded by the sum of radiance x area, the others allowed for by a standard error
+  // of 2 x sample_m2 x the brightest of them, as if two hits of it had been missed; the threshold
+  // is the one with the smallest error. In the unit of the radiances x m2.
+  struct Allowance {
+    double bound = 0, stderr_ = 0;
+  };
+  [[nodiscard]] Allowance allowance(double sample_m2) const;
+  // Of all: the sum of radiance x area, and the brightest.
+  [[nodiscard]] double sum() const;
+  [[nodiscard]] double brightest() const;
+
+ private:
+  struct Places {  // whose radiances differ by less than a quarter of an octave
+    double brightest = 0, sum = 0;
+  };
+  std::map<int, Places, std::greater<>> places_;  // by quarter octaves of radiance
 };
-// One for each sun. `view`: from where the target is seen.
-[[nodiscard]] std::vector<UnseenSun> unseen_sun(const Target& target,
-                                                const std::vector<Material>& materials,
-                                                const ViewFrame& frame, double range_m,
-                                                const std::vector<SunDirection>& suns);
 
-// Whether a material's lobe is narrow in this sense: as PathTracer counts it.
-[[nodiscard]] bool is_bright(const Material& material, const SunDirection& sun);
+// What of a view could be bright without being met, from geometry and materials alone: no ray, no
+// temperature. Per unit irradiance of a sun [1/sr], and for light that comes from anywhere as a
+// share of its radiance. Any number of threads may ask; the target and the materials outlive it.
+class UnseenLight {
+ public:
+  UnseenLight(const Target& target, const std::vector<Material>& materials, const ViewFrame& frame);
+  ~UnseenLight();
 
-// A rare event met this often shows in the scatter of the estimate: the relative error of its mean
-// is below 1/4, known to a fifth.
-inline constexpr std::uint64_t kSeenOften = 16;
-// Upper 95 % limit of the expected number of events of which none was met.
+  struct Sun {
+    // Mirrored by what the sensor sees: each facet's largest brdf x cos_i over the sun's disk, for
+    // all directions in which its corners see sensor and sun (Material::cos_brdf_limit_per_sr; at
+    // most its largest DHR x the disk's radiance).
+    RareLight first;
+    // Thrown onto other facets before: at most as bright as any lit facet is to anyone; all of the
+    // light that it throws, shown by the facet that shows most (1 / pi, or the peak of its lobe, x
+    // DHR) and gathered by facets that throw it at each other: an estimate, no bound, where light
+    // falls on gloss at grazing angles.
+    RareLight later;
+    // The largest radiance of any lit facet, to whoever looks, light from other facets included; at
+    // most the disk's.
+    double brightest_per_sr = 0;
+  };
+  // Made when it is asked for first; the sea plays no part.
+  [[nodiscard]] const Sun& of(const SunDirection& sun) const;
+
+  // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
+  [[nodiscard]] const RareLight& reflected() const { return reflected_; }
+  // What an irradiance from anywhere becomes at most, seen after one reflection: the sum of each
+  // facet's area x cos_o x largest brdf x cos_i [m2/sr]; facets seen nearly edge on, whose brdf may
+  // be very large, are left to their projected area x DHR [m2], per radiance. And the largest brdf
+  // x cos_i of any direction, which most glossy models do not limit [1/sr].
+  [[nodiscard]] double shown_m2_per_sr() const { return shown_m2_per_sr_; }
+  [[nodiscard]] double edge_on_m2() const { return edge_on_m2_; }
+  [[nodiscard]] double any_per_sr() const { return any_per_sr_; }
+
+ private:
+  struct Patch;
+  [[nodiscard]] Sun make(const SunDirection& sun) const;
+
+  const std::vector<Material>& materials_;
+  bool convex_;
+  std::vector<Patch> patch_;
+  std::vector<double> dhr_;  // [material]: the largest over angles
+  double largest_dhr_ = 0, gathered_ = 1, gathered_mean_ = 1;
+  double shown_per_sr_ = 0, passed_on_ = 0;
+  RareLight reflected_;
+  double shown_m2_per_sr_ = 0, edge_on_m2_ = 0, any_per_sr_ = 0;
+  mutable std::mutex mutex_;
+  mutable std::deque<std::pair<SunDirection, Sun>> sun_;
+};
+
+// The sea that mirrors a sun, over all directions: brightest along the sun's vertical circle, which
+// is looked at every half degree; 5 % are added. Empty without wind.
+[[nodiscard]] std::vector<SeaGlint> brightest_glitter(const SunDirection& sun);
+
+// What a pilot may have missed when it met nothing: the upper 95 % limit of the expected number of
+// events of which none was met.
 inline constexpr double kNoneSeen = 3.0;
 
 }  // namespace irsig

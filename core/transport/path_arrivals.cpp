@@ -221,9 +221,6 @@ void PathTracer::arrive(Work& work, std::uint32_t order) const {
     const Material& material = materials_[hit.material];
     hit.surface = material.emissivity_and_dhr(hit.cos_o);
     add_emission<kSpectral>(all, work, ray, hit);
-    if (any_bright_ && order > 0 && material.narrowest_slope() < kBrightSlope &&
-        materials_[target_.part[ray.state.first].material].narrowest_slope() < kBrightSlope)
-      ++work.counts->bright_to_bright;
     if (hit.surface.dhr_max <= 0) continue;
     list_vertex(all, work, ray, hit);
   }

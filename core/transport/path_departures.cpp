@@ -14,10 +14,6 @@ namespace {
 // and 0.16 %.
 constexpr float kFaintSun = 1.0f;
 
-// A sight of the sun counts as one of the bright middle of a lobe of slope m where the density of
-// its directions is at least a tenth of the peak, 1 / (4 pi m^2).
-constexpr float kBright = 0.1f / 12.566371f;
-
 // A weight that may enter the result; others are counted.
 bool sound(float weight, PathCounts& counts) {
   if (std::isfinite(weight) && weight >= 0) return true;
@@ -93,19 +89,12 @@ void PathTracer::aim_at_suns(Work& work, std::uint32_t order) const {
       float f = light.irradiance;
       if constexpr (!kSpectral) f *= material.brdf_per_sr(at);
       f *= cos_i / keep[v];
-      bool bright = false;
-      if (const float slope = material.narrowest_slope();
-          slope < std::max(sun.narrow_slope, kBrightSlope)) {
-        const float drawn = material.density_per_sr(at);
-        bright = drawn * slope * slope > kBright;
-        if (slope < sun.narrow_slope) {
-          const float aimed = keep[v] * light.density_per_sr;
-          f *= aimed / (aimed + vertex.survival[v] * drawn);
-        }
+      if (material.narrowest_slope() < sun.narrow_slope) {
+        const float aimed = keep[v] * light.density_per_sr;
+        f *= aimed / (aimed + vertex.survival[v] * material.density_per_sr(at));
       }
       PathState s = batch.state[i];
       s.weight *= f;
-      s.spectral_max = bright ? 1.0f : 0.0f;
       if (!sound(s.weight, *work.counts)) continue;
       const std::uint32_t ray = shadow.push(x, wi, s);
       if constexpr (kSpectral) {
@@ -299,7 +288,6 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
       const float aimed = work.sun_keep[j * work.most + v] * light.density_per_sr;
       const float drawn = vertex.survival[v] * material.density_per_sr(local.at);
       PathState lit = s;
-      lit.spectral_max = 1;
       lit.weight *= light.irradiance * light.density_per_sr * (drawn / (aimed + drawn));
       if (!sound(lit.weight, *work.counts)) continue;
       RayBatch& shadow = work.shadow[j];
@@ -323,11 +311,9 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
       work.counts->rays += batch.size;
     }
     work.counts->sun_rays += batch.size;
-    auto& met = order == 0 ? work.counts->sun_met_first : work.counts->sun_met_later;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
       if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
       const PathState& s = batch.state[i];
-      if (s.spectral_max > 0) ++met[j];
       add<kSpectral>(
           work, s, order + 1, layout_.sun(j), s.weight,
           batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));

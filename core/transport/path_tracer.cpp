@@ -38,10 +38,8 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
   if (settings_.sun_disk_by_chance)
     for (const SunDirection& s : sources_.sun)
       widest_radius = std::max(widest_radius, static_cast<float>(std::tan(s.angular_radius_rad)));
-  for (const Material& m : materials_) {
+  for (const Material& m : materials_)
     any_narrow_ |= m.narrowest_slope() < kNarrowRadii * widest_radius;
-    any_bright_ |= m.narrowest_slope() < kBrightSlope;
-  }
 }
 
 std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<double>& image,
@@ -66,8 +64,6 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     for (Float3* t : {&sun.tangent1, &sun.tangent2}) *t = {r * t->x, r * t->y, r * t->z};
     work.sun.push_back(sun);
   }
-  counts.sun_met_first.resize(sources_.sun.size());
-  counts.sun_met_later.resize(sources_.sun.size());
   // Large enough to fill packets, small enough to stay in the second-level cache.
   const std::uint32_t capacity = spectral_ ? 256 : 1024;
   const std::size_t row = spectral_ ? nodes_ : 0;

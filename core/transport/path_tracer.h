@@ -30,9 +30,6 @@ inline constexpr float kFaintHot = 0.03f;
 // radii of the disk. Variance of a sphere in the sun by aimed rays alone / by both: 93, 3.5, 1.15,
 // 1.00 at m = 3e-4, 1e-3, 3e-3, 0.01 (0.06, 0.2, 0.6, 2.2 radii); 0.8 and 0.7 at 0.02 and 0.03.
 inline constexpr float kNarrowRadii = 2.0f;
-// Lobes below this are bright where they mirror the sun: 1 / (4 pi m^2) is 160 times a diffuse
-// surface's 1 / pi. Such sights are counted.
-inline constexpr float kBrightSlope = 0.04f;
 
 // What the paths are accumulated into pictures with: `images` in-band pictures of width x height
 // pixels over the view's bounding rectangle. source[id * padded + i] is what a unit weight of a
@@ -106,10 +103,6 @@ struct PathCounts {
   std::uint64_t guarded_nonfinite = 0;      // a weight that is NaN or infinite
   std::uint64_t guarded_negative = 0;       // a weight below zero
   std::uint64_t truncated_paths = 0;        // alive after max_reflections: ordinary
-  // Sights of each sun in the middle of bright lobes: at the facet seen first, and after earlier
-  // reflections. Drawn rays that meet a facet with a bright lobe on paths that began with one.
-  std::vector<std::uint64_t> sun_met_first, sun_met_later;
-  std::uint64_t bright_to_bright = 0;
 };
 
 // Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.
@@ -209,7 +202,6 @@ class PathTracer {
   SourceLayout layout_;
   bool spectral_ = false;
   bool any_narrow_ = false;  // a material with a lobe not much wider than some sun
-  bool any_bright_ = false;  // a material with a lobe below kBrightSlope
   bool any_glint_ = false;   // a sun that the sea mirrors
   std::size_t nodes_ = 1;
   const AimedView& view_;

@@ -26,10 +26,12 @@ class ErrorBudget(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             db = sqlite3.connect(path / "x.sigdb")
             for error, (stderr, bounds) in ERRORS.items():
-                rows = db.execute(f"SELECT {error}, {stderr}, {bounds} FROM signature_view").fetchall()
+                unseen = error.replace("numerical_error", "unseen_stderr")
+                rows = db.execute(f"SELECT {error}, {stderr}, {unseen}, {bounds} FROM signature_view").fetchall()
                 self.assertGreater(len(rows), 0)
-                for stated, sampled, bound in rows:
-                    again = math.sqrt(sampled**2 + bound**2 / 3)
+                for stated, sampled, missed, bound in rows:
+                    self.assertGreater(missed, 0)
+                    again = math.sqrt(sampled**2 + missed**2 + bound**2 / 3)
                     self.assertLessEqual(abs(stated - again), 1e-12 * again, (error, stated, again))
             counted = {column: db.execute(f"SELECT count(*) FROM signature WHERE {column} > 0").fetchone()[0]
                        for column in ("truncation_bound_w_sr", "unseen_bound_w_sr", "sky_bound_w_sr",
