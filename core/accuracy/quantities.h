@@ -65,7 +65,9 @@ namespace irsig {
   NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr") \
   NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here") \
   NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                   \
-         "at the sensor: of one range for the target's whole depth")
+         "at the sensor: of one range for the target's whole depth")                            \
+  NUMBER(backface_share, kGuard, "1", 8,                                                        \
+         "of the silhouette: one-sided facets seen from behind, which send nothing")
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
@@ -81,7 +83,8 @@ enum class QuantityKind : std::uint8_t {
   kBound,       // the most by which a value can be off, for one reason
   kExact,       // without a sampling error
   kDerived,     // from other quantities of the row
-  kGoal         // an error that was asked for
+  kGoal,        // an error that was asked for
+  kGuard        // what should be 0
 };
 
 struct QuantityInfo {
