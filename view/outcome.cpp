@@ -37,7 +37,7 @@ std::string stopped_text(const StoredOutcome& outcome, const schema::Accuracy& a
 std::string backface_text(const StoredOutcome& outcome) {
   if (outcome.backface_views == 0) return "";
   return fmt::format(
-      "back faces: seen from {} viewpoint{}, up to {:.2g} % of the silhouette are one-sided facets "
+      "back faces: seen from {} viewpoint{}, up to {:.3g} % of the silhouette are one-sided facets "
       "from behind, which send nothing: {}",
       outcome.backface_views, outcome.backface_views == 1 ? "" : "s",
       100 * outcome.largest_backface_share, kRemedy);

@@ -120,7 +120,7 @@ std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
     }
   }
   if (behind > 0)
-    out.push_back(fmt::format("{} of {} rows, up to {:.2g} % of the silhouette: {}", behind,
+    out.push_back(fmt::format("{} of {} rows, up to {:.3g} % of the silhouette: {}", behind,
                               rows.size(), 100 * largest_share, back_faces));
   if (old > 0)
     out.push_back(
