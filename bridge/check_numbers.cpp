@@ -103,6 +103,7 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
                                " in ", o.numerical_error_w_sr));
   }
   reasons.see(row + "absolute_floor_w_sr", r.absolute_floor_w_sr, 0);
+  reasons.see(row + "backface_share", r.backface_share, 0);
   constexpr double kAnySign = std::numeric_limits<double>::infinity();
   for (const LedgerEntry& e : r.effect) {
     const auto known = [&](const char* name, double value, double least) {

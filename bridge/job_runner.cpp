@@ -2,6 +2,7 @@
 
 #include <gnu/libc-version.h>
 
+#include <algorithm>
 #include <ctime>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +11,7 @@
 #include "bridge/result_to_proto.h"
 #include "bridge/spec_to_request.h"
 #include "core/base/arithmetic_fingerprint.h"
+#include "core/scene/mesh_lint.h"
 #include "core/signature/simulator.h"
 
 namespace irsig {
@@ -25,11 +27,12 @@ class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment,
-                std::optional<ThumbnailEncoder> encoder)
+                std::optional<ThumbnailEncoder> encoder, std::vector<std::string> warnings)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
-        encoder_(std::move(encoder)) {}
+        encoder_(std::move(encoder)),
+        warnings_(std::move(warnings)) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     const double start_s = cpu_seconds();
@@ -42,6 +45,8 @@ class CoreJobRunner final : public JobRunner {
     result->set_build_id(build_id());
     return result;
   }
+
+  [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
   [[nodiscard]] JobMemory memory() const override {
     return job_memory(sweep_, *simulator_, environment_.get());
@@ -72,6 +77,7 @@ class CoreJobRunner final : public JobRunner {
     const auto view = simulator_->measure(*request, *planned);
     if (!view.ok()) return view.status();
     if (auto status = check_numbers(*view); !status.ok()) return status;
+    if (auto status = check_back_faces(*view); !status.ok()) return status;
     auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
     if (!result.ok()) return result.status();
     if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
@@ -79,11 +85,57 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
+  // A target that is seen from behind is mostly a mesh inside out, or a sheet that was meant to
+  // have two sides: its intensity would be what is left of it.
+  [[nodiscard]] absl::Status check_back_faces(const ViewResult& view) const {
+    const schema::Model& model = sweep_.sweep().model();
+    const double accepted = model.has_accepted_backface_share() ? model.accepted_backface_share()
+                                                                : kAcceptedBackfaceShare;
+    const double share = view.row.front().backface_share;
+    if (share <= accepted) return absl::OkStatus();
+    return absl::FailedPreconditionError(absl::StrCat(
+        absl::SixDigits(100 * share),
+        " % of the silhouette are one-sided facets seen from behind, which send nothing (",
+        view.silhouette_backface_hits, " of ", view.silhouette_backface_hits + view.target_paths,
+        " primary hits); expected at most ", absl::SixDigits(100 * accepted),
+        " %: set two_sided = true for parts that are sheets, mend facets that are inside out with "
+        "`irsig model check FILE --repair OUT.obj`, or accept it with "
+        "model.accepted_backface_share"));
+  }
+
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   std::optional<ThumbnailEncoder> encoder_;
+  std::vector<std::string> warnings_;
 };
+
+// Sheets are mostly meant to have two sides: not where the sweep says what share of the silhouette
+// may be back faces.
+std::vector<std::string> open_parts(const SceneSpec& scene) {
+  std::vector<std::uint64_t> facets(scene.part.size(), 0);
+  for (const OpenGroup& open : open_groups(scene.mesh))
+    for (std::size_t p = 0; p < scene.part.size(); ++p) {
+      std::vector<std::string> patterns = scene.part[p].match;
+      if (patterns.empty()) patterns.push_back(scene.part[p].name);
+      if (std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+            return group_matches(open.group, pattern);
+          }))
+        facets[p] += open.facets;
+    }
+  std::vector<std::string> out;
+  for (std::size_t p = 0; p < facets.size(); ++p)
+    if (facets[p] > 0 && !scene.part[p].two_sided)
+      out.push_back(absl::StrCat("part[", p, "]: ", facets[p], " facets of \"", scene.part[p].name,
+                                 "\" belong to open shells of the model, and send nothing from "
+                                 "behind: two_sided = true if they are sheets; `irsig model check` "
+                                 "lists the holes if they are not"));
+  return out;
+}
+
+bool proposes_two_sides(const schema::Model& model) {
+  return model.has_file() && !model.has_accepted_backface_share();
+}
 
 // There the sensor's place is rounded to 1e-7 of the target; at 1e12 the intensity of a disk was
 // 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
@@ -122,8 +174,9 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
-                                         std::move(encoder));
+  return std::make_unique<CoreJobRunner>(
+      sweep, *std::move(simulator), *std::move(environment), std::move(encoder),
+      proposes_two_sides(sweep.sweep().model()) ? open_parts(*scene) : std::vector<std::string>());
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

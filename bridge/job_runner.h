@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -13,6 +14,10 @@
 #include "schema/result.pb.h"
 
 namespace irsig {
+
+// The largest share of the silhouette that may be facets seen from behind, unless the sweep accepts
+// more (model.accepted_backface_share). 1 %: the accuracy that is the default for an intensity.
+inline constexpr double kAcceptedBackfaceShare = 0.01;
 
 // Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. One object belongs
 // to one thread.
@@ -30,6 +35,9 @@ class JobRunner {
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
+  // Of a model from a file, for people: one-sided parts with facets of open shells, each as
+  // "part[2]: ...". None where the sweep states model.accepted_backface_share.
+  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
   // Of a worker with this runner; nothing for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }
 };

@@ -29,6 +29,8 @@ schema::StopReason reason(StopReason r) {
       return schema::STOP_REASON_SAMPLE_LIMIT;
     case StopReason::kFixedSamples:
       return schema::STOP_REASON_FIXED_SAMPLES;
+    case StopReason::kFloorReached:
+      return schema::STOP_REASON_FLOOR_REACHED;
   }
   return schema::STOP_REASON_UNSPECIFIED;
 }

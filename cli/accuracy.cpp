@@ -102,6 +102,7 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
   if (source->database == nullptr)
     return absl::InvalidArgumentError(absl::StrCat("--check-errors: ", given.source,
                                                    " is no database, expected the rows of one"));
+  print_text("{}\n", kNotSeenByLongerRun);
   const auto checked =
       check_database_errors(*source, given.check, [](const CheckedViewpoint& view) {
         print_note("{} of {}: viewpoint {}, {:.3g} primary rays, {} rows, largest {:.2f}\n",
@@ -166,9 +167,15 @@ void add_accuracy(CLI::App& app, int& exit_code) {
       ->add_option("--aspect", given->aspect,
                    "Direction from the target to the sensor (default: the middle viewpoint)")
       ->type_name("AZ,EL");
-  command->add_option("--seconds", given->rows.seconds, "CPU time to spend on tracing")
-      ->check(CLI::Range(1.0, 36000.0))
-      ->capture_default_str();
+  CLI::Option* seconds =
+      command->add_option("--seconds", given->rows.seconds, "CPU time to spend on tracing")
+          ->check(CLI::Range(1.0, 36000.0))
+          ->capture_default_str();
+  command
+      ->add_option("--primary-rays", given->rows.primary_rays,
+                   "Primary rays to spend on it instead: the same points on any machine")
+      ->check(CLI::Range(1e3, 1e12))
+      ->excludes(seconds);
   CLI::Option* check =
       command
           ->add_flag(

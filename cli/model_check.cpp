@@ -29,6 +29,11 @@ std::string as_json(const std::string& file, const LintReport& report) {
                          &p == &f.first.front() ? "" : ", ", p.number + 1, p.at.x, p.at.y, p.at.z);
     out += "]}";
   }
+  out += "], \"open_groups\": [";
+  for (const OpenGroup& g : report.open_group)
+    out +=
+        fmt::format("{}{{\"group\": {}, \"facets\": {}}}",
+                    &g == &report.open_group.front() ? "" : ", ", json_string(g.group), g.facets);
   return out + "]}\n";
 }
 
@@ -47,6 +52,15 @@ std::string as_text(const std::string& file, const LintReport& report) {
                          p.number + 1, p.at.x, p.at.y, p.at.z);
   }
   if (report.finding.empty()) out += "nothing found\n";
+  if (report.open_group.empty()) return out;
+  out +=
+      "proposed in the sweep file, if these are sheets and not bodies with holes: two_sided = true "
+      "for the parts of\n";
+  for (const OpenGroup& g : report.open_group)
+    out += fmt::format(
+        "          group {}: {} facets of open shells, which send nothing from "
+        "behind\n",
+        g.group, g.facets);
   return out;
 }
 

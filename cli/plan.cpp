@@ -29,21 +29,24 @@ std::string accuracy_text(const schema::Accuracy& accuracy) {
 }
 
 // Why rows do not reach an error; empty: all do.
-std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples) {
+std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples, double floor_k) {
   std::string text;
+  if (cost.at_floor_share > 0)
+    text += fmt::format("; {:.3g} % stop above it, at the floor of {:g} K (floor_reached)",
+                        100 * cost.at_floor_share, floor_k);
   if (cost.kept_by_bias_share > 0)
     text += fmt::format("; bias bounds keep {:.3g} % above it", 100 * cost.kept_by_bias_share);
   if (cost.kept_by_limit_share > 0)
     text += fmt::format("; max_samples_per_replicate = {} keeps {:.3g} %", max_samples,
                         100 * cost.kept_by_limit_share);
-  const double otherwise =
-      1 - cost.reached_share - cost.kept_by_bias_share - cost.kept_by_limit_share;
+  const double otherwise = 1 - cost.reached_share - cost.at_floor_share - cost.kept_by_bias_share -
+                           cost.kept_by_limit_share;
   if (otherwise > 1e-9)
     text += fmt::format("; {:.3g} % miss it: the pilots ask for too few samples", 100 * otherwise);
   return text;
 }
 
-void print_table(const SweepPilot& pilot, std::uint32_t workers) {
+void print_table(const SweepPilot& pilot, std::uint32_t workers, double floor_k) {
   if (pilot.rule.relative_error <= 0) {
     print_text("\nFor the table of time against error, ask with --relative-error.\n");
     return;
@@ -59,7 +62,7 @@ void print_table(const SweepPilot& pilot, std::uint32_t workers) {
                                       workers, pilot.start_s);
     print_text("{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
                seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_share,
-               what_keeps(cost, rule.max_samples_per_replicate));
+               what_keeps(cost, rule.max_samples_per_replicate, floor_k));
   }
 }
 
@@ -100,6 +103,7 @@ absl::Status plan_sweep(PlanAsked asked) {
   const auto pilot = pilot_sweep(*loaded);
   if (!pilot.ok()) return pilot.status();
   const schema::ResolvedSweep& sweep = loaded->resolved;
+  const double floor_k = sweep.sweep().accuracy().absolute_error_k();
   const StoredPrediction p = prediction_of(*pilot, sweep, asked.workers);
   const SweepCost cost = sweep_cost(view_costs(*pilot, pilot->rule), pilot->views,
                                     pilot->jobs_per_view, asked.workers, pilot->start_s);
@@ -120,10 +124,10 @@ absl::Status plan_sweep(PlanAsked asked) {
   print_text("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
   if (pilot->rule.relative_error > 0)
     print_text("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
-               what_keeps(cost, pilot->rule.max_samples_per_replicate));
+               what_keeps(cost, pilot->rule.max_samples_per_replicate, floor_k));
   print_text("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
              p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
-  print_table(*pilot, asked.workers);
+  print_table(*pilot, asked.workers, floor_k);
   print_effects(*pilot);
   if (asked.db_path.empty()) return absl::OkStatus();
   const auto stored = store_in(asked.db_path, p);

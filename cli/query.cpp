@@ -10,6 +10,7 @@
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "jobs/number_bounds.h"
+#include "view/outcome.h"
 #include "view/print.h"
 #include "view/query_table.h"
 #include "view/range_change.h"
@@ -47,6 +48,9 @@ struct QueryCommand {
       if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
     if (rows->empty()) print_note("irsig: no signature matches\n");
     for (const std::string& note : notes_on(*rows)) print_note("irsig: note: {}\n", note);
+    const auto floors = floor_notes(**reader, *rows);
+    if (!floors.ok()) return floors.status();
+    for (const std::string& note : *floors) print_note("irsig: note: {}\n", note);
     QueryContent shown = content;
     shown.quantity = query->quantity;
     return write_rows(**reader, *rows, shown, format, data_output());

@@ -12,6 +12,7 @@
 #include "fmt/format.h"
 #include "planning/prediction.h"
 #include "view/measured_row.h"
+#include "view/outcome.h"
 #include "view/print.h"
 
 namespace irsig {
@@ -89,6 +90,9 @@ void print_errors(const std::vector<StoredSignature>& rows, const schema::Accura
   print_text("stopped by:");
   for (const auto& [reason, count] : reasons) print_text(" {} {}", reason, count);
   print_text("\n");
+  if (reasons.contains("floor_reached"))
+    print_text("floor_reached: not the relative error, but the floor of {:g} K\n",
+               accuracy.absolute_error_k());
 }
 
 // What each bound brings to the square of the numerical error of the source intensity.
@@ -182,7 +186,11 @@ absl::Status report_sweep(StoreReader& reader, const SweepProgress& progress, do
   std::map<std::string, std::uint64_t> warnings;
   for (const schema::Condition& condition : sweep->resolved.condition())
     for (const std::string& warning : condition.warning()) ++warnings[warning];
-  if (warnings.empty()) print_text("warnings: none\n");
+  const auto outcome = reader.outcome(progress.name);
+  if (!outcome.ok()) return outcome.status();
+  const std::string back_faces = backface_text(*outcome);
+  if (warnings.empty() && back_faces.empty()) print_text("warnings: none\n");
+  if (!back_faces.empty()) print_text("warning: {}\n", back_faces);
   for (const auto& [warning, count] : warnings)
     print_text("warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
   return absl::OkStatus();

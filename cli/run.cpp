@@ -19,6 +19,7 @@
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
+#include "view/outcome.h"
 #include "view/print.h"
 #include "view/profile.h"
 
@@ -153,12 +154,29 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
   }
 }
 
+// Of what was asked of a sweep that which it did not get, in brackets, and a warning where part of
+// its target was seen from behind.
+absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sweep) {
+  const auto outcome = reader.outcome(sweep);
+  if (!outcome.ok()) return outcome.status();
+  const auto stored = reader.sweep(sweep);
+  if (!stored.ok()) return stored.status();
+  if (const std::string text = backface_text(*outcome); !text.empty())
+    print_note("irsig: warning: {}: {}\n", sweep, text);
+  const std::string text = stopped_text(*outcome, stored->resolved.sweep().accuracy());
+  return text.empty() ? "" : " (" + text + ")";
+}
+
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
+  auto reader = StoreReader::open(asked.db_path);
+  if (!reader.ok()) return reader.status();
   absl::Status failed;
   for (const auto& sweep : status.sweep()) {
-    print_text("{}: {} of {} jobs done, {}, worst error {:.2g} %, {:.1f} s -> {}\n", sweep.name(),
+    const auto kept = shortfall(**reader, sweep.name());
+    if (!kept.ok()) return kept.status();
+    print_text("{}: {} of {} jobs done, {}, worst error {:.2g} %{}, {:.1f} s -> {}\n", sweep.name(),
                sweep.done(), sweep.jobs(), count_text(static_cast<double>(sweep.rays()), "rays"),
-               100 * sweep.worst_relative_error(), seconds, asked.db_path);
+               100 * sweep.worst_relative_error(), *kept, seconds, asked.db_path);
     if (sweep.done() == sweep.jobs()) continue;
     std::string text = fmt::format("{}: {} jobs failed, {} were cancelled", sweep.name(),
                                    sweep.quarantined(), sweep.cancelled());
@@ -207,9 +225,13 @@ absl::Status run_sweep(RunAsked asked) {
   const auto complete = is_complete_already(farm, asked, *loaded);
   if (!complete.ok()) return complete.status();
   if (*complete) {
-    print_text("{}: complete already, nothing to compute -> {}\n", loaded->resolved.sweep().name(),
-               asked.db_path);
     if (auto ended = end(farm); !ended.ok()) return ended;
+    const std::string& name = loaded->resolved.sweep().name();
+    auto reader = StoreReader::open(asked.db_path);
+    if (!reader.ok()) return reader.status();
+    const auto kept = shortfall(**reader, name);
+    if (!kept.ok()) return kept.status();
+    print_text("{}: complete already, nothing to compute{} -> {}\n", name, *kept, asked.db_path);
     return print_profiles(loaded->resolved, asked.db_path);
   }
   if (has_time_budget(loaded->resolved)) {

@@ -151,6 +151,7 @@ int verify(const VerifyOptions& given) {
   if (given.each_effect && !given.csv.empty())
     return report(absl::InvalidArgumentError("verify-effects: --csv is not for --each-effect"));
   int exit_code = 0;
+  print_text("{}\n", kNotSeenByEffects);
   const absl::Status status =
       given.matrix ? verify_matrix(given, exit_code) : verify_sweep(given, exit_code);
   return status.ok() ? exit_code : report(status);

@@ -52,6 +52,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Model.length_m", 1e-3, 1e5, kSize},
     {"Model.width_m", 1e-3, 1e5, kSize},
     {"Model.height_m", 1e-3, 1e5, kSize},
+    {"Model.accepted_backface_share", 0, 1, "a share of the silhouette"},
     {"Place.latitude_deg", -90, 90, "pole to pole"},
     {"Place.longitude_deg", -180, 180, "half a turn to either side"},
     {"Place.height_m", -500, 100e3, "the shore of the Dead Sea to the end of the air"},

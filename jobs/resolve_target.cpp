@@ -12,12 +12,15 @@ namespace {
 
 std::string element(const char* array, int i) { return absl::StrCat(array, "[", i, "]"); }
 
+constexpr const char* kBackfaces = "accepted_backface_share";
+
 // The file name without its folders.
 std::string base_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
 void check_model_file(const schema::Model& model, std::string_view model_bytes,
                       schema::ResolvedSweep& resolved, const SectionCheck& check) {
-  check.only({"file", "unit_m", "forward_axis", "up_axis", "reference"}, "to a model from a file");
+  check.only({"file", "unit_m", "forward_axis", "up_axis", "reference", kBackfaces},
+             "to a model from a file");
   const std::string name = absl::AsciiStrToLower(base_name(model.file()));
   const auto ends = [&](const char* ending) { return absl::EndsWith(name, ending); };
   if (!(ends(".obj") || ends(".ply") || ends(".stl") || ends(".gltf") || ends(".glb"))) {
@@ -51,13 +54,14 @@ void check_generated_model(const schema::Model& model, const SectionCheck& check
     return;
   const std::string why = absl::StrCat("to a generated ", kind);
   if (kind == "disk" || kind == "sphere") {
-    check.only({"generate", "triangles", "radius_m"}, why);
+    check.only({"generate", "triangles", "radius_m", kBackfaces}, why);
   } else if (kind == "cylinder" || kind == "cone") {
-    check.only({"generate", "triangles", "radius_m", "length_m"}, why);
+    check.only({"generate", "triangles", "radius_m", "length_m", kBackfaces}, why);
   } else if (kind == "cooling_tower") {
-    check.only({"generate", "triangles", "radius_m", "length_m", "width_m", "height_m"}, why);
+    check.only({"generate", "triangles", "radius_m", "length_m", "width_m", "height_m", kBackfaces},
+               why);
   } else {
-    check.only({"generate", "triangles", "length_m", "width_m", "height_m"}, why);
+    check.only({"generate", "triangles", "length_m", "width_m", "height_m", kBackfaces}, why);
   }
   check.require({"triangles"}, "expected about how many triangles to make");
 }

@@ -10,6 +10,15 @@
 
 namespace irsig {
 
+// The first line of a check: what the longer run has in common with the rows, so that no comparison
+// of the two can show it.
+inline constexpr const char* kNotSeenByLongerRun =
+    "not seen here, because the longer run shares it: facets and ray tracer, formulas and tables "
+    "of "
+    "materials, sun and air, quadrature over wavelength, sky and sea between their directions, one "
+    "range for the target's depth, effects that are off, reflections after the last one, the "
+    "horizon; `irsig selftest --search` judges these by other means";
+
 struct ErrorCheckAsked {
   std::uint64_t views = 0;    // 0: all that have rows
   double times = 100;         // as many samples as the rows' own runs

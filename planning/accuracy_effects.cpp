@@ -46,12 +46,15 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
                                              const std::string& model_bytes,
                                              const Viewpoint& viewpoint, std::uint32_t condition,
                                              std::uint32_t band, const ReferenceValue& reference,
-                                             double budget_s, const CpuClock& cpu_s) {
+                                             WorkBudget budget, const CpuClock& cpu_s) {
   const schema::ResolvedSweep row = one_row(sweep, condition, band);
   const auto scene = scene_from_sweep(row, model_bytes);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
+  budget.cpu_s /= 2;
+  budget.primary_rays /= 2;
+  budget.least_seeds = 6;
   EffectsCurves out;
   for (const auto& [name, mode] : {std::pair{kAutomatic, EffectChoice::Mode::kAuto},
                                    std::pair{kAllEffects, EffectChoice::Mode::kAll}}) {
@@ -77,9 +80,6 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
         out.left_out.push_back({asked, left_out_of(view->row.front(), request->max_reflections)});
       return run_of(*view, 0);
     };
-    WorkBudget budget;
-    budget.cpu_s = budget_s / 2;
-    budget.least_seeds = 6;
     auto points = whole_run_curve({name, simulate}, kAsked, reference, budget, cpu_s);
     if (!points.ok()) return points.status();
     out.work.push_back({"effects", name, *std::move(points)});

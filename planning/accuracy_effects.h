@@ -18,7 +18,7 @@ struct EffectsCurves {
 // asked error calls for, and with all effects; 10 % to 0.03 %, as far as the budget goes.
 [[nodiscard]] absl::StatusOr<EffectsCurves> effects_curves(
     const schema::ResolvedSweep& sweep, const std::string& model_bytes, const Viewpoint& viewpoint,
-    std::uint32_t condition, std::uint32_t band, const ReferenceValue& reference, double budget_s,
+    std::uint32_t condition, std::uint32_t band, const ReferenceValue& reference, WorkBudget budget,
     const CpuClock& cpu_s);
 
 }  // namespace irsig

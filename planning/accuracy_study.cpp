@@ -96,8 +96,8 @@ WorkMethod method(std::string name, const ViewEstimator& estimator, const Estima
 class RowStudy {
  public:
   RowStudy(const LoadedSweep& loaded, const BuiltScene& scene, const Place& place, ViewRow row,
-           double budget_s)
-      : loaded_(loaded), scene_(scene), place_(place), row_(row), budget_s_(budget_s) {
+           WorkBudget budget)
+      : loaded_(loaded), scene_(scene), place_(place), row_(row), budget_(budget) {
     shipped_.max_reflections = out_.max_reflections = scene.request.max_reflections;
     const schema::Condition& c = loaded.resolved.condition(static_cast<int>(row.condition));
     out_.season = c.season();
@@ -109,8 +109,8 @@ class RowStudy {
   }
 
   absl::StatusOr<StudiedRow> run() {
-    out_.reference = reference_value(*scene_.estimator, shipped_, row_, 1u << 14, 0.2 * budget_s_,
-                                     process_cpu_s);
+    out_.reference =
+        reference_value(*scene_.estimator, shipped_, row_, 1u << 14, share_of(0.2), process_cpu_s);
     const std::uint32_t most = shipped_.max_reflections;
     EstimatorKnobs pseudo = shipped_;
     pseudo.pseudo_random = true;
@@ -138,10 +138,16 @@ class RowStudy {
   }
 
  private:
+  [[nodiscard]] WorkBudget share_of(double share) const {
+    WorkBudget budget = budget_;
+    budget.cpu_s *= share;
+    budget.primary_rays *= share;
+    return budget;
+  }
+
   void add(const std::string& group, const WorkMethod& method, double share,
            std::uint64_t most_samples = 1u << 18) {
-    WorkBudget budget;
-    budget.cpu_s = share * budget_s_;
+    WorkBudget budget = share_of(share);
     budget.most_samples_per_replicate = most_samples;
     out_.work.push_back(
         {group, method.name, work_curve(method, out_.reference, budget, process_cpu_s)});
@@ -184,7 +190,7 @@ class RowStudy {
   absl::Status effects() {
     auto curves =
         effects_curves(loaded_.resolved, loaded_.model_bytes, place_.viewpoint, row_.condition,
-                       row_.band, out_.reference, 0.12 * budget_s_, process_cpu_s);
+                       row_.band, out_.reference, share_of(0.12), process_cpu_s);
     if (!curves.ok()) return curves.status();
     for (WorkMeasurement& m : curves->work) out_.work.push_back(std::move(m));
     out_.left_out = std::move(curves->left_out);
@@ -283,7 +289,7 @@ class RowStudy {
   const BuiltScene& scene_;
   const Place& place_;
   ViewRow row_;
-  double budget_s_;
+  WorkBudget budget_;
   EstimatorKnobs shipped_;
   RowMeasurements out_;
 };
@@ -329,11 +335,12 @@ absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded
     everything.condition.push_back(static_cast<std::uint32_t>(i));
   const auto scene = build(loaded, everything, {});
   if (!scene.ok()) return scene.status();
+  WorkBudget budget;
+  budget.cpu_s = rows.seconds / static_cast<double>(bands.size());
+  budget.primary_rays = rows.primary_rays / static_cast<double>(bands.size());
   std::vector<StudiedRow> out;
   for (const std::uint32_t band : bands) {
-    auto row = RowStudy(loaded, **scene, place, {*condition, band},
-                        rows.seconds / static_cast<double>(bands.size()))
-                   .run();
+    auto row = RowStudy(loaded, **scene, place, {*condition, band}, budget).run();
     if (!row.ok()) return row.status();
     out.push_back(*std::move(row));
   }

@@ -17,6 +17,8 @@ struct AccuracyRows {
   // Azimuth and elevation; none: the middle one of the sweep's viewpoints.
   std::optional<std::array<double, 2>> aspect_deg;
   double seconds = 60;  // CPU time for everything, roughly
+  // > 0: so many primary rays instead, whatever the machine does besides.
+  double primary_rays = 0;
 };
 
 // Traces the rows in every way that there is. INVALID_ARGUMENT: no such season, time or band.

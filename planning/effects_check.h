@@ -10,6 +10,14 @@
 
 namespace irsig {
 
+// The first line of what compares a run with another one of this program: what both have in common
+// no comparison of them can show.
+inline constexpr const char* kNotSeenByEffects =
+    "not seen here, because both runs share it: facets and ray tracer, formulas and tables of "
+    "materials, sun and air, quadrature over wavelength, sky and sea between their directions, one "
+    "range for the target's depth, bright paths that neither run met, the horizon; `irsig selftest "
+    "--search` judges these by other means";
+
 struct EffectsCheckAsked {
   std::uint64_t views = 5;         // so many, spread over the sweep, with all their rows
   std::vector<std::uint64_t> row;  // instead: these rows, each by itself

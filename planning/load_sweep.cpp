@@ -119,6 +119,9 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
+  for (const std::string& warning : (*runner)->warnings())
+    loaded.warnings.push_back(absl::StrCat(
+        loaded.file.location(warning.substr(0, warning.find(':'))), ": warning: ", warning));
   return loaded;
 }
 

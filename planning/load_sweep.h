@@ -23,8 +23,9 @@ struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
   std::string model_bytes;
-  std::vector<std::string> warnings;  // what is odd in it (jobs/check_weather.h), one line each
-  JobMemory memory = {};              // of one worker
+  // What is odd in it, one line each: its weather (jobs/check_weather.h), open shells of its model.
+  std::vector<std::string> warnings;
+  JobMemory memory = {};  // of one worker
 };
 
 // A sweep file with the content of the files that it names, not yet resolved.

@@ -125,6 +125,9 @@ std::string values(const Explained& e) {
       line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);
   out += head("projected area", s.projected_area_m2, "m2");
   out += line("standard error", s.projected_area_stderr_m2, s.projected_area_m2);
+  if (s.backface_share > 0)
+    out += head("seen from behind", 100 * s.backface_share,
+                "% of the silhouette: one-sided facets, which send nothing");
   if (s.apparent_temperature_k > 0)
     out += head("apparent temperature", s.apparent_temperature_k, "K, at the target");
   return out;

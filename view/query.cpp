@@ -99,16 +99,29 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
 
 std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
   std::vector<std::string> out;
-  std::size_t old = 0;
+  std::size_t old = 0, behind = 0;
+  double largest_share = 0;
+  std::string back_faces;
   for (const QueryRow& row : rows) {
     const StoredSignature& s = row.signature;
     if (std::isnan(s.contrast_intensity_w_sr)) ++old;
     if (s.warning.empty()) continue;
-    for (const std::string& line : std::vector<std::string>(absl::StrSplit(s.warning, '\n'))) {
+    std::vector<std::string> lines = absl::StrSplit(s.warning, '\n');
+    if (s.backface_share > 0) {
+      // The view's, not the condition's: the store puts it last.
+      ++behind;
+      largest_share = std::max(largest_share, s.backface_share);
+      back_faces = lines.back();
+      lines.pop_back();
+    }
+    for (const std::string& line : lines) {
       std::string note = fmt::format("{} {}: {}", s.season, s.time_utc, line);
       if (std::find(out.begin(), out.end(), note) == out.end()) out.push_back(std::move(note));
     }
   }
+  if (behind > 0)
+    out.push_back(fmt::format("{} of {} rows, up to {:.3g} % of the silhouette: {}", behind,
+                              rows.size(), 100 * largest_share, back_faces));
   if (old > 0)
     out.push_back(
         fmt::format("{} of {} rows were stored by an older irsig, which did not compute "

@@ -163,8 +163,11 @@ ViewCost view_cost(const ViewPilot& pilot, const CountRule& rule, double target_
     const double error = stderr_at(pilot.samples, row.stderr_w_sr, count.stored);
     const double unseen = unseen_at(pilot, row, cost.samples);
     const double goal = goal_w_sr(row, rule.relative_error);
-    if (numerical_error(error, unseen, row.bias_w_sr) <= goal)
+    const double whole = numerical_error(error, unseen, row.bias_w_sr);
+    if (whole <= rule.relative_error * row.value_w_sr)
       ++cost.reached;
+    else if (whole <= goal)
+      ++cost.at_floor;
     else if (numerical_error(0, 0, row.bias_w_sr) > 0.8 * goal)
       ++cost.kept_by_bias;
     else if (limited)
@@ -185,12 +188,13 @@ SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
                      std::uint64_t jobs_per_view, std::uint64_t workers, double start_s) {
   const auto pieces = static_cast<double>(jobs_per_view);
   std::vector<double> job_cpu_s, samples;
-  double rows = 0, reached = 0, bias = 0, limit = 0;
+  double rows = 0, reached = 0, floor = 0, bias = 0, limit = 0;
   for (const ViewCost& view : piloted) {
     job_cpu_s.push_back(view.cpu_s / pieces);
     samples.push_back(static_cast<double>(view.samples));
     rows += view.rows;
     reached += view.reached;
+    floor += view.at_floor;
     bias += view.kept_by_bias;
     limit += view.kept_by_limit;
   }
@@ -204,6 +208,7 @@ SweepCost sweep_cost(std::span<const ViewCost> piloted, std::uint64_t views,
   cost.cpu_s = mean * pieces * static_cast<double>(views);
   if (rows > 0) {
     cost.reached_share = reached / rows;
+    cost.at_floor_share = floor / rows;
     cost.kept_by_bias_share = bias / rows;
     cost.kept_by_limit_share = limit / rows;
   }

@@ -64,7 +64,8 @@ struct ViewCost {
   std::uint64_t samples = 0;  // of a replicate, in the stored run
   double cpu_s = 0;           // of all the view's jobs
   // Of its rows: how many reach the relative error, and why others do not.
-  std::uint32_t rows = 0, reached = 0, kept_by_bias = 0, kept_by_limit = 0;
+  // at_floor: those that stop because their error is not above the floor.
+  std::uint32_t rows = 0, reached = 0, at_floor = 0, kept_by_bias = 0, kept_by_limit = 0;
 };
 
 // target_paths_per_sample: of a replicate, all replicates together; for a rule of target paths.
@@ -87,7 +88,8 @@ struct SweepCost {
   double cpu_s = 0, wall_s = 0;
   double job_cpu_quartile1_s = 0, job_cpu_median_s = 0, job_cpu_quartile3_s = 0;
   double median_samples = 0;
-  double reached_share = 0, kept_by_bias_share = 0, kept_by_limit_share = 0;  // of the rows
+  // Of the rows.
+  double reached_share = 0, at_floor_share = 0, kept_by_bias_share = 0, kept_by_limit_share = 0;
 };
 
 // A sweep of `views` views of which some were piloted, each made of jobs_per_view jobs; workers

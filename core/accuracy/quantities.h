@@ -69,7 +69,9 @@ namespace irsig {
   NUMBER(unseen_stderr_w_sr, kStderr, "W/sr", 8,                                                 \
          "estimate: what samples that met nothing brighter may have missed, of intensity_w_sr")  \
   NUMBER(apparent_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of apparent_intensity_w_sr") \
-  NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr")
+  NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr") \
+  NUMBER(backface_share, kGuard, "1", 10,                                                        \
+         "of the silhouette: one-sided facets seen from behind, which send nothing")
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
@@ -85,7 +87,8 @@ enum class QuantityKind : std::uint8_t {
   kBound,       // the most by which a value can be off, for one reason
   kExact,       // without a sampling error
   kDerived,     // from other quantities of the row
-  kGoal         // an error that was asked for
+  kGoal,        // an error that was asked for
+  kGuard        // what should be 0
 };
 
 struct QuantityInfo {

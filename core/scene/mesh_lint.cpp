@@ -19,6 +19,21 @@ constexpr std::string_view kName[] = {
     "zero_area_facets", "skinny_facets",      "unused_vertices",     "duplicate_vertices",
     "suspicious_unit"};
 
+std::vector<OpenGroup> open_groups(const Mesh& mesh, const MeshTopology& topology) {
+  std::vector<bool> open(topology.shell.size(), false);
+  for_each_edge(topology, [&](const auto* first, const auto* last) {
+    if (last - first == 1) open[topology.shell_of[first->facet]] = true;
+  });
+  std::vector<std::uint64_t> facets(mesh.group.size(), 0);
+  for (std::size_t f = 0; f < mesh.triangle.size(); ++f)
+    if (topology.shell_of[f] != MeshTopology::kNone && open[topology.shell_of[f]])
+      ++facets[mesh.triangle_group[f]];
+  std::vector<OpenGroup> out;
+  for (std::size_t g = 0; g < facets.size(); ++g)
+    if (facets[g] > 0) out.push_back({mesh.group[g], facets[g]});
+  return out;
+}
+
 class Linter {
  public:
   Linter(const Mesh& mesh, const LintOptions& options)
@@ -41,6 +56,7 @@ class Linter {
     out.shells = topology_.shell.size();
     for (const auto& shell : topology_.shell) out.closed_shells += shell.closed ? 1 : 0;
     out.size_m = size_;
+    out.open_group = open_groups(mesh_, topology_);
     for (const bool errors : {true, false})
       for (const LintFinding& f : finding_)
         if (f.count > 0 && f.is_error == errors) out.finding.push_back(f);
@@ -185,6 +201,10 @@ std::string_view fault_name(MeshFault fault) { return kName[static_cast<std::siz
 bool LintReport::has_errors() const {
   return std::any_of(finding.begin(), finding.end(),
                      [](const LintFinding& f) { return f.is_error; });
+}
+
+std::vector<OpenGroup> open_groups(const Mesh& mesh) {
+  return open_groups(mesh, topology_of(mesh));
 }
 
 LintReport lint(const Mesh& mesh, const LintOptions& options) {

@@ -46,11 +46,21 @@ struct LintOptions {
   std::size_t places = 5;
 };
 
+// Facets of shells with a rim (an edge of one facet only): a sheet, or a body with a hole. From
+// behind they send nothing unless their part has two sides.
+struct OpenGroup {
+  std::string group;
+  std::uint64_t facets = 0;
+};
+// In the order of the mesh's groups.
+[[nodiscard]] std::vector<OpenGroup> open_groups(const Mesh& mesh);
+
 struct LintReport {
   std::uint64_t facets = 0, vertices = 0;
   std::uint64_t shells = 0, closed_shells = 0;  // facets connected by edges that two facets share
   Vec<Body> size_m;
   std::vector<LintFinding> finding;  // errors first, in the order of MeshFault
+  std::vector<OpenGroup> open_group;
   [[nodiscard]] bool has_errors() const;
 };
 

@@ -185,10 +185,13 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   if (r.projected_area_m2.value > 0)
     r.apparent_temperature_k = apparent_temperature_k(
         scene.band[r.band], grid, r.intensity_w_sr.value / r.projected_area_m2.value);
+  r.backface_share = pass.backface_share();
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;
-  else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
+  else if (r.numerical_error_w_sr <= pass.relative_goal_w_sr(row))
     r.stop_reason = StopReason::kTargetReached;
+  else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
+    r.stop_reason = StopReason::kFloorReached;
   else
     r.stop_reason = plan.limited ? StopReason::kSampleLimit : StopReason::kTargetMissed;
   r.absolute_floor_w_sr = pass.absolute_floor_w_sr(row);
@@ -264,6 +267,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   out.replicates = request.accuracy.replicates;
   out.samples_per_replicate = plan.samples_per_replicate;
   out.guarded_backface_hits = pass.counts().guarded_backface_hits;
+  out.silhouette_backface_hits = pass.counts().silhouette_backface_hits;
   out.guarded_nonfinite = pass.counts().guarded_nonfinite;
   out.guarded_negative = pass.counts().guarded_negative;
   out.guarded_path_limit = pass.counts().truncated_paths;

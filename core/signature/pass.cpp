@@ -77,6 +77,7 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
 void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   const std::size_t parts = scene_.target.part.size();
   beyond_m2_ = {};
+  front_area_m2_ = behind_area_m2_ = 0;
   statistics_.clear();
   last_ = ReplicateStatistics(rows());
   beyond_ = ReplicateStatistics(plan_.effects.max_reflections + 1);
@@ -86,6 +87,8 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   for (const PathWeights& w : weights) {
     for (std::size_t k = 0; k < 3; ++k) beyond_m2_[k] += inverse_replicates * w.beyond_m2[k];
     beyond_.add(w.beyond_order_m2);
+    front_area_m2_ += inverse_replicates * w.projected_area_m2;
+    behind_area_m2_ += inverse_replicates * w.behind_area_m2;
     sums.push_back(summed(w.weight, sources_.layout(), parts));
     if (!w.last.empty()) {
       const SummedWeights of_last = summed(w.last, sources_.layout(), parts);
@@ -237,9 +240,16 @@ double Pass::absolute_floor_w_sr(std::size_t row) const {
          statistics_[row].estimate(kAreaQuantity).value;
 }
 
+double Pass::relative_goal_w_sr(std::size_t row) const {
+  return accuracy_.relative_error * std::abs(statistics_[row].estimate(0).value);
+}
+
 double Pass::goal_w_sr(std::size_t row) const {
-  return std::max(accuracy_.relative_error * std::abs(statistics_[row].estimate(0).value),
-                  absolute_floor_w_sr(row));
+  return std::max(relative_goal_w_sr(row), absolute_floor_w_sr(row));
+}
+
+double Pass::backface_share() const {
+  return behind_area_m2_ > 0 ? behind_area_m2_ / (front_area_m2_ + behind_area_m2_) : 0;
 }
 
 double Pass::error_wanted(std::size_t row) const {

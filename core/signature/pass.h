@@ -71,6 +71,10 @@ class Pass {
   };
   [[nodiscard]] MeasuredRow measured(std::size_t row) const;
 
+  // Of the silhouette: what primary rays met from behind on one-sided facets, which send nothing.
+  [[nodiscard]] double backface_share() const;
+  // What accuracy.relative_error is of a row's value. [W/sr]
+  [[nodiscard]] double relative_goal_w_sr(std::size_t row) const;
   // The error that the request wants of a row: relative to its value, or the absolute floor if that
   // is more. [W/sr]
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
@@ -133,8 +137,9 @@ class Pass {
   ReplicateStatistics last_;        // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
-  ReplicateStatistics beyond_;                                 // [order]
-  std::vector<EnergyLedger> energy_;                           // [band]
+  double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates
+  ReplicateStatistics beyond_;                     // [order]
+  std::vector<EnergyLedger> energy_;               // [band]
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
   PathCounts counts_;
   std::uint64_t samples_ = 0;

@@ -19,7 +19,9 @@ struct SpectralEstimate {
   std::vector<double> value, stderr_;
 };
 
-enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSamples };
+// kFloorReached: the error is above the relative one that was asked for, and not above what
+// AccuracySpec::absolute_error_k is worth.
+enum class StopReason { kTargetReached, kTargetMissed, kSampleLimit, kFixedSamples, kFloorReached };
 
 // Where light that the sensor would send out ends, in-band mean: by reciprocity the shares of what
 // it sees. balance: their sum, 1 within its error. cut_off: after the last reflection; of spectral
@@ -66,6 +68,7 @@ struct ViewResult {
   // alive after the last reflection.
   std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_negative = 0;
   std::uint64_t guarded_path_limit = 0;
+  std::uint64_t silhouette_backface_hits = 0;  // of guarded_backface_hits: by primary rays
   std::uint64_t seed =
       0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed
 };

@@ -80,6 +80,29 @@ class SeedMean {
   double sum_[kStudiedQuantities]{}, random_[kStudiedQuantities]{};
 };
 
+// What of a budget is spent, in its own measure.
+class Purse {
+ public:
+  Purse(const WorkBudget& budget, const CpuClock& cpu_s)
+      : budget_(budget), cpu_s_(cpu_s), start_s_(cpu_s()) {}
+  void pay(const EstimateRun& run) { rays_ += run.samples; }
+  [[nodiscard]] double spent() const { return in_rays() ? rays_ : cpu_s_() - start_s_; }
+  [[nodiscard]] double left() const {
+    return (in_rays() ? budget_.primary_rays : budget_.cpu_s) - spent();
+  }
+  // Of one run.
+  [[nodiscard]] double price(const WorkPoint& point) const {
+    return in_rays() ? point.samples : point.cpu_s;
+  }
+
+ private:
+  [[nodiscard]] bool in_rays() const { return budget_.primary_rays > 0; }
+
+  const WorkBudget& budget_;
+  const CpuClock& cpu_s_;
+  double start_s_, rays_ = 0;
+};
+
 struct Line {
   double slope, mean_x, mean_y;
 };
@@ -151,23 +174,23 @@ EstimateRun run_of(const ViewResult& view, std::size_t row) {
 std::vector<WorkPoint> work_curve(const WorkMethod& method, const ReferenceValue& reference,
                                   const WorkBudget& budget, const CpuClock& cpu_s) {
   std::vector<WorkPoint> out;
-  const double start_s = cpu_s();
+  Purse purse(budget, cpu_s);
   // Caches and clock ticks: the first run of a method is not counted.
-  (void)method.estimate(method.first_samples, 0);
+  purse.pay(method.estimate(method.first_samples, 0));
   std::uint64_t seed = 1;
   for (std::uint64_t n = method.first_samples; n <= budget.most_samples_per_replicate; n *= 4) {
-    const double left_s = budget.cpu_s - (cpu_s() - start_s);
-    if (out.size() >= 2 && 3 * out.back().cpu_s * budget.least_seeds > left_s) break;
+    const double left = purse.left();
+    if (out.size() >= 2 && 3 * purse.price(out.back()) * budget.least_seeds > left) break;
     SeedMean mean(reference);
-    const double begin_s = cpu_s();
-    double spent_s = 0;
+    const double begin = purse.spent(), begin_s = cpu_s();
     // Many seeds while they are cheap; most of the budget is for the last steps.
     while (mean.seeds() < budget.least_seeds ||
-           (mean.seeds() < budget.most_seeds && spent_s < left_s / 16)) {
-      mean.add(method.estimate(n, seed++));
-      spent_s = cpu_s() - begin_s;
+           (mean.seeds() < budget.most_seeds && purse.spent() - begin < left / 16)) {
+      const EstimateRun run = method.estimate(n, seed++);
+      purse.pay(run);
+      mean.add(run);
     }
-    out.push_back(mean.point(spent_s));
+    out.push_back(mean.point(cpu_s() - begin_s));
     out.back().samples_per_replicate = n;
   }
   return out;
@@ -179,46 +202,47 @@ absl::StatusOr<std::vector<WorkPoint>> whole_run_curve(const WholeRunMethod& met
                                                        const WorkBudget& budget,
                                                        const CpuClock& cpu_s) {
   std::vector<WorkPoint> out;
-  const double start_s = cpu_s();
+  Purse purse(budget, cpu_s);
   // What all views of a sweep share is made by the first: not counted.
-  if (const auto first = method.simulate(relative_errors.front(), 0); !first.ok())
-    return first.status();
+  const auto first = method.simulate(relative_errors.front(), 0);
+  if (!first.ok()) return first.status();
+  purse.pay(*first);
   std::uint64_t seed = 1;
   for (const double asked : relative_errors) {
-    const double left_s = budget.cpu_s - (cpu_s() - start_s);
+    const double left = purse.left();
     if (out.size() >= 2) {
       // As samples grow where the error falls as n^-0.67; what does not grow with them is left.
       const WorkPoint& last = out.back();
       const double growth = std::pow(last.asked_relative_error / asked, 1.5);
-      if (growth * last.cpu_s * budget.least_seeds > left_s) break;
+      if (growth * purse.price(last) * budget.least_seeds > left) break;
     }
     SeedMean mean(reference);
-    const double begin_s = cpu_s();
-    double spent_s = 0;
+    const double begin = purse.spent(), begin_s = cpu_s();
     while (mean.seeds() < budget.least_seeds ||
-           (mean.seeds() < budget.most_seeds && spent_s < left_s / 16)) {
+           (mean.seeds() < budget.most_seeds && purse.spent() - begin < left / 16)) {
       const auto run = method.simulate(asked, seed++);
       if (!run.ok()) return run.status();
+      purse.pay(*run);
       mean.add(*run);
-      spent_s = cpu_s() - begin_s;
     }
-    out.push_back(mean.point(spent_s));
+    out.push_back(mean.point(cpu_s() - begin_s));
     out.back().asked_relative_error = asked;
   }
   return out;
 }
 
 ReferenceValue reference_value(const ViewEstimator& estimator, const EstimatorKnobs& knobs,
-                               ViewRow row, std::uint64_t samples_per_replicate, double budget_s,
-                               const CpuClock& cpu_s) {
-  const double start_s = cpu_s();
+                               ViewRow row, std::uint64_t samples_per_replicate,
+                               const WorkBudget& budget, const CpuClock& cpu_s) {
+  Purse purse(budget, cpu_s);
   ReferenceValue out;
   double square[kStudiedQuantities]{};
   double n = 0;
-  for (; n < 2 || cpu_s() - start_s < budget_s; ++n) {
+  for (; n < 2 || purse.left() > 0; ++n) {
     const ViewValue v = estimator.estimate(knobs, {&row, 1}, samples_per_replicate,
                                            kReferenceSeeds + static_cast<std::uint64_t>(n));
     const EstimateRun run = run_of(v, 0);
+    purse.pay(run);
     const RowValue& r = run.value;
     out.value.intensity_w_sr += r.intensity_w_sr;
     out.value.emitted_w_sr += r.emitted_w_sr;

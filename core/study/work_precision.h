@@ -60,6 +60,9 @@ using CpuClock = std::function<double()>;
 
 struct WorkBudget {
   double cpu_s = 5;
+  // > 0: so many primary rays instead, pilots not counted. What is run then depends on the seeds
+  // alone, and on no clock.
+  double primary_rays = 0;
   std::uint32_t least_seeds = 8, most_seeds = 16;
   std::uint64_t most_samples_per_replicate = 1u << 18;
 };
@@ -92,8 +95,8 @@ struct WholeRunMethod {
 // each, until the budget is spent (at least two runs).
 [[nodiscard]] ReferenceValue reference_value(const ViewEstimator& estimator,
                                              const EstimatorKnobs& knobs, ViewRow row,
-                                             std::uint64_t samples_per_replicate, double budget_s,
-                                             const CpuClock& cpu_s);
+                                             std::uint64_t samples_per_replicate,
+                                             const WorkBudget& budget, const CpuClock& cpu_s);
 
 // ---- arithmetic on curves of (work, error): the same for time and for samples
 

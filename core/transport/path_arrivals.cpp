@@ -91,6 +91,10 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
   }
   if (hit.cos_o <= 0) {
     ++work.counts->guarded_backface_hits;
+    if (all.order == 0 && !(all.horizon && hidden_by_sea(hit.at, d, ray.state.inverse_length))) {
+      ++work.counts->silhouette_backface_hits;
+      work.behind_area[ray.state.replicate] += static_cast<double>(ray.state.weight);
+    }
     return Met::kNothing;
   }
   hit.cos_o = std::min(hit.cos_o, 1.0f);

@@ -120,6 +120,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     for (SourceWeights& w : work.weight) w.clear();
     for (SourceWeights& w : work.last) w.clear();
     work.area.assign(settings_.replicates, 0.0);
+    work.behind_area.assign(settings_.replicates, 0.0);
     work.beyond.assign(settings_.replicates * orders, 0.0);
     if (spectral_)
       trace_stratum<true>(work, s);
@@ -135,6 +136,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
         out[r].weight.add(normalise, work.weight[r]);
       if (keep_last) out[r].last.add(normalise, work.last[r]);
       out[r].projected_area_m2 += normalise * work.area[r];
+      out[r].behind_area_m2 += normalise * work.behind_area[r];
       for (std::size_t k = 0; k < orders; ++k)
         out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
     }

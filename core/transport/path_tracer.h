@@ -76,6 +76,8 @@ struct PathWeights {
   // is fewer than two, unless PathSettings::always_last.
   SourceWeights last;
   double projected_area_m2 = 0;
+  // Beside it: of one-sided facets that primary rays met from behind, which send nothing.
+  double behind_area_m2 = 0;
   // Throughput that goes on after N - 2 s, N - s and N reflections (N = max_reflections, s =
   // beyond_spacing(N); 0 where there is no such number). The last is lost. Spectral: of each path
   // the largest spectral factor times the largest DHR, not less than the throughput at any node.
@@ -99,10 +101,11 @@ struct PathCounts {
   // Of all rays: those that look for a second hit (or would), and those aimed at suns, from the sea
   // at suns, at hot parts. The others are primary.
   std::uint64_t reflected_rays = 0, sun_rays = 0, glint_rays = 0, hot_rays = 0;
-  std::uint64_t guarded_backface_hits = 0;  // a one-sided facet met from behind
-  std::uint64_t guarded_nonfinite = 0;      // a weight that is NaN or infinite
-  std::uint64_t guarded_negative = 0;       // a weight below zero
-  std::uint64_t truncated_paths = 0;        // alive after max_reflections: ordinary
+  std::uint64_t guarded_backface_hits = 0;     // a one-sided facet met from behind
+  std::uint64_t silhouette_backface_hits = 0;  // of these: by primary rays
+  std::uint64_t guarded_nonfinite = 0;         // a weight that is NaN or infinite
+  std::uint64_t guarded_negative = 0;          // a weight below zero
+  std::uint64_t truncated_paths = 0;           // alive after max_reflections: ordinary
 };
 
 // Reverse Monte Carlo from one viewpoint: traced once, shaded for any number of conditions.

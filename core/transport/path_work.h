@@ -105,6 +105,7 @@ struct PathTracer::Work {
   std::vector<SourceWeights> weight;  // [replicate][order], of the current stratum
   std::vector<SourceWeights> last;    // [replicate]: those of the last order alone
   std::vector<double> area;           // [replicate]
+  std::vector<double> behind_area;    // [replicate]
   std::vector<double> beyond;         // [replicate][order]: PathWeights::beyond_order_m2
   float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]

@@ -24,5 +24,25 @@ JOIN provenance p USING (job_id)
 WHERE w.name = ?1 AND j.superseded = 0 AND j.state = 2
 ORDER BY j.job_index;
 
+-- Why the rows of a sweep stopped.
+-- name: stops_of_sweep
+SELECT r.name, count(*)
+FROM sweep w
+CROSS JOIN condition c ON c.sweep_id = w.sweep_id AND c.superseded = 0
+CROSS JOIN band b ON b.sweep_id = w.sweep_id AND b.superseded = 0
+CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band_id
+JOIN job j ON j.job_id = s.job_id AND j.superseded = 0
+JOIN stop_reason r ON r.stop_reason = s.stop_reason
+WHERE w.name = ?1
+GROUP BY r.stop_reason ORDER BY r.stop_reason;
+
+-- Of how many of its views part was seen from behind, and the largest part.
+-- name: back_faces_of_sweep
+SELECT count(DISTINCT s.viewpoint_id), coalesce(max(s.backface_share), 0.0)
+FROM sweep w
+JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
+JOIN signature s ON s.job_id = j.job_id
+WHERE w.name = ?1 AND s.backface_share > 0;
+
 -- name: database_bytes
 SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size();

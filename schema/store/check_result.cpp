@@ -126,7 +126,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
     }
   }
   if (row.stop_reason() < schema::STOP_REASON_TARGET_REACHED ||
-      row.stop_reason() > schema::STOP_REASON_FIXED_SAMPLES) {
+      row.stop_reason() > schema::STOP_REASON_FLOOR_REACHED) {
     return wrong(path + ".stop_reason", "is not stated");
   }
   IRSIG_STORE_TRY(check_ledger(row, expected.ledger, path));

@@ -59,6 +59,25 @@ absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
   }
 }
 
+absl::StatusOr<StoredOutcome> find_outcome(Database& database, const std::string& sweep) {
+  StoredOutcome out;
+  absl::StatusOr<Rows> row = database.query(sql::stops_of_sweep, sweep);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) break;
+    std::string reason = row->text();
+    out.stop.emplace_back(std::move(reason), row->count());
+  }
+  absl::StatusOr<Rows> faces = database.query(sql::back_faces_of_sweep, sweep);
+  if (!faces.ok()) return faces.status();
+  if (const auto found = faces->next(); !found.ok()) return found.status();
+  out.backface_views = faces->count();
+  out.largest_backface_share = faces->real();
+  return out;
+}
+
 absl::StatusOr<std::uint64_t> database_bytes(Database& database) {
   const absl::StatusOr<std::int64_t> bytes = database.integer(sql::database_bytes);
   if (!bytes.ok()) return bytes.status();

@@ -15,6 +15,8 @@ namespace irsig {
     Database& database, const std::string& sweep_sha256);
 [[nodiscard]] absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
                                                                         const std::string& sweep);
+[[nodiscard]] absl::StatusOr<StoredOutcome> find_outcome(Database& database,
+                                                         const std::string& sweep);
 [[nodiscard]] absl::StatusOr<std::uint64_t> database_bytes(Database& database);
 
 }  // namespace irsig

@@ -109,6 +109,10 @@ class SqliteReader final : public StoreReader {
     return find_job_costs(database_, sweep);
   }
 
+  absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) override {
+    return in_one_snapshot([&] { return find_outcome(database_, sweep); });
+  }
+
   absl::StatusOr<std::uint64_t> bytes() override { return database_bytes(database_); }
 
   absl::StatusOr<std::string> digest() override {

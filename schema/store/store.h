@@ -73,6 +73,13 @@ struct StoredJobCost {
   std::string determinism_class;
 };
 
+// How the rows of a sweep ended.
+struct StoredOutcome {
+  std::vector<std::pair<std::string, std::uint64_t>> stop;  // by reason, in the table's order
+  std::uint64_t backface_views = 0;                         // with a backface_share above 0
+  double largest_backface_share = 0;
+};
+
 // The writing side of a signature database: the coordinator is its only user. Not thread-safe: one
 // thread owns it. Every mutation happens inside begin() ... commit(); commit() returns after the
 // data is on disk (synchronous = FULL), so that many results can share one commit (group commit).
@@ -305,6 +312,8 @@ class StoreReader {
       const std::string& sweep_sha256) = 0;
   // Of the sweep's done jobs, in the order of its jobs.
   virtual absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) = 0;
+  // Of its stored rows but superseded ones.
+  virtual absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) = 0;
   // Size of the database as one plain file.
   virtual absl::StatusOr<std::uint64_t> bytes() = 0;
   // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was

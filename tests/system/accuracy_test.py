@@ -95,7 +95,7 @@ class Accuracy(unittest.TestCase):
         cls.sweep = cls.path / "small.toml"
         cls.sweep.write_text(SWEEP)
         cls.out = cls.path / "page"
-        cls.printed = accuracy(cls.sweep, "--out", cls.out, "--seconds", 4)
+        cls.printed = accuracy(cls.sweep, "--out", cls.out, "--primary-rays", 2e7)
 
     def test_files(self):
         self.assertEqual({p.name for p in self.out.iterdir()},
@@ -169,7 +169,7 @@ class Accuracy(unittest.TestCase):
 
     def test_one_row(self):
         out = self.path / "one"
-        accuracy(self.sweep, "--out", out, "--seconds", 2, "--season", "two", "--band", "mwir", "--aspect", "90,10",
+        accuracy(self.sweep, "--out", out, "--primary-rays", 2e6, "--season", "two", "--band", "mwir", "--aspect", "90,10",
                  "--time", "2025-12-21T14:00:00+02:00")
         with open(out / "accuracy.csv", newline="") as stream:
             rows = list(csv.DictReader(stream))
@@ -190,7 +190,7 @@ class Accuracy(unittest.TestCase):
         sweep = self.path / "air.toml"
         sweep.write_text(text)
         out = self.path / "air"
-        accuracy(sweep, "--out", out, "--seconds", 1, "--season", "two", "--band", "lwir")
+        accuracy(sweep, "--out", out, "--primary-rays", 1e6, "--season", "two", "--band", "lwir")
         with open(out / "accuracy.csv", newline="") as stream:
             rows = [r for r in csv.DictReader(stream) if r["group"] == "effects"]
         self.assertEqual({r["season"] for r in rows}, {"two"})
@@ -199,7 +199,8 @@ class Accuracy(unittest.TestCase):
             self.assertLess(float(r["relative_error_intensity"]), 0.05, r)
 
     def test_what_is_refused(self):
-        for arguments, what in ((("--season", "none"), "--season"), (("--band", "x"), "--band"),
+        for arguments, what in ((("--seconds", 4, "--primary-rays", 1e6), "--primary-rays"),
+                                (("--season", "none"), "--season"), (("--band", "x"), "--band"),
                                 (("--aspect", "400,0"), "--aspect"), (("--time", "noon"), "--time")):
             self.assertIn(what, accuracy(self.sweep, "--out", self.path / "x", *arguments, exit_code=2))
 
@@ -268,7 +269,7 @@ class Database(unittest.TestCase):
 
     def test_page_of_a_database(self):
         out = self.path / "page"
-        accuracy(self.db, "--out", out, "--seconds", 2, "--band", "lwir")
+        accuracy(self.db, "--out", out, "--primary-rays", 2e6, "--band", "lwir")
         with open(out / "accuracy.csv", newline="") as stream:
             rows = list(csv.DictReader(stream))
         self.assertEqual({r["band"] for r in rows}, {"lwir"})
@@ -277,6 +278,7 @@ class Database(unittest.TestCase):
     def test_stated_errors_are_true(self):
         table, text = self.check("--times", 20)
         self.assertIn("small: 24 rows of 6 viewpoints against a run 20 times as long", text)
+        self.assertRegex(text.splitlines()[0], r"^not seen here, .*quadrature.*`irsig selftest --search`")
         self.assertEqual(set(table), {"intensity_w_sr", "apparent_intensity_w_sr", "contrast_intensity_w_sr",
                                       "projected_area_m2", "spectral_intensity_w_sr_um"})
         for name in ("intensity_w_sr", "apparent_intensity_w_sr", "contrast_intensity_w_sr"):

@@ -38,6 +38,7 @@ class VerifyEffects(unittest.TestCase):
         table = self.path / "matrix.csv"
         said = irsig("verify-effects", "--matrix", "--small", "--reference", 10, "--csv", table)
         self.assertIn(": 0 cells out of bound", said)
+        self.assertRegex(said, "^not seen here, ")
         cells = int(re.search(r"^(\d+) cells", said, re.M)[1])
         self.assertGreaterEqual(cells, 16)
         with open(table, newline="") as file:
@@ -66,6 +67,7 @@ class VerifyEffects(unittest.TestCase):
 
     def test_sweep(self):
         said = irsig("verify-effects", self.sweep(), "--views", 2)
+        self.assertRegex(said.splitlines()[0], r"^not seen here, .*tables of materials.*`irsig selftest --search`")
         # Three conditions, two bands; three quantities.
         self.assertRegex(said, r"(?m)^2 views, 12 rows, 36 values: 0 out of bound")
         one = irsig("verify-effects", self.sweep(), "--row", 42)

@@ -83,7 +83,9 @@ TEST(CostModel, AFloorIsEnoughWhateverTheValue) {
   const ViewCost with = view_cost(pilot, relative(0.001), 0);
   EXPECT_EQ(with.samples, view_cost(pilot, relative(0.01), 0).samples);
   EXPECT_LT(4 * with.samples, without.samples);
-  EXPECT_EQ(with.reached, 1u);
+  EXPECT_EQ(with.reached, 0u) << "the relative error is not reached";
+  EXPECT_EQ(with.at_floor, 1u);
+  EXPECT_DOUBLE_EQ(sweep_cost(std::vector{with}, 1, 1, 1, 0).at_floor_share, 1);
   // A floor below the relative error changes nothing.
   pilot.row[0].floor_w_sr = 0.05;
   EXPECT_EQ(view_cost(pilot, relative(0.001), 0).samples, without.samples);

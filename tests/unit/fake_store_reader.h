@@ -102,6 +102,7 @@ class FakeStoreReader : public StoreReader {
   absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string&) override {
     return std::vector<StoredJobCost>();
   }
+  absl::StatusOr<StoredOutcome> outcome(const std::string&) override { return StoredOutcome(); }
   absl::StatusOr<std::uint64_t> bytes() override { return std::uint64_t{0}; }
   absl::StatusOr<std::string> digest() override { return std::string("fake"); }
 };

@@ -195,5 +195,149 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   EXPECT_THAT(std::string(runner.status().message()), HasSubstr("air.model: "));
 }
 
+// In the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
+constexpr const char* kPlates = R"(
+v 0 0 0
+v 0 4 0
+v 0 4 1
+v 0 0 1
+v 0 5 0
+v 0 6 0
+v 0 6 1
+v 0 5 1
+g front
+f 1 2 3 4
+g back
+f 5 8 7 6
+)";
+
+schema::ResolvedSweep plates() {
+  schema::ResolvedSweep sweep = disk(0);
+  schema::Sweep& asked = *sweep.mutable_sweep();
+  asked.mutable_accuracy()->set_samples_per_replicate(512);
+  schema::Model& model = *asked.mutable_model();
+  model.Clear();
+  model.set_file("plates.obj");
+  model.set_unit_m(1);
+  model.set_forward_axis("+x");
+  model.set_up_axis("+z");
+  model.set_reference("origin");
+  sweep.set_model_file_name("plates.obj");
+  schema::Part& front = *asked.mutable_part(0);
+  front.set_name("front");
+  front.clear_match();
+  schema::Part& back = *asked.add_part();
+  back = front;
+  back.set_name("back");
+  sweep.mutable_condition(0)->add_part_temperature_k(sweep.condition(0).part_temperature_k(0));
+  schema::Viewpoint& view = *sweep.mutable_viewpoint(0);
+  view.set_aspect_azimuth_deg(0);
+  view.set_aspect_elevation_deg(0);
+  view.set_range_m(1000);
+  return sweep;
+}
+
+absl::StatusOr<schema::JobResult> first_job_of_plates(const schema::ResolvedSweep& sweep) {
+  const auto runner = JobRunner::create(sweep, kPlates);
+  if (!runner.ok()) return runner.status();
+  return (*runner)->run(expand_jobs(sweep, physics_version()).front());
+}
+
+TEST(JobRunner, FailsAViewThatIsSeenFromBehind) {
+  schema::ResolvedSweep sweep = plates();
+  const absl::Status failed = first_job_of_plates(sweep).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(failed)) << failed;
+  for (const char* what : {"% of the silhouette", "two_sided", "--repair", "primary hits",
+                           "model.accepted_backface_share"})
+    EXPECT_THAT(std::string(failed.message()), HasSubstr(what));
+  schema::Model& model = *sweep.mutable_sweep()->mutable_model();
+  model.set_accepted_backface_share(0.18);
+  EXPECT_FALSE(first_job_of_plates(sweep).ok());
+  model.set_accepted_backface_share(0.22);
+  const auto accepted = first_job_of_plates(sweep);
+  ASSERT_TRUE(accepted.ok()) << accepted.status();
+  EXPECT_NEAR(accepted->view().row(0).backface_share(), 0.2, 0.01);
+  EXPECT_NEAR(accepted->view().row(0).projected_area_m2().value(), 4, 0.05);
+  // A part with two sides is seen from both.
+  model.clear_accepted_backface_share();
+  sweep.mutable_sweep()->mutable_part(1)->set_two_sided(true);
+  const auto two_sided = first_job_of_plates(sweep);
+  ASSERT_TRUE(two_sided.ok()) << two_sided.status();
+  EXPECT_EQ(two_sided->view().row(0).backface_share(), 0);
+  EXPECT_NEAR(two_sided->view().row(0).projected_area_m2().value(), 5, 0.05);
+}
+
+// A cube inside out is nothing but back faces, whatever its strata: with a hot part too.
+TEST(JobRunner, ACubeInsideOutIsNoResult) {
+  constexpr const char* kCube = R"(
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+g front
+f 1 2 3 4
+f 5 8 7 6
+f 1 5 6 2
+g back
+f 2 6 7 3
+f 3 7 8 4
+f 4 8 5 1
+)";
+  for (const bool hot : {false, true}) {
+    schema::ResolvedSweep sweep = plates();
+    sweep.mutable_sweep()->mutable_part(1)->set_hot(hot);
+    const auto run = [&] {
+      const auto runner = JobRunner::create(sweep, kCube);
+      EXPECT_TRUE(runner.ok()) << runner.status();
+      return (*runner)->run(expand_jobs(sweep, physics_version()).front());
+    };
+    EXPECT_THAT(std::string(run().status().message()), HasSubstr("100 % of the silhouette"));
+    sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(1);
+    const auto accepted = run();
+    ASSERT_TRUE(accepted.ok()) << accepted.status();
+    EXPECT_EQ(accepted->view().row(0).backface_share(), 1);
+    EXPECT_EQ(accepted->view().row(0).intensity_w_sr().value(), 0);
+  }
+}
+
+TEST(JobRunner, ProposesTwoSidesForSheets) {
+  schema::ResolvedSweep sweep = plates();
+  const auto warnings = [&](const char* model) {
+    return JobRunner::create(sweep, model).value()->warnings();
+  };
+  const std::vector<std::string> both = warnings(kPlates);
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_THAT(both[1], HasSubstr("part[1]: 2 facets of \"back\""));
+  EXPECT_THAT(both[1], HasSubstr("two_sided = true"));
+  sweep.mutable_sweep()->mutable_part(1)->set_two_sided(true);
+  EXPECT_EQ(warnings(kPlates).size(), 1U);
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(0.2);
+  EXPECT_EQ(warnings(kPlates).size(), 0U) << "whoever states a share knows";
+}
+
+// An error above the relative one and not above the floor is a reason of its own to stop.
+TEST(JobRunner, SaysThatTheFloorWasReached) {
+  schema::ResolvedSweep sweep = soot(1e-6);
+  schema::Accuracy& accuracy = *sweep.mutable_sweep()->mutable_accuracy();
+  for (const double floor_k : {0.5, 5.0}) {
+    accuracy.set_absolute_error_k(floor_k);
+    const auto result = first_job(sweep, {});
+    ASSERT_TRUE(result.ok()) << result.status();
+    const schema::SignatureRow& row = result->view().row(0);
+    EXPECT_EQ(row.stop_reason(), schema::STOP_REASON_FLOOR_REACHED);
+    EXPECT_GT(row.numerical_error_w_sr(), 1e-6 * row.intensity_w_sr().value());
+    EXPECT_LE(row.numerical_error_w_sr(), row.absolute_floor_w_sr());
+  }
+  // What reaches the relative error does not stop at the floor.
+  accuracy.set_relative_error(0.05);
+  const auto result = first_job(sweep, {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->view().row(0).stop_reason(), schema::STOP_REASON_TARGET_REACHED);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -139,6 +139,7 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       fill_numbers(row, next);
       row.mutable_contrast_intensity_w_sr()->set_value(-row.contrast_intensity_w_sr().value());
       row.set_path_transmittance(1 / row.path_transmittance());
+      row.set_backface_share(0);  // else a warning
       row.set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
       row.set_energy_gain(c == 1);
       add_synthetic_ledger(row, [&next] { return next += 0.25; });
@@ -248,7 +249,7 @@ inline std::string without_what_came_after(int version) {
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
       "PRAGMA legacy_alter_table = ON; DROP TABLE job; ALTER TABLE old_job RENAME TO job;"
-      "DROP TABLE job_kind;";
+      "DROP TABLE job_kind; DELETE FROM stop_reason WHERE name = 'floor_reached';";
   std::vector<std::string> columns = {"reflections"};
   for (const QuantityInfo& quantity : kQuantities)
     if (quantity.since_format > version) columns.emplace_back(quantity.name);

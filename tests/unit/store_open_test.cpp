@@ -1,5 +1,6 @@
 // Which files are opened, which are refused, and what stays behind.
 
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <sstream>
 
 #include "schema/store/open_database.h"
+#include "schema/store/statements.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {
@@ -262,6 +264,83 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
   filter.error_of = SignatureQuantity::kContrastIntensity;
   EXPECT_TRUE(reader->find(filter)->empty());
   EXPECT_EQ(reader->digest()->size(), 64U);
+}
+
+// A file that version 7 made takes a reason to stop that it did not know.
+TEST_F(StoreOpen, AFileOfVersion7LearnsThatAFloorWasReached) {
+  std::vector<MigrationStep> of_7;
+  for (const sql::Migration& m : sql::kMigrations)
+    if (m.version <= 7) of_7.push_back({m.version, m.script});
+  {
+    auto opened = Database::open(path_, Database::Mode::kReadWriteCreate);
+    ASSERT_OK(opened.status());
+    ASSERT_OK((*opened)->script(absl::StrCat("PRAGMA application_id = ", kApplicationId)));
+    ASSERT_OK(migrate(**opened, of_7));
+  }
+  ASSERT_NO_FATAL_FAILURE(write());
+  const auto before = StoreReader::open(path_).value()->find({}).value();
+  ASSERT_EQ(before.size(), 16U);
+  auto writer = StoreWriter::open(path_).value();
+  SweepShape warmer;
+  warmer.hull_temperature_k = 300;  // every job is stale
+  sweep_ = make_sweep(warmer);
+  ASSERT_OK(submit(*writer, sweep_, "sweep-b").status());
+  ASSERT_OK(writer->begin());
+  const QueuedJob job = writer->lease_next("w", 0).value().value();
+  schema::JobResult result = make_result(sweep_, job.spec);
+  const int rows = result.view().row_size();
+  for (schema::SignatureRow& row : *result.mutable_view()->mutable_row()) {
+    row.set_stop_reason(schema::STOP_REASON_FLOOR_REACHED);
+    row.set_backface_share(0);
+  }
+  ASSERT_OK(writer->complete(job.fencing_token, result, "w"));
+  ASSERT_OK(writer->commit());
+  ASSERT_OK(writer->finish());
+  EXPECT_EQ(sqlite_text(path_,
+                        "SELECT count(*) FROM signature_view WHERE stop_reason = "
+                        "'floor_reached' AND warning NOT LIKE '%back faces%'"),
+            absl::StrCat(rows));
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM spectrum JOIN signature USING (signature_id)"),
+            "16");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
+  auto reader = StoreReader::open(path_).value();
+  const StoredOutcome outcome = reader->outcome(sweep_.sweep().name()).value();
+  ASSERT_EQ(outcome.stop.size(), 1U) << "rows that wait for their replacement are not counted";
+  EXPECT_EQ(outcome.stop[0].first, "floor_reached");
+  EXPECT_EQ(outcome.stop[0].second, static_cast<std::uint64_t>(rows));
+  EXPECT_EQ(outcome.backface_views, 0U);
+}
+
+// A reason that nobody knows is none.
+TEST_F(StoreOpen, TheReasonsToStopAreThoseOfTheTable) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  EXPECT_THAT(sqlite_text(path_, "PRAGMA foreign_keys = ON; UPDATE signature SET stop_reason = 6"),
+              ::testing::HasSubstr("FOREIGN KEY"));
+  EXPECT_EQ(sqlite_text(path_, "SELECT max(stop_reason) FROM stop_reason"),
+            absl::StrCat(static_cast<int>(schema::STOP_REASON_FLOOR_REACHED)));
+}
+
+// Part of a target seen from behind is said in the row, beside what its condition warns of.
+TEST_F(StoreOpen, BackFacesAreAWarningOfTheRow) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  ASSERT_EQ(sqlite_text(path_,
+                        "UPDATE signature SET backface_share = NULL; UPDATE signature SET "
+                        "backface_share = 0.25 WHERE signature_id IN (SELECT signature_id "
+                        "FROM signature_view WHERE row IN (1, 2)); SELECT 'set'"),
+            "set");
+  auto reader = StoreReader::open(path_).value();
+  int warned = 0;
+  const auto rows = reader->find({}).value();
+  for (const StoredSignature& s : rows) {
+    const bool behind = s.backface_share > 0;
+    EXPECT_EQ(behind, s.row <= 2) << s.row;
+    EXPECT_EQ(s.warning.find("back faces: ") != std::string::npos, behind) << s.warning;
+    warned += behind ? 1 : 0;
+  }
+  EXPECT_EQ(warned, 2);
+  const StoredOutcome outcome = reader->outcome(sweep_.sweep().name()).value();
+  EXPECT_EQ(outcome.backface_views, 1U);
+  EXPECT_EQ(outcome.largest_backface_share, 0.25);
 }
 
 // The file's columns, the message's fields and the catalogue are one list.

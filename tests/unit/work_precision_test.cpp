@@ -165,5 +165,45 @@ TEST(WholeRunCurve, StopsAtAnError) {
             absl::InternalError("no"));
 }
 
+// A budget of primary rays makes the same points whatever the clock says.
+TEST(WorkCurve, ABudgetOfRaysAsksNoClock) {
+  const WorkMethod method{"made up",
+                          [](std::uint64_t samples, std::uint64_t seed) {
+                            const double n = static_cast<double>(samples);
+                            const double value = 50 + static_cast<double>(seed % 2) / n;
+                            return EstimateRun{{value, 2 * value, 7, {value}}, 32 * n, {}};
+                          },
+                          4};
+  const WholeRunMethod whole{"made up", [](double asked, std::uint64_t) {
+                               EstimateRun run;
+                               run.value = {50, 100, 7, {50}};
+                               run.samples = 32 / (asked * asked);
+                               return absl::StatusOr<EstimateRun>(run);
+                             }};
+  ReferenceValue reference;
+  reference.value = {50, 100, 7, {50}};
+  WorkBudget budget;
+  budget.primary_rays = 32 * 1e5;
+  const std::vector<double> asked = {0.1, 0.03, 0.01, 0.001};
+  std::vector<std::size_t> points, seeds;
+  for (const double step_s : {0.0, 1e-3, 1e9}) {
+    double now_s = 0;
+    const auto clock = [&] { return now_s += step_s; };
+    const auto curve = work_curve(method, reference, budget, clock);
+    std::size_t count = 0;
+    for (const WorkPoint& p : curve) count += p.seeds;
+    points.push_back(curve.size());
+    seeds.push_back(count);
+    const auto runs = whole_run_curve(whole, asked, reference, budget, clock);
+    ASSERT_TRUE(runs.ok());
+    EXPECT_EQ(runs->size(), 3u) << "of 1e6 samples eight do not fit";
+  }
+  EXPECT_GE(points[0], 3u);
+  EXPECT_EQ(points[0], points[1]);
+  EXPECT_EQ(points[0], points[2]);
+  EXPECT_EQ(seeds[0], seeds[1]);
+  EXPECT_EQ(seeds[0], seeds[2]);
+}
+
 }  // namespace
 }  // namespace irsig
