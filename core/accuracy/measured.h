@@ -17,9 +17,10 @@ enum class BoundOf : std::uint8_t {
   kSky,
   kOmitted,
   kDepth,
-  kMoved  // of bringing a stored row to another range
+  kBackground,  // of contrasts
+  kMoved        // of bringing a stored row to another range
 };
-inline constexpr std::size_t kBounds = 8;
+inline constexpr std::size_t kBounds = 9;
 
 struct BoundInfo {
   std::string_view name;

@@ -48,24 +48,29 @@ namespace irsig {
          "of intensity_w_sr: one sigma of the models of sky and sea")                    \
   NUMBER(apparent_model_error_w_sr, kModelError, "W/sr", 3,                              \
          "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")      \
+  NUMBER(contrast_model_error_w_sr, kModelError, "W/sr", 8,                              \
+         "of contrast_intensity_w_sr: the same, glitter behind the target among them")   \
   NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")           \
   NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", 3, "in-band, of the air in front")
 
-#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                          \
-  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed") \
-  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                              \
-         "over wavelength; basis_bound_w_sr is contained in it")                                \
-  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                  \
-         "of rare bright events that were met too seldom to show in the standard error")        \
-  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")              \
-  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                     \
-         "of sky and sea between the directions at which they are known")                       \
-  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")       \
-  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr") \
-  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr") \
-  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here") \
-  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                   \
-         "at the sensor: of one range for the target's whole depth")
+#define IRSIG_BOUND_QUANTITIES(NUMBER)                                                           \
+  NUMBER(truncation_bound_w_sr, kBound, "W/sr", 1, "of reflections after the last one allowed")  \
+  NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
+         "over wavelength; basis_bound_w_sr is contained in it")                                 \
+  NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                   \
+         "of rare bright events that were met too seldom to show in the standard error")         \
+  NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")               \
+  NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                      \
+         "of sky and sea between the directions at which they are known")                        \
+  NUMBER(omitted_bound_w_sr, kBound, "W/sr", 5, "of effects left out: of intensity_w_sr")        \
+  NUMBER(apparent_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of apparent_intensity_w_sr")  \
+  NUMBER(contrast_omitted_bound_w_sr, kBound, "W/sr", 5, "the same of contrast_intensity_w_sr")  \
+  NUMBER(absolute_floor_w_sr, kGoal, "W/sr", 5, "what accuracy.absolute_error_k is worth here")  \
+  NUMBER(depth_bound_w_sr, kBound, "W/sr", 6,                                                    \
+         "at the sensor: of one range for the target's whole depth")                             \
+  NUMBER(background_bound_w_sr, kBound, "W/sr", 8,                                               \
+         "of contrast_intensity_w_sr: of what is behind, between the directions at which it is " \
+         "known")
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
