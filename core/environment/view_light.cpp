@@ -479,7 +479,12 @@ void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* sol
     out.behind_model_error.push_back(leg_.spread_thermal(here.model_error));
     out.behind_interpolation.push_back(dark);
     if (n == 0 || nodes.z(n - 1) == nodes.z(n)) continue;
-    for (const double f : {0.25, 0.5, 0.75}) {
+    // Far from the horizon all is smooth: half way will do.
+    constexpr double kNear = 0.02;
+    const bool smooth = std::abs(static_cast<double>(nodes.z(n) - horizon_.z())) > kNear &&
+                        std::abs(static_cast<double>(nodes.z(n - 1) - horizon_.z())) > kNear;
+    for (const double f : {0.5, 0.25, 0.75}) {
+      if (smooth && f != 0.5) break;
       const double z =
           (1 - f) * static_cast<double>(nodes.z(n - 1)) + f * static_cast<double>(nodes.z(n));
       const std::vector<double> direct = spread(at(z, z < static_cast<double>(horizon_.z())));
