@@ -65,6 +65,8 @@ void see_aperture(const std::string& row, const SignatureResult& r, Reasons& rea
   reasons.see(row + "sky_bound_w_sr", r.sky_bound_w_sr, 0);
   reasons.see(row + "model_error_w_sr", r.model_error_w_sr, 0);
   reasons.see(row + "apparent_model_error_w_sr", r.apparent_model_error_w_sr, 0);
+  reasons.see(row + "contrast_model_error_w_sr", r.contrast_model_error_w_sr, 0);
+  reasons.see(row + "background_bound_w_sr", r.background_bound_w_sr, 0);
   reasons.see(row + "path_transmittance", r.path_transmittance, 0);
   reasons.see(row + "path_radiance_w_m2_sr", r.path_radiance_w_m2_sr, 0);
   constexpr double kMost = 1 + 1e-9;

@@ -183,6 +183,13 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
       condition.sun_scale = c.sun_irradiance_from_distance()
                                 ? 1 / (sun->distance_au * sun->distance_au)
                                 : c.sun_irradiance_w_m2() / kSolarConstantWM2;
+      if (environment != nullptr) {
+        const Environment::SunSeen& seen =
+            environment->sun_seen(static_cast<std::uint32_t>(request.condition.size()));
+        condition.sun_direction = seen.direction;
+        condition.sun_cos_zenith = -seen.direction.z;
+        condition.sun_horizon_z = seen.horizon_z;
+      }
     }
     request.condition.push_back(std::move(condition));
   }

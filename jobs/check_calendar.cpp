@@ -9,6 +9,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/geo/sun.h"
 #include "jobs/check_weather.h"
 
@@ -104,6 +105,20 @@ void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Con
                             " deg ", elevation_deg > 0 ? "above" : "below", " the horizon"));
 }
 
+// Waves that stand in the sun of others are left out; of the glitter below this their share is a
+// fifth and more (glint_model_relative, 5 m/s).
+constexpr double kGrazingGlitterDeg = 5;
+
+void check_low_sun(const schema::Sweep& sweep, schema::Condition& condition, double elevation_deg) {
+  if (!sweep.transport().sun() || !condition.has_weather() ||
+      !is_rough_sea(condition.surroundings()))
+    return;
+  if (elevation_deg < kSunriseDeg || elevation_deg > kGrazingGlitterDeg) return;
+  condition.add_warning(absl::StrCat(
+      "time[", condition.time_index(), "] the sun stands at ", std::round(elevation_deg * 10) / 10,
+      " deg: its glitter lacks the shadows of waves; contrast_model_error_w_sr holds them"));
+}
+
 // The sun's largest elevation on the day of a condition, to 0.1 deg.
 double highest_sun_deg(const schema::Place& place, const schema::Condition& condition) {
   double highest_deg = -90;
@@ -165,8 +180,9 @@ void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
   if (!resolved.sweep().has_place()) return;
   for (int s = 0; s < resolved.sweep().season_size(); ++s) check_season_name(resolved, s, findings);
   double highest_deg = -90;
-  for (const schema::Condition& condition : resolved.condition()) {
+  for (schema::Condition& condition : *resolved.mutable_condition()) {
     const double elevation_deg = sun_there(resolved.sweep().place(), condition).elevation_deg;
+    check_low_sun(resolved.sweep(), condition, elevation_deg);
     highest_deg = std::max(highest_deg, elevation_deg);
     check_hour_in_name(resolved, condition, elevation_deg, findings);
   }

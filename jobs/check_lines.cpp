@@ -13,13 +13,18 @@
 namespace irsig {
 namespace {
 
-// Above a spherical sea or ground, as Environment::view places the sensor.
-double sensor_height_m(double target_m, const schema::Viewpoint& view) {
-  const double centre_m = kEarthRadiusM + target_m;
-  const double up = std::sin(view.aspect_elevation_deg() * M_PI / 180);
-  return std::sqrt(centre_m * centre_m + view.range_m() * view.range_m() +
-                   2 * centre_m * view.range_m() * up) -
-         kEarthRadiusM;
+// Of a line of sight above a spherical sea or ground, as Environment::line has it: the sensor's
+// height, and its distance from the point that stands for the target.
+struct Sight {
+  double sensor_m, range_m;
+};
+Sight sight_of(double target_m, const schema::Viewpoint& view) {
+  const double elevation = view.aspect_elevation_deg() * M_PI / 180;
+  const double up_m = view.range_m() * std::sin(elevation),
+               along_m = view.range_m() * std::cos(elevation);
+  return {(view.range_m() * view.range_m() + 2 * kEarthRadiusM * up_m) /
+              (std::hypot(kEarthRadiusM + up_m, along_m) + kEarthRadiusM),
+          std::hypot(up_m - target_m, along_m)};
 }
 
 std::string text_of(int index, const schema::Viewpoint& view) {
@@ -50,8 +55,9 @@ void check_hidden(const schema::ResolvedSweep& resolved, int s, const WeatherSpe
   for (int v = 0; v < resolved.viewpoint_size(); ++v) {
     const schema::Viewpoint& view = resolved.viewpoint(v);
     if (view.aspect_elevation_deg() >= 0) continue;
-    const auto path = look_between(weather.air.profile, sensor_height_m(target_m, view), target_m,
-                                   view.range_m(), weather.refraction);
+    const Sight sight = sight_of(target_m, view);
+    const auto path = look_between(weather.air.profile, sight.sensor_m, target_m, sight.range_m,
+                                   weather.refraction);
     if (path.ok()) continue;
     findings.add(resolved.sweep().viewpoints().kind() == "list"
                      ? absl::StrCat("viewpoints.aspect[", v, "]")
@@ -105,7 +111,8 @@ void check_import(const schema::ResolvedSweep& resolved, int s, const ImportedPa
   const double target_m = target_height_m(resolved);
   for (int v = 0; v < resolved.viewpoint_size(); ++v) {
     const schema::Viewpoint& view = resolved.viewpoint(v);
-    const auto found = find_path(paths, sensor_height_m(target_m, view), target_m, view.range_m());
+    const Sight sight = sight_of(target_m, view);
+    const auto found = find_path(paths, sight.sensor_m, target_m, sight.range_m);
     if (found.ok()) {
       check_wavelengths(sweep, **found, path, findings);
       continue;

@@ -98,7 +98,9 @@ std::string errors(const StoredSignature& row, IntensityOf intensity, double val
   for (std::size_t i = 0; i < kBounds; ++i) {
     const auto which = static_cast<BoundOf>(i);
     // At the target there is no depth of air; a stored row was not moved.
-    if (which == BoundOf::kMoved || (which == BoundOf::kDepth && intensity == IntensityOf::kSource))
+    if (which == BoundOf::kMoved ||
+        (which == BoundOf::kDepth && intensity == IntensityOf::kSource) ||
+        (which == BoundOf::kBackground && intensity != IntensityOf::kContrast))
       continue;
     out += line(fmt::format("{} bound", info_of(which).name), stored_bound(row, intensity, which),
                 value, info_of(which).what);
@@ -120,6 +122,8 @@ std::string values(const Explained& e) {
   out += head("contrast intensity", c, "W/sr, at the sensor");
   out += errors(s, IntensityOf::kContrast, c, s.contrast_intensity_stderr_w_sr,
                 s.contrast_numerical_error_w_sr);
+  out += line("model error", s.contrast_model_error_w_sr, c,
+              "air, sky and sea, glitter behind the target");
   out += head("background radiance", s.background_radiance_w_m2_sr, "W/(m2 sr), at the sensor");
   out +=
       line("standard error", s.background_radiance_stderr_w_m2_sr, s.background_radiance_w_m2_sr);

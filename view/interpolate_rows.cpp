@@ -94,7 +94,8 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
     out.*q.value_stderr = e.value_stderr;
     out.*q.numerical_error = interpolated_error(e, q, made.fit, made.from);
   }
-  for (const Getter error : {&S::model_error_w_sr, &S::apparent_model_error_w_sr})
+  for (const Getter error :
+       {&S::model_error_w_sr, &S::apparent_model_error_w_sr, &S::contrast_model_error_w_sr})
     out.*error = propagated_model_error(made.fit, made.from, error);
   for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
     out.*value = at(value, nullptr).value;

@@ -53,6 +53,8 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
                                                    : row.contrast_omitted_bound_w_sr;
     case BoundOf::kDepth:
       return source ? 0 : row.depth_bound_w_sr;
+    case BoundOf::kBackground:
+      return intensity == IntensityOf::kContrast ? row.background_bound_w_sr : 0;
     case BoundOf::kMoved:
       return 0;
   }

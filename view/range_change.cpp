@@ -92,17 +92,10 @@ class SweepAir {
       return out;
     }
     const Vec<Body> towards = body_from_aspect(aspect_azimuth_deg, aspect_elevation_deg);
-    const auto sine = static_cast<float>(std::abs(towards.z));
-    const bool above = towards.z > 0;  // what lies behind the target, from a sensor below it
-    DirectionNodes behind = above ? DirectionNodes({sine}, {0.0f}, 1, azimuth_behind(towards))
-                                  : DirectionNodes({0.0f}, {sine}, 1, azimuth_behind(towards));
-    auto views =
-        environment_->view({range_m, aspect_elevation_deg, towards, std::move(behind)}, conditions);
-    if (!views.ok()) return views.status();
-    // The one direction that is wanted.
-    for (ViewEnvironment& v : *views)
-      v.behind_apparent = {std::move(v.behind_apparent[above ? 0 : 1])};
-    return views;
+    Environment::Line line =
+        environment_->line({aspect_azimuth_deg, aspect_elevation_deg, range_m});
+    line.behind = BehindNodes({static_cast<float>(towards.z)}, std::atan2(-towards.y, -towards.x));
+    return environment_->view(line, conditions);
   }
 
   [[nodiscard]] SightLine line(const ViewEnvironment& view, std::size_t band) const {
@@ -112,9 +105,6 @@ class SweepAir {
   [[nodiscard]] const StoredSweep& sweep() const { return sweep_; }
 
  private:
-  static double azimuth_behind(const Vec<Body>& towards) {
-    return std::atan2(-towards.y, -towards.x);
-  }
   static absl::Status outdated(const StoredSignature& s) {
     return absl::FailedPreconditionError(fmt::format(
         "row {} (season {}, band {}) is of an earlier version of its sweep, whose air is no longer "

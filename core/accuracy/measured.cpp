@@ -16,6 +16,7 @@ constexpr std::array<BoundInfo, kBounds> kInfo = {{
     {"sky", true, "between the sky's directions"},
     {"omitted", true, "of effects that are off"},
     {"depth", true, "of one range for all of the target"},
+    {"background", true, "between the directions behind the target"},
     {"moved", true, "of bringing the row to another range"},
 }};
 

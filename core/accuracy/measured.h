@@ -17,7 +17,8 @@ enum class BoundOf : std::uint8_t {
   kSky,
   kOmitted,
   kDepth,
-  kMoved  // of bringing a stored row to another range; the last
+  kBackground,  // of contrasts
+  kMoved        // of bringing a stored row to another range; the last
 };
 inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved) + 1;
 

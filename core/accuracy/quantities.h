@@ -48,6 +48,8 @@ namespace irsig {
          "of intensity_w_sr: one sigma of the models of sky and sea")                    \
   NUMBER(apparent_model_error_w_sr, kModelError, "W/sr", 3,                              \
          "of apparent_intensity_w_sr: one sigma of the models of air, sky and sea")      \
+  NUMBER(contrast_model_error_w_sr, kModelError, "W/sr", 9,                              \
+         "of contrast_intensity_w_sr: the same, glitter behind the target among them")   \
   NUMBER(path_transmittance, kExact, "1", 3, "in-band mean, of a grey source")           \
   NUMBER(path_radiance_w_m2_sr, kExact, "W/(m2 sr)", 3, "in-band, of the air in front")
 
@@ -70,6 +72,9 @@ namespace irsig {
          "estimate: what samples that met nothing brighter may have missed, of intensity_w_sr")  \
   NUMBER(apparent_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of apparent_intensity_w_sr") \
   NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr") \
+  NUMBER(background_bound_w_sr, kBound, "W/sr", 9,                                               \
+         "of contrast_intensity_w_sr: of what is behind, between the directions at which it is "  \
+         "known")                                                                                \
   NUMBER(backface_share, kGuard, "1", 10,                                                        \
          "of the silhouette: one-sided facets seen from behind, which send nothing")
 

@@ -73,10 +73,12 @@ struct Trace {
 
 class Tracer {
  public:
-  Tracer(const AirProfile& air, bool refraction, bool stop_at_surface)
+  Tracer(const AirProfile& air, bool refraction, bool stop_at_surface,
+         double longest_step_m = kLongestStepM)
       : air_(air),
         refraction_(refraction),
         stop_at_surface_(stop_at_surface),
+        longest_step_m_(longest_step_m),
         bottom_m_(air.level.front().height_m),
         top_m_(air.level.back().height_m) {}
 
@@ -100,7 +102,7 @@ class Tracer {
     const double start_bend = ray.zenith + ray.angle;
     add_node(out.path, ray);
     while (left_m > 0) {
-      double step_m = std::min({step_for(ray), kLongestStepM, left_m});
+      double step_m = std::min({step_for(ray), longest_step_m_, left_m});
       const Slope slope = slope_at(air_, ray, refraction_);
       Ray next = advance(air_, ray, slope, step_m, refraction_);
       if (ray.zenith > kHorizontal + 1e-9 && next.zenith < kHorizontal) {
@@ -218,7 +220,7 @@ class Tracer {
 
   const AirProfile& air_;
   bool refraction_, stop_at_surface_;
-  double bottom_m_, top_m_;
+  double longest_step_m_, bottom_m_, top_m_;
 };
 
 }  // namespace
@@ -287,6 +289,91 @@ absl::StatusOr<LightPath> look_between(const AirProfile& air, double observer_he
   }
   for (LightPath::Node& node : trace.path.node) node.height_m = std::max(node.height_m, bottom_m);
   return std::move(trace.path);
+}
+
+GrazingRay::GrazingRay(const AirProfile& air, bool refraction)
+    : bottom_m_(air.level.front().height_m) {
+  if (!refraction) return;
+  // Steps of 10 km would err by 0.02 m each.
+  constexpr double kStepM = 2e3;
+  const LightPath path = Tracer(air, true, true, kStepM)
+                             .run(bottom_m_, 90, std::numeric_limits<double>::infinity())
+                             .path;
+  if (path.end != PathEnd::kSpace) return;
+  for (const LightPath::Node& n : path.node) {
+    point_.push_back(
+        {n.height_m, n.central_angle_deg * kRadPerDeg, (90 - n.zenith_deg) * kRadPerDeg});
+  }
+}
+
+// Hermite's cubic between two points.
+struct GrazingRay::Piece {
+  double a_m, b_m, slope_a, slope_b;
+  Piece(const Point& a, const Point& b) : a_m(a.height_m), b_m(b.height_m) {
+    const double width = b.angle - a.angle;  // dh/d(angle) = r tan(elevation)
+    slope_a = width * (kEarthRadiusM + a_m) * std::tan(a.elevation);
+    slope_b = width * (kEarthRadiusM + b_m) * std::tan(b.elevation);
+  }
+  [[nodiscard]] double at(double t) const {
+    const double u = 1 - t;
+    return u * u * (1 + 2 * t) * a_m + t * t * (3 - 2 * t) * b_m +
+           t * u * (u * slope_a - t * slope_b);
+  }
+};
+
+double GrazingRay::height_m(double angle_rad) const {
+  const double angle = std::abs(angle_rad), bottom = kEarthRadiusM + bottom_m_;
+  if (point_.empty()) {  // bottom / cos - bottom
+    const double s = std::sin(0.5 * angle);
+    return bottom_m_ + 2 * bottom * s * s / std::cos(angle);
+  }
+  if (angle >= point_.back().angle) {
+    const Point& p = point_.back();
+    const double level = (kEarthRadiusM + p.height_m) * std::cos(p.elevation);
+    return level / std::cos(p.elevation + angle - p.angle) - kEarthRadiusM;
+  }
+  const auto next = std::upper_bound(point_.begin() + 1, point_.end() - 1, angle,
+                                     [](double x, const Point& p) { return x < p.angle; });
+  const Point &a = *std::prev(next), &b = *next;
+  return Piece(a, b).at((angle - a.angle) / (b.angle - a.angle));
+}
+
+double GrazingRay::angle_rad(double height_m) const {
+  const double height = std::max(height_m, bottom_m_);
+  if (point_.empty()) {
+    const double rise = height - bottom_m_, r = kEarthRadiusM + height;
+    return 2 * std::asin(std::sqrt(rise / (2 * r)));  // acos(bottom / r)
+  }
+  const Point& top = point_.back();
+  if (height >= top.height_m) {
+    const double level = (kEarthRadiusM + top.height_m) * std::cos(top.elevation);
+    return top.angle + std::acos(level / (kEarthRadiusM + height)) - top.elevation;
+  }
+  const auto next = std::upper_bound(point_.begin() + 1, point_.end() - 1, height,
+                                     [](double x, const Point& p) { return x < p.height_m; });
+  const Point &a = *std::prev(next), &b = *next;
+  const Piece piece(a, b);
+  double low = 0, high = 1;
+  for (int i = 0; i < 52; ++i) {
+    const double t = 0.5 * (low + high);
+    (piece.at(t) < height ? low : high) = t;
+  }
+  return a.angle + 0.5 * (low + high) * (b.angle - a.angle);
+}
+
+double GrazingRay::dip_rad(double height_m) const {
+  const double angle = angle_rad(height_m);
+  if (point_.empty()) return angle;
+  const Point& top = point_.back();
+  if (angle >= top.angle) return top.elevation + angle - top.angle;
+  const auto next = std::upper_bound(point_.begin() + 1, point_.end() - 1, angle,
+                                     [](double x, const Point& p) { return x < p.angle; });
+  const Point &a = *std::prev(next), &b = *next;
+  return a.elevation + (b.elevation - a.elevation) * (angle - a.angle) / (b.angle - a.angle);
+}
+
+double GrazingRay::bending_rad(double height_m) const {
+  return angle_rad(height_m) - dip_rad(height_m);
 }
 
 }  // namespace irsig

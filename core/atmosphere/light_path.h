@@ -52,4 +52,35 @@ struct LightPath {
                                                      double target_height_m, double range_m,
                                                      bool refraction = true);
 
+// The ray that touches the surface, either way from where it touches: what lies below it is hidden
+// from whoever is on it, and where it meets an observer is his horizon.
+//
+// With refraction by look()'s equations in steps of 2 km, without it in closed form. Heights are
+// those of the profile, at least its lowest. Accuracy: heights within 0.01 m of a quadrature of
+// Bouguer's law up to 20 km (tests/physics/horizon_test.cpp). Limits: look()'s; where air bends
+// rays more than the Earth is curved, none has such a ray, and it is the straight one.
+class GrazingRay {
+ public:
+  GrazingRay() = default;  // without air, above a sphere of the Earth's radius
+  explicit GrazingRay(const AirProfile& air, bool refraction = true);
+
+  // Central angle from where it touches to where it is so high.                          [rad]
+  [[nodiscard]] double angle_rad(double height_m) const;
+  [[nodiscard]] double height_m(double angle_rad) const;
+  // Of the ray above the local horizontal there: the dip of the horizon seen from there.  [rad]
+  [[nodiscard]] double dip_rad(double height_m) const;
+  // By how much it is bent from where it touches to that height.                          [rad]
+  [[nodiscard]] double bending_rad(double height_m) const;
+  [[nodiscard]] double bottom_m() const { return bottom_m_; }
+  [[nodiscard]] bool straight() const { return point_.empty(); }
+
+ private:
+  struct Point {
+    double height_m, angle, elevation;
+  };
+  struct Piece;
+  double bottom_m_ = 0;
+  std::vector<Point> point_;  // empty: straight
+};
+
 }  // namespace irsig

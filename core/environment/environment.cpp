@@ -6,6 +6,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -14,6 +15,7 @@
 #include "core/base/constants.h"
 #include "core/environment/leg.h"
 #include "core/environment/light_bounds.h"
+#include "core/environment/line_horizon.h"
 #include "core/environment/made_once.h"
 #include "core/environment/sun_light.h"
 #include "core/environment/view_light.h"
@@ -53,6 +55,54 @@ absl::Status check(const WeatherSpec& w) {
   return absl::OkStatus();
 }
 
+// The rest of a unit vector where its z is another.
+Vec<Body> with_elevation(Vec<Body> v, double elevation_rad) {
+  const double level = std::hypot(v.x, v.y), c = std::cos(elevation_rad);
+  return {level > 0 ? c * v.x / level : c, level > 0 ? c * v.y / level : 0,
+          -std::sin(elevation_rad)};
+}
+
+// A ray that arrives at an elevation a left the sun at a - bending(a).
+Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, double height_m,
+                              const ConditionEnvironment& c, bool refraction) {
+  const double true_rad = std::asin(std::clamp(-c.sun_direction.z, -1.0, 1.0));
+  const double dip = ray.dip_rad(height_m);
+  const double radius =
+      std::asin(std::min(1.0, kSolarRadiusM / (kAstronomicalUnitM * c.sun_distance_au)));
+  const auto bending = [&](double elevation_rad) {
+    const double zenith_deg = 90 - elevation_rad / kRadPerDeg;
+    return look(air, height_m, std::clamp(zenith_deg, 0.0, 180.0),
+                std::numeric_limits<double>::infinity(), true)
+               .bending_deg *
+           kRadPerDeg;
+  };
+  double seen_rad = true_rad;
+  if (refraction && !ray.straight()) {
+    // A hair above the ray that touches the surface.
+    const double lowest = -dip + 1e-6, at_horizon = bending(lowest);
+    if (true_rad <= lowest - at_horizon) {
+      seen_rad = true_rad + at_horizon;
+    } else {
+      double low = lowest, high = std::max(lowest, true_rad) + at_horizon + 1e-6;
+      for (int i = 0; i < 40; ++i) {
+        const double middle = std::min(0.5 * (low + high), 0.5 * std::numbers::pi);
+        (middle - bending(middle) < true_rad ? low : high) = middle;
+      }
+      seen_rad = 0.5 * (low + high);
+    }
+  }
+  Environment::SunSeen out;
+  out.direction = refraction ? with_elevation(c.sun_direction, seen_rad) : c.sun_direction;
+  out.horizon_z = std::sin(dip);
+  // The segment of a circle above a line, and the middle of it.
+  const double cut = std::clamp((-dip - seen_rad) / radius, -1.0, 1.0);
+  const double chord = std::sqrt(1 - cut * cut), area = std::acos(cut) - cut * chord;
+  out.visible = area / std::numbers::pi;
+  const double above = area > 0 ? 2 * chord * chord * chord / (3 * area) : 1;
+  out.middle = above > 0 ? with_elevation(out.direction, seen_rad + radius * above) : out.direction;
+  return out;
+}
+
 }  // namespace
 
 // What does not depend on the view is computed once, by whoever asks first; what it is does not
@@ -62,6 +112,7 @@ struct Environment::Parts {
     WeatherSpec spec;
     std::optional<Atmosphere> atmosphere;
     double height_m = 0;  // of the target, as the profile counts
+    GrazingRay ray;
     MadeOnce<std::unique_ptr<const WeatherLight>> light;
     MadeOnce<std::unique_ptr<const WeatherBounds>> bounds;
   };
@@ -69,13 +120,15 @@ struct Environment::Parts {
     ConditionEnvironment spec;
     MadeOnce<std::unique_ptr<const SunLight>> sun;
     MadeOnce<std::unique_ptr<const ConditionBounds>> bounds;
-    [[nodiscard]] bool sun_is_up() const { return spec.sun && spec.sun_direction.z < 0; }
+    SunSeen seen{};
+    [[nodiscard]] bool sun_is_up() const { return seen.visible > 0; }
   };
 
   std::deque<Weather> weather;
   std::deque<Condition> condition;
   NodeWavelengths wavelengths;
   DirectionNodes nodes, rings;  // rings: the same with one azimuth
+  double target_height_m = 0;
 
   [[nodiscard]] const WeatherLight& light_of(const Weather& w) const {
     return *w.light.get([&] {
@@ -86,7 +139,7 @@ struct Environment::Parts {
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
     const Weather& w = weather[c.spec.weather];
     return *c.sun.get([&] {
-      return std::make_unique<SunLight>(c.spec, light_of(w), w.spec.lower, *w.atmosphere,
+      return std::make_unique<SunLight>(c.spec, c.seen, light_of(w), w.spec.lower, *w.atmosphere,
                                         w.height_m, nodes, wavelengths.bands);
     });
   }
@@ -97,7 +150,7 @@ struct Environment::Parts {
         return std::make_unique<WeatherBounds>(w.spec, *w.atmosphere, w.height_m, nodes,
                                                wavelengths.bands);
       });
-      return std::make_unique<ConditionBounds>(c.spec, of_weather);
+      return std::make_unique<ConditionBounds>(c.spec, c.seen, of_weather);
     });
   }
 };
@@ -108,6 +161,7 @@ struct Environment::Look::Parts {
   Line line;
   struct Weather {
     LegPath path;
+    std::optional<LineHorizon> horizon;
     std::unique_ptr<const Leg> leg;
     std::unique_ptr<ViewLight> light;
   };
@@ -120,7 +174,9 @@ struct Environment::Look::Parts {
     absl::StatusOr<LegPath> path =
         leg_path(w.spec, *w.atmosphere, w.height_m, line, of.wavelengths.bands);
     if (!path.ok()) return path.status();
-    weather[index].path = *std::move(path);
+    Weather& here = weather[index];
+    here.path = *std::move(path);
+    here.horizon.emplace(w.ray, w.height_m, line, here.path.lift_rad);
     return absl::OkStatus();
   }
   [[nodiscard]] const Leg& leg_of(std::uint32_t index) {
@@ -135,7 +191,7 @@ struct Environment::Look::Parts {
     Weather& here = weather.at(index);
     if (!here.light) {
       here.light = std::make_unique<ViewLight>(leg_of(index), of.light_of(of.weather[index]), line,
-                                               of.wavelengths);
+                                               *here.horizon, of.wavelengths);
     }
     return *here.light;
   }
@@ -151,6 +207,39 @@ Environment::Look::~Look() = default;
 const DirectionNodes& Environment::nodes() const { return parts_->nodes; }
 const DirectionNodes& Environment::nodes(bool with_azimuths) const {
   return with_azimuths ? parts_->nodes : parts_->rings;
+}
+Environment::Line Environment::line(const Viewpoint& v) const {
+  const double elevation = v.aspect_elevation_deg * kRadPerDeg;
+  const double up_m = v.range_m * std::sin(elevation) - parts_->target_height_m;
+  const double along_m = v.range_m * std::cos(elevation);
+  return {std::hypot(up_m, along_m), std::atan2(up_m, along_m) / kRadPerDeg,
+          body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BehindNodes()};
+}
+
+Environment::Horizon Environment::horizon(const Line& line) const {
+  Horizon sum{0, 0, 0};
+  for (const Parts::Condition& c : parts_->condition) {
+    const Parts::Weather& w = parts_->weather[c.spec.weather];
+    const Horizon h = LineHorizon(w.ray, w.height_m, line, 0).horizon();
+    sum.z += h.z;
+    sum.earth_radius_m += 1 / h.earth_radius_m;
+    sum.lift_rad += h.lift_rad;
+  }
+  const auto n = static_cast<double>(parts_->condition.size());
+  return {sum.z / n, n / sum.earth_radius_m, sum.lift_rad / n};
+}
+
+std::vector<float> Environment::horizons_z(const Line& line) const {
+  std::vector<float> out;
+  for (const Parts::Weather& w : parts_->weather) {
+    out.push_back(LineHorizon(w.ray, w.height_m, line, 0).z());
+  }
+  return out;
+}
+
+const Environment::SunSeen& Environment::sun_seen(std::uint32_t condition) const {
+  IRSIG_CHECK(condition < parts_->condition.size());
+  return parts_->condition[condition].seen;
 }
 std::size_t Environment::conditions() const { return parts_->condition.size(); }
 
@@ -168,6 +257,7 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
   absl::StatusOr<NodeWavelengths> wavelengths = node_wavelengths(node_um);
   if (!wavelengths.ok()) return wavelengths.status();
   parts->wavelengths = *std::move(wavelengths);
+  parts->target_height_m = target_height_m;
 
   double dip = 0;
   for (std::size_t i = 0; i < weather.size(); ++i) {
@@ -182,6 +272,7 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     w.atmosphere.emplace(*std::move(atmosphere));
     const AirProfile& profile = w.atmosphere->profile();
     w.height_m = profile.level.front().height_m + target_height_m;
+    w.ray = GrazingRay(profile, w.spec.refraction);
     dip = std::max(dip, sin_of_dip(profile, w.height_m, w.spec.refraction));
   }
   bool sun = false;
@@ -195,8 +286,12 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
       return absl::InvalidArgumentError(
           absl::StrFormat("condition %d: the sun needs a unit vector and a distance", i));
     }
-    sun = sun || (c.sun && c.sun_direction.z < 0);
-    parts->condition.emplace_back().spec = c;
+    Parts::Condition& here = parts->condition.emplace_back();
+    here.spec = c;
+    if (!c.sun) continue;
+    const Parts::Weather& w = parts->weather[c.weather];
+    here.seen = sun_from(w.atmosphere->profile(), w.ray, w.height_m, c, w.spec.refraction);
+    sun = sun || here.seen.visible > 0;
   }
   // The first ring below the horizon lies safely on the sea.
   const double first = dip * 1.001 + 1e-5;
@@ -281,7 +376,8 @@ const LightBounds& Environment::Look::bounds(std::uint32_t condition) {
   IRSIG_CHECK(condition < of.condition.size());
   const Environment::Parts::Condition& c = of.condition[condition];
   return parts_->bounds[condition] =
-             light_bounds(of.bounds_of(c), parts_->leg_of(c.spec.weather), parts_->line);
+             light_bounds(of.bounds_of(c), parts_->leg_of(c.spec.weather), parts_->line,
+                          *parts_->weather.at(c.spec.weather).horizon);
 }
 
 std::vector<double> air_band_edges_um(double lambda_min_um, double lambda_max_um) {

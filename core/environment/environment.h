@@ -9,8 +9,10 @@
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/imported_path.h"
 #include "core/effects/effect_set.h"
+#include "core/environment/behind_nodes.h"
 #include "core/environment/direction_nodes.h"
 #include "core/environment/sea_surface.h"
+#include "core/geo/viewpoint.h"
 
 namespace irsig {
 
@@ -39,7 +41,7 @@ struct WeatherSpec {
 // The air, sky and sea of one condition of a sweep.
 struct ConditionEnvironment {
   std::uint32_t weather = 0;  // index
-  bool sun = false;           // whether it is to shine; below the horizon it gives nothing
+  bool sun = false;           // whether it is to shine; what of it has set gives nothing
   Vec<Body> sun_direction;    // unit vector, airless
   double sun_distance_au = 1;
 };
@@ -67,6 +69,10 @@ struct ViewEnvironment {
   Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
   std::vector<Spectrum> node, node_apparent;  // [direction node]: sky, then lower
   std::vector<Spectrum> behind_apparent;      // [node of Line::behind]
+  // Of these: the most by which straight lines to the nodes beside them were found to err at three
+  // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
+  // one sigma of the models. Empty: none.
+  std::vector<Spectrum> behind_interpolation, behind_model_error;
 
   // Relative interpolation error of the nodes' radiance between them: mean over the side's solid
   // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
@@ -112,19 +118,42 @@ class Environment {
   // The same rings, with one azimuth if without.
   [[nodiscard]] const DirectionNodes& nodes(bool with_azimuths) const;
 
+  // The sun of a condition as the target's point sees it: lifted by refraction (if the weather has
+  // it), its disk cut by the horizon. Limits: the disk stays round, where refraction flattens it by
+  // a fifth at the horizon; below the horizon its centre is lifted as the horizon is.
+  struct SunSeen {
+    Vec<Body> direction;  // unit vector to the disk's centre
+    double horizon_z;     // directions with a larger z have set
+    double visible;       // share of the disk that has not; 0: none, or no sun
+    Vec<Body> middle;     // of that share; unit vector
+  };
+  [[nodiscard]] const SunSeen& sun_seen(std::uint32_t condition) const;
+
   // From the target to a sensor.
   struct Line {
     double range_m;
-    double elevation_deg;   // of the sensor, at the target, geometric; -90 .. 90
-    Vec<Body> direction;    // unit vector towards the sensor
-    DirectionNodes behind;  // where the background is wanted: directions away from the sensor, at
-                            // the line's own azimuth (behind.direction(node) has it)
-    // false: no line of sight goes to that side of `behind`, whose nodes stay dark.
-    bool behind_sky = true, behind_lower = true;
-    [[nodiscard]] bool looks_at(std::uint32_t node_behind) const {
-      return node_behind < behind.sky() ? behind_sky : behind_lower;
-    }
+    double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
+    Vec<Body> direction;   // unit vector towards the sensor
+    BehindNodes behind;    // where the background is wanted: directions away from the sensor
   };
+  // From the point that stands for the target: `viewpoint` has range and elevation at the surface
+  // below it. Without directions behind it.
+  [[nodiscard]] Line line(const Viewpoint& viewpoint) const;
+
+  // Where the sea (or ground) ends for the sensor of a line, refracted if the weather says so.
+  struct Horizon {
+    // Straight lines from the sensor that fall less than this pass above it: z of their unit vector
+    // (BehindNodes).
+    double z;
+    // What it hides of the target is what a sphere of this radius hides from straight lines that
+    // rise to the sensor by `lift_rad` more than the geometric ones.
+    double earth_radius_m, lift_rad;
+  };
+  // The mean of all conditions': one set of paths has one geometry.
+  [[nodiscard]] Horizon horizon(const Line& line) const;
+  // z of each weather's, in their order.
+  [[nodiscard]] std::vector<float> horizons_z(const Line& line) const;
+
   // INVALID_ARGUMENT: a sensor below the surface, or hidden by the Earth; a line that the imported
   // paths do not cover.
   [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(

@@ -51,6 +51,9 @@ absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmo
       look_between(profile, out.sensor_height_m, height_m, d, spec.refraction);
   if (!path.ok()) return absl::InvalidArgumentError(path.status().message());
   out.path = *std::move(path);
+  if (spec.refraction && !out.path.step_m.empty()) {
+    out.lift_rad = (out.path.node.back().zenith_deg - 90 - line.elevation_deg) * kRadPerDeg;
+  }
   if (!spec.imported) return out;
 
   const absl::StatusOr<const ImportedPath*> found =

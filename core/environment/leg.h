@@ -21,6 +21,7 @@ struct NodeWavelengths {
 struct LegPath {
   LightPath path;  // from the sensor to the target
   double sensor_height_m = 0;
+  double lift_rad = 0;  // by how much it points lower at the target than the straight line
   const ImportedPath* imported = nullptr;
 };
 // INVALID_ARGUMENT as Environment::view has it.

@@ -45,12 +45,12 @@ AirSpectrum grey_transmittance(const AbsorberAmounts& amounts) {
 }  // namespace
 
 ConditionBounds::ConditionBounds(const ConditionEnvironment& condition,
-                                 const WeatherBounds& of_weather)
-    : weather(of_weather), direction(condition.sun_direction) {
+                                 const Environment::SunSeen& seen, const WeatherBounds& of_weather)
+    : weather(of_weather), direction(seen.middle) {
   const AirSpectrum dark(kAirBandCount, 0.0);
   outside = sun = diffuse_sun = diffuse_sun_w_m2_um = mirrored_sun = mirrored_sun_w_m2_um = dark;
   lower_sun = dark;
-  shines = condition.sun && direction.z < 0;
+  shines = seen.visible > 0;
   if (!shines) return;
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (!chosen(weather.bands, b)) continue;
@@ -152,7 +152,7 @@ void ConditionBounds::scatter(double slant) {
 
     // What the surface reflects of it; a grey one evenly over its hemisphere.
     const double sun_reflected =
-        is_grey ? reflectance * -direction.z * std::numbers::inv_pi * sun[b] : 0;
+        is_grey ? reflectance * std::max(0.0, -direction.z) * std::numbers::inv_pi * sun[b] : 0;
     sky *= weather.overshoot;
     lower_sun[b] = std::max(air, reflectance * sky + sun_reflected);
     diffuse_sun[b] = std::max(sky, lower_sun[b]);
@@ -179,7 +179,7 @@ void ConditionBounds::mirror() {
 }
 
 LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
-                         const Environment::Line& line) {
+                         const Environment::Line& line, const LineHorizon& horizon) {
   const WeatherBounds& weather = condition.weather;
   AirSpectrum path(kAirBandCount, 0.0), background = path;
   const AbsorberAmounts& near = leg.layers.amounts();
@@ -202,9 +202,10 @@ LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
     double largest_cosine = -1, lowest = 1, glint = 0, incidence = 1;
     bool sky = false, lower = false;
     for (std::uint32_t n = 0; n < line.behind.count(); ++n) {
-      if (!line.looks_at(n)) continue;
-      const Vec<Body> d = line.behind.direction(n);
-      if (n < line.behind.sky()) {
+      const BehindSight sight = horizon.sight(line.behind, static_cast<double>(line.behind.z(n)),
+                                              line.behind.above(n, horizon.z()));
+      const Vec<Body> d = sight.direction;
+      if (sight.sky) {
         sky = true;
         largest_cosine = std::max(largest_cosine, dot(d, condition.direction));
         lowest = std::min(lowest, -d.z);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/environment/leg.h"
+#include "core/environment/line_horizon.h"
 #include "core/environment/weather_bounds.h"
 
 namespace irsig {
@@ -10,7 +11,8 @@ namespace irsig {
 // What the sun of one condition can be at most at the target, on the air's bands. Private to
 // core/environment, as all of this header.
 struct ConditionBounds {
-  ConditionBounds(const ConditionEnvironment& condition, const WeatherBounds& weather);
+  ConditionBounds(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+                  const WeatherBounds& weather);
 
   const WeatherBounds& weather;
   bool shines = false;
@@ -25,6 +27,6 @@ struct ConditionBounds {
 };
 
 [[nodiscard]] LightBounds light_bounds(const ConditionBounds& condition, const Leg& leg,
-                                       const Environment::Line& line);
+                                       const Environment::Line& line, const LineHorizon& horizon);
 
 }  // namespace irsig

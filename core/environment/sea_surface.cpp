@@ -113,6 +113,22 @@ double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m
   return density / (4 * up * up * up * up * sea_projected_area(-to_observer.z, wind_speed_m_s));
 }
 
+double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s) {
+  constexpr double kVarianceError = 0.004;
+  const double variance = sea_slope_variance(wind_speed_m_s);
+  const Vec<Body> normal = normalized(to_observer + to_sun);
+  const double tan2 = 1 / std::max(normal.z * normal.z, 1e-12) - 1;
+  // Of a slope along one axis the variance is half of it.
+  const auto hidden = [&](Vec<Body> towards) {
+    const double up = std::max(-towards.z, 1e-6);
+    const double v = up / std::sqrt(std::max(1e-12, 1 - up * up) * variance);
+    return std::max(0.0, 0.5 * (std::numbers::inv_sqrtpi * std::exp(-v * v) / v - std::erfc(v)));
+  };
+  const double of_sun = hidden(to_sun);
+  return std::hypot(kVarianceError / variance * std::abs(tan2 / variance - 1),
+                    of_sun / (1 + hidden(to_observer) + of_sun));
+}
+
 // Facets towards the observer: cos (1 + erf(q)) / 2 + sin sqrt(variance) exp(-q^2) / (2 sqrt(pi)),
 // q = cot / sqrt(variance): the mean of max(0, cos + sin slope) over a Gaussian slope.
 double sea_projected_area(double cos_zenith, double wind_speed_m_s) {

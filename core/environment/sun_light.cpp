@@ -35,6 +35,14 @@ void multiply(AirSpectrum& a, const AirSpectrum& b) {
   for (std::size_t i = 0; i < kAirBandCount; ++i) a[i] *= b[i];
 }
 
+AirSpectrum ratio_of_scattered(const ScatteredSun& part, const ScatteredSun& whole) {
+  AirSpectrum q(kAirBandCount, 0.0);
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    q[b] = ratio_of(part.aerosol[b] + part.molecular[b], whole.aerosol[b] + whole.molecular[b]);
+  }
+  return q;
+}
+
 template <typename Ring>
 std::vector<double> sines_of(const std::vector<Ring>& rings) {
   std::vector<double> sine;
@@ -63,20 +71,23 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 
 }  // namespace
 
-SunLight::SunLight(const ConditionEnvironment& condition, const WeatherLight& weather,
-                   const LowerSpec& surface, const Atmosphere& atmosphere, double height_m,
-                   const DirectionNodes& nodes, const BandChoice& bands)
-    : weather_(weather),
-      direction_(condition.sun_direction),
+SunLight::SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+                   const WeatherLight& weather, const LowerSpec& surface,
+                   const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
+                   const BandChoice& bands)
+    : visible(seen.visible),
+      weather_(weather),
+      direction_(seen.middle),
       height_m_(height_m),
       azimuths_(nodes.azimuths()),
       surface_(surface),
       bands_(bands),
       sky_source_(weather.sky.size()),
+      limb_source_(kLimb.size()),
       far_(weather.lower.size()),
       lower_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
-  if (!condition.sun || direction_.z >= 0) return;
+  if (!(seen.visible > 0)) return;
   sun_.emplace(atmosphere, height_m, std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg,
                bands);
   if (!sun_->lit()) {
@@ -89,6 +100,7 @@ SunLight::SunLight(const ConditionEnvironment& condition, const WeatherLight& we
   }
   near_ = irradiance = joined(AbsorberAmounts());
   multiply(irradiance, outside);
+  for (double& x : outside) x *= seen.visible;
 }
 
 const SunLight::Sky& SunLight::sky() const {
@@ -99,6 +111,10 @@ const SunLight::Lower& SunLight::lower(std::size_t ring) const {
 }
 const ScatteredSun& SunLight::sky_source(std::size_t ring) const {
   return sky_source_[ring].get([this, ring] { return weather_.sky[ring].layers.scattered(*sun_); });
+}
+const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
+  return limb_source_[ring].get(
+      [this, ring] { return weather_.limb()[ring].layers.scattered(*sun_); });
 }
 const AirSpectrum& SunLight::far(std::size_t ring) const {
   return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers.amounts()); });
@@ -195,10 +211,15 @@ AirSpectrum SunLight::glint_towards(Vec<Body> direction, std::size_t ring, doubl
   return out;
 }
 
+double SunLight::glint_model_relative(Vec<Body> direction) const {
+  return irsig::glint_model_relative(-1.0 * direction, direction_, surface_.wind_speed_m_s);
+}
+
 double SunLight::diffuse_per_sr() const {
   const bool diffuse =
       surface_.kind == LowerSpec::Kind::kGreySea || surface_.kind == LowerSpec::Kind::kGround;
-  return diffuse ? (1 - surface_.emissivity) * -direction_.z * std::numbers::inv_pi : 0;
+  return diffuse ? (1 - surface_.emissivity) * std::max(0.0, -direction_.z) * std::numbers::inv_pi
+                 : 0;
 }
 
 // In the three quarters of a micrometre where scattered sunlight has the largest part, each by one
@@ -295,13 +316,19 @@ SunLight::LowerRatio SunLight::lower_ratio(std::size_t ring, const AbsorberAmoun
 }
 
 AirSpectrum SunLight::sky_ratio(std::size_t ring, const AbsorberAmounts& near) const {
-  const ScatteredSun seen = weather_.sky[ring].layers.scattered(*sun_, &near);
-  const ScatteredSun& own = sky_source(ring);
-  AirSpectrum ratio(kAirBandCount, 0.0);
-  for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    ratio[b] = ratio_of(seen.aerosol[b] + seen.molecular[b], own.aerosol[b] + own.molecular[b]);
-  }
-  return ratio;
+  return ratio_of_scattered(weather_.sky[ring].layers.scattered(*sun_, &near), sky_source(ring));
+}
+
+AirSpectrum SunLight::limb_towards(Vec<Body> direction, std::size_t ring) const {
+  const double cosine = dot(direction, direction_);
+  AirSpectrum out = outside;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] *= limb_source(ring).per_sr(b, cosine);
+  return out;
+}
+
+AirSpectrum SunLight::limb_ratio(std::size_t ring, const AbsorberAmounts& near) const {
+  return ratio_of_scattered(weather_.limb()[ring].layers.scattered(*sun_, &near),
+                            limb_source(ring));
 }
 
 AirSpectrum SunLight::scattered_by(const PathLayers& path, Vec<Body> towards) const {

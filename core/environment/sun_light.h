@@ -15,15 +15,16 @@ namespace irsig {
 class SunLight {
  public:
   // All outlive it.
-  SunLight(const ConditionEnvironment& condition, const WeatherLight& weather,
-           const LowerSpec& surface, const Atmosphere& atmosphere, double height_m,
-           const DirectionNodes& nodes, const BandChoice& bands);
+  SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
+           const WeatherLight& weather, const LowerSpec& surface, const Atmosphere& atmosphere,
+           double height_m, const DirectionNodes& nodes, const BandChoice& bands);
 
   [[nodiscard]] bool shines() const { return sun_.has_value(); }
   [[nodiscard]] Vec<Body> direction() const { return direction_; }
 
-  AirSpectrum outside;     // irradiance normal to the beam outside the air
-  AirSpectrum irradiance;  // at the target
+  double visible;          // share of the disk that has not set
+  AirSpectrum outside;     // irradiance normal to the beam outside the air, of what has not set
+  AirSpectrum irradiance;  // at the target, of the whole disk: what has set is left to who sees it
 
   // Radiance at the target; only where it shines. Of the sky the best linear fit to the aureole, so
   // that sums over directions keep its energy; of the air below the horizon means over the nodes'
@@ -57,9 +58,15 @@ class SunLight {
   // In one direction, between two rings (of which the second has the share f), not averaged.
   [[nodiscard]] AirSpectrum sky_towards(Vec<Body> direction, std::size_t ring, double f) const;
   [[nodiscard]] AirSpectrum glint_towards(Vec<Body> direction, std::size_t ring, double f) const;
+  [[nodiscard]] double glint_model_relative(Vec<Body> direction) const;
+  // Of one ring of WeatherLight::limb(): radiance at the target, not averaged, and its ratio behind
+  // near air.
+  [[nodiscard]] AirSpectrum limb_towards(Vec<Body> direction, std::size_t ring) const;
+  [[nodiscard]] AirSpectrum limb_ratio(std::size_t ring, const AbsorberAmounts& near) const;
 
  private:
   [[nodiscard]] const ScatteredSun& sky_source(std::size_t ring) const;
+  [[nodiscard]] const ScatteredSun& limb_source(std::size_t ring) const;
   // Transmittance from the sun to the surface and back to the target.
   [[nodiscard]] const AirSpectrum& far(std::size_t ring) const;
   // up: 1 above the horizon, -1 below.
@@ -80,7 +87,8 @@ class SunLight {
   std::optional<SunAmounts> sun_;
   AirSpectrum near_;                               // transmittance from the sun to the target
   std::deque<MadeOnce<ScatteredSun>> sky_source_;  // [ring]
-  std::deque<MadeOnce<AirSpectrum>> far_;          // [ring below]
+  std::deque<MadeOnce<ScatteredSun>> limb_source_;
+  std::deque<MadeOnce<AirSpectrum>> far_;  // [ring below]
   std::deque<MadeOnce<Lower>> lower_;
   MadeOnce<Sky> sky_;
 };

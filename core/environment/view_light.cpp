@@ -27,6 +27,7 @@ struct ViewLight::Solar {
   AirSpectrum near_end;  // transmittance from the sun to the target and on to the sensor
   RingRatios sky;
   std::vector<std::optional<SunLight::LowerRatio>> lower_exact;
+  std::array<std::optional<AirSpectrum>, kLimb.size()> limb;
   RingRatios lower_air, lower_surface;
 
   Solar(const SunLight& light, const Leg& near, std::size_t sky_rings, std::size_t lower_rings)
@@ -40,12 +41,20 @@ struct ViewLight::Solar {
 
   [[nodiscard]] AirSpectrum irradiance() const {
     AirSpectrum out = leg.imported ? sun.irradiance : sun.outside;
-    for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] *= near_end[b];
+    // Of the whole disk.
+    const double share = leg.imported ? 1 : sun.visible;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) out[b] *= near_end[b] / share;
     return out;
   }
   [[nodiscard]] AirSpectrum sky_ratio(std::size_t ring, bool joined_lines) {
     if (leg.imported) return leg.transmittance;
     return joined_lines ? sky.at(ring) : sky.coarse(ring);
+  }
+  [[nodiscard]] const AirSpectrum& limb_ratio(std::size_t ring) {
+    if (!limb[ring]) {
+      limb[ring] = leg.imported ? leg.transmittance : sun.limb_ratio(ring, leg.layers.amounts());
+    }
+    return *limb[ring];
   }
   [[nodiscard]] const SunLight::LowerRatio& lower(std::size_t ring) {
     if (!lower_exact[ring]) {
@@ -61,10 +70,11 @@ struct ViewLight::Solar {
 };
 
 ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
-                     const NodeWavelengths& wavelengths)
+                     const LineHorizon& horizon, const NodeWavelengths& wavelengths)
     : leg_(leg),
       light_(light),
       line_(line),
+      horizon_(horizon),
       wavelengths_(wavelengths),
       path_radiance_(leg.radiance(&light.surroundings)),
       sky_ratio_(light.sky.size(),
@@ -95,6 +105,8 @@ ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environmen
                    }),
       sky_(light.sky.size()),
       lower_(light.lower.size()),
+      limb_(kLimb.size()),
+      sky_error_(kLimb.size() + light.sky.size()),
       behind_(light.lower.size()) {
   AirSpectrum scattered = leg.layers.surroundings_share;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= light.surroundings[b];
@@ -294,75 +306,196 @@ void ViewLight::add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* sola
   if (!joined_lines) out.joined_lines_bound = joined_lines_bound(solar);
 }
 
+const AirSpectrum& ViewLight::sky_from_horizon(std::size_t ring) {
+  if (ring >= kLimb.size()) return sky(ring - kLimb.size());
+  if (!limb_[ring]) {
+    const SkyRing& of = light_.limb()[ring];
+    AirSpectrum seen = of.total;
+    const AirSpectrum ratio =
+        leg_.imported ? leg_.transmittance
+                      : light_.ratio_behind(of, leg_.layers.amounts(), leg_.layers.transmittance);
+    for (std::size_t b = 0; b < kAirBandCount; ++b) seen[b] *= ratio[b];
+    limb_[ring] = std::move(seen);
+  }
+  return *limb_[ring];
+}
+
+namespace {
+
+// The interval of an increasing axis that x lies in, or the nearest, and how far x is in it.
+struct Between {
+  std::size_t first;
+  double f;
+};
+Between interval(const std::vector<double>& axis, double x) {
+  const auto next = std::upper_bound(axis.begin(), axis.end(), x);
+  const std::size_t above = static_cast<std::size_t>(next - axis.begin());
+  const std::size_t first = std::min(std::max<std::size_t>(above, 1) - 1, axis.size() - 2);
+  return {first, (x - axis[first]) / (axis[first + 1] - axis[first])};
+}
+
+void add(AirSpectrum& to, double weight, const AirSpectrum& of) {
+  for (std::size_t b = 0; b < kAirBandCount; ++b) to[b] += weight * of[b];
+}
+
+}  // namespace
+
 // Thermal light is cubic in the sine of the elevation: where one sees the target before the sea,
 // the difference of the two must not drown in the error of a linear interpolation. Aureole and
 // glint are those of the very direction.
+ViewLight::Behind ViewLight::behind_at(const BehindSight& sight, const SunLight* sun,
+                                       Solar* solar) {
+  return sight.sky ? sky_at(sight, sun, solar) : lower_at(sight, sun, solar);
+}
+
+ViewLight::Behind ViewLight::sky_at(const BehindSight& sight, const SunLight* sun, Solar* solar) {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Behind out{dark, dark, dark};
+  // Rays that rise need no rings of those that fall.
+  const bool falls = sight.limb > 0;
+  const std::size_t skipped = falls ? 0 : kLimb.size();
+  std::vector<double> sine;
+  double s = sight.sine;
+  if (falls) {
+    for (const SkyRing& r : light_.limb()) sine.push_back(r.sin_elevation);
+    s = -std::sin(sight.limb * std::asin(-sine.front()));
+  }
+  for (const SkyRing& r : light_.sky) sine.push_back(r.sin_elevation);
+  s = std::clamp(s, sine.front(), sine.back());
+  const Stencil stencil = cubic(sine, s);
+  for (std::size_t i = 0; i < stencil.count; ++i) {
+    if (stencil.weight[i] == 0) continue;
+    add(out.thermal, stencil.weight[i], sky_from_horizon(skipped + stencil.first + i));
+  }
+  for (double& x : out.thermal) x = std::max(0.0, x);
+
+  const Between at = interval(sine, s);
+  for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+    const double w = k == 0 ? 1 - at.f : at.f;
+    if (w == 0) continue;
+    const std::size_t ring = skipped + at.first + k;
+    const SkyRing& of = ring < kLimb.size() ? light_.limb()[ring] : light_.sky[ring - kLimb.size()];
+    if (!sky_error_[ring]) {
+      AirSpectrum error = light_.model_error_of(of);
+      const AirSpectrum& seen = sky_from_horizon(ring);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        error[b] *= of.total[b] > 0 ? seen[b] / of.total[b] : 0;
+      }
+      sky_error_[ring] = std::move(error);
+    }
+    add(out.model_error, w, *sky_error_[ring]);
+  }
+  if (!sun) return out;
+  if (falls) {
+    AirSpectrum ratio = dark;
+    for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
+      const double w = k == 0 ? 1 - at.f : at.f;
+      const std::size_t ring = at.first + k;
+      const bool limb = ring < kLimb.size();
+      add(out.light, w,
+          limb ? sun->limb_towards(sight.direction, ring)
+               : sun->sky_towards(sight.direction, ring - kLimb.size(), 0));
+      add(ratio, w, limb ? solar->limb_ratio(ring) : solar->sky_ratio(ring - kLimb.size(), true));
+    }
+    for (std::size_t b = 0; b < kAirBandCount; ++b) out.light[b] *= ratio[b];
+  } else {
+    out.light = sun->sky_towards(sight.direction, at.first, at.f);
+    AirSpectrum ratio = solar->sky_ratio(at.first, true);
+    if (at.f > 0) {
+      const AirSpectrum next_ratio = solar->sky_ratio(at.first + 1, true);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+        ratio[b] = (1 - at.f) * ratio[b] + at.f * next_ratio[b];
+      }
+    }
+    for (std::size_t b = 0; b < kAirBandCount; ++b) out.light[b] *= ratio[b];
+  }
+  add(out.model_error, kAerosolRelativeError, out.light);
+  return out;
+}
+
+ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar) {
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Behind out{dark, dark, dark};
+  std::vector<double> sine;
+  for (const LowerRing& r : light_.lower) sine.push_back(r.sin_elevation);
+  const double s = std::clamp(sight.sine, sine.front(), sine.back());
+  const Stencil stencil = cubic(sine, s);
+  for (std::size_t i = 0; i < stencil.count; ++i) {
+    if (stencil.weight[i] == 0) continue;
+    add(out.thermal, stencil.weight[i], lower(stencil.first + i));
+  }
+  for (double& x : out.thermal) x = std::max(0.0, x);
+  const double surface_relative = light_.surface_relative(sight.direction.z);
+  add(out.model_error, surface_relative, out.thermal);
+  if (!sun) return out;
+
+  const auto [ring, f] = interval(sine, s);
+  AirSpectrum& light = out.light;
+  light = sun->glint_towards(sight.direction, ring, f);
+  const std::size_t rings = f > 0 ? 2 : 1;
+  AirSpectrum mirrored(kAirBandCount, 0.0);  // ratio
+  for (std::size_t k = 0; k < rings; ++k) {
+    const AirSpectrum& ratio = solar->lower(ring + k).surface;
+    const double w = k == 0 ? 1 - f : f;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) mirrored[b] += w * ratio[b];
+  }
+  for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= mirrored[b];
+  AirSpectrum error = light;
+  for (double& x : error) x *= sun->glint_model_relative(sight.direction);
+  for (std::size_t k = 0; k < rings; ++k) {
+    const SunLight::Lower& from = sun->lower(ring + k);
+    const auto azimuths = static_cast<std::uint32_t>(from.air.size());
+    double turn = std::atan2(sight.direction.y, sight.direction.x) / (2 * std::numbers::pi);
+    turn = (turn < 0 ? turn + 1 : turn) * azimuths;
+    const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
+    const double g = std::min(1.0, turn - at);
+    const std::uint32_t beside = (at + 1) % azimuths;
+    const SunLight::LowerRatio& ratio = solar->lower(ring + k);
+    const double w = k == 0 ? 1 - f : f;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      const double air = (1 - g) * from.air[at][b] + g * from.air[beside][b];
+      const double surface = (1 - g) * from.surface[at][b] + g * from.surface[beside][b];
+      light[b] += w * (air * ratio.air[b] + surface * ratio.surface[b]);
+      error[b] += w * (kAerosolRelativeError * air * ratio.air[b] +
+                       surface_relative * surface * ratio.surface[b]);
+    }
+  }
+  add(out.model_error, 1, error);
+  return out;
+}
+
 void ViewLight::add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar) {
-  std::vector<double> up, down;
-  for (const SkyRing& r : light_.sky) up.push_back(r.sin_elevation);
-  for (const LowerRing& r : light_.lower) down.push_back(r.sin_elevation);
-  for (std::uint32_t n = 0; n < line_.behind.count(); ++n) {
-    if (!line_.looks_at(n)) {
-      out.behind_apparent.emplace_back(wavelengths_.um.size(), 0.0);
-      continue;
-    }
-    const Vec<Body> direction = line_.behind.direction(n);
-    const bool above = n < line_.behind.sky();
-    const std::vector<double>& sine = above ? up : down;
-    const double s = std::clamp(std::abs(direction.z), sine.front(), sine.back());
-    const Stencil stencil = cubic(sine, s);
-    AirSpectrum thermal(kAirBandCount, 0.0), light(kAirBandCount, 0.0);
-    for (std::size_t i = 0; i < stencil.count; ++i) {
-      if (stencil.weight[i] == 0) continue;
-      const std::size_t r = stencil.first + i;
-      const AirSpectrum& from = above ? sky(r) : lower(r);
-      for (std::size_t b = 0; b < kAirBandCount; ++b) thermal[b] += stencil.weight[i] * from[b];
-    }
-    for (double& x : thermal) x = std::max(0.0, x);
-    if (sun) {
-      const auto next = std::upper_bound(sine.begin(), sine.end(), s);
-      const std::size_t ring =
-          std::min(static_cast<std::size_t>(next - sine.begin()) - 1, sine.size() - 2);
-      const double f = (s - sine[ring]) / (sine[ring + 1] - sine[ring]);
-      if (above) {
-        light = sun->sky_towards(direction, ring, f);
-        AirSpectrum ratio = solar->sky_ratio(ring, true);
-        if (f > 0) {
-          const AirSpectrum next_ratio = solar->sky_ratio(ring + 1, true);
-          for (std::size_t b = 0; b < kAirBandCount; ++b) {
-            ratio[b] = (1 - f) * ratio[b] + f * next_ratio[b];
-          }
-        }
-        for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= ratio[b];
-      } else {
-        light = sun->glint_towards(direction, ring, f);
-        const std::size_t rings = f > 0 ? 2 : 1;
-        AirSpectrum mirrored(kAirBandCount, 0.0);  // ratio
-        for (std::size_t k = 0; k < rings; ++k) {
-          const AirSpectrum& ratio = solar->lower(ring + k).surface;
-          const double w = k == 0 ? 1 - f : f;
-          for (std::size_t b = 0; b < kAirBandCount; ++b) mirrored[b] += w * ratio[b];
-        }
-        for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= mirrored[b];
-        for (std::size_t k = 0; k < rings; ++k) {
-          const SunLight::Lower& from = sun->lower(ring + k);
-          const auto azimuths = static_cast<std::uint32_t>(from.air.size());
-          double turn = std::atan2(direction.y, direction.x) / (2 * std::numbers::pi);
-          turn = (turn < 0 ? turn + 1 : turn) * azimuths;
-          const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
-          const double g = std::min(1.0, turn - at);
-          const std::uint32_t beside = (at + 1) % azimuths;
-          const SunLight::LowerRatio& ratio = solar->lower(ring + k);
-          const double w = k == 0 ? 1 - f : f;
-          for (std::size_t b = 0; b < kAirBandCount; ++b) {
-            const double air = (1 - g) * from.air[at][b] + g * from.air[beside][b];
-            const double surface = (1 - g) * from.surface[at][b] + g * from.surface[beside][b];
-            light[b] += w * (air * ratio.air[b] + surface * ratio.surface[b]);
-          }
+  const BehindNodes& nodes = line_.behind;
+  const auto at = [&](double z, bool above) {
+    return behind_at(horizon_.sight(nodes, z, above), sun, solar);
+  };
+  const auto spread = [&](const Behind& b) {
+    return leg_.plus_solar(leg_.spread_thermal(b.thermal), b.light);
+  };
+  const std::vector<double> dark(wavelengths_.um.size(), 0.0);
+  for (std::uint32_t n = 0; n < nodes.count(); ++n) {
+    const Behind here = at(static_cast<double>(nodes.z(n)), nodes.above(n, horizon_.z()));
+    out.behind_apparent.push_back(spread(here));
+    out.behind_model_error.push_back(leg_.spread_thermal(here.model_error));
+    out.behind_interpolation.push_back(dark);
+    if (n == 0 || nodes.z(n - 1) == nodes.z(n)) continue;
+    // Far from the horizon all is smooth: half way will do.
+    constexpr double kNear = 0.02;
+    const bool smooth = std::abs(static_cast<double>(nodes.z(n) - horizon_.z())) > kNear &&
+                        std::abs(static_cast<double>(nodes.z(n - 1) - horizon_.z())) > kNear;
+    for (const double f : {0.5, 0.25, 0.75}) {
+      if (smooth && f != 0.5) break;
+      const double z =
+          (1 - f) * static_cast<double>(nodes.z(n - 1)) + f * static_cast<double>(nodes.z(n));
+      const std::vector<double> direct = spread(at(z, z < static_cast<double>(horizon_.z())));
+      for (std::size_t i = 0; i < direct.size(); ++i) {
+        const double error = std::abs(direct[i] - (1 - f) * out.behind_apparent[n - 1][i] -
+                                      f * out.behind_apparent[n][i]);
+        for (const std::uint32_t k : {n - 1, n}) {
+          out.behind_interpolation[k][i] = std::max(out.behind_interpolation[k][i], error);
         }
       }
     }
-    out.behind_apparent.push_back(leg_.plus_solar(leg_.spread_thermal(thermal), light));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/environment/leg.h"
+#include "core/environment/line_horizon.h"
 #include "core/environment/ring_ratios.h"
 #include "core/environment/sun_light.h"
 #include "core/environment/weather_light.h"
@@ -17,7 +18,7 @@ class ViewLight {
  public:
   // All outlive it.
   ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
-            const NodeWavelengths& wavelengths);
+            const LineHorizon& horizon, const NodeWavelengths& wavelengths);
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
@@ -47,17 +48,28 @@ class ViewLight {
 
   void add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* solar, bool joined_lines,
                  const DirectionNodes& nodes);
+  // What stands behind the target in one direction, at the sensor.
+  struct Behind {
+    AirSpectrum thermal, light, model_error;
+  };
+  [[nodiscard]] Behind behind_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
+  [[nodiscard]] Behind sky_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
+  [[nodiscard]] Behind lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
+  // Of the sky from the horizon up: rings of the limb, then of the sky.
+  [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
 
   const Leg& leg_;
   const WeatherLight& light_;
   const Environment::Line& line_;
+  const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
   AirSpectrum path_radiance_;
   ModelError error_;
   RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it
   RingRatios lower_ratio_;                 // of all light from below the horizon
-  std::vector<std::optional<AirSpectrum>> sky_, lower_;
+  std::vector<std::optional<AirSpectrum>> sky_, lower_, limb_;
+  std::vector<std::optional<AirSpectrum>> sky_error_;      // from the horizon up
   std::vector<std::optional<PathLayers::Behind>> behind_;  // [lower ring]
   std::optional<Rings> rings_;
   std::array<std::optional<Rings>, 2> rings_apparent_;

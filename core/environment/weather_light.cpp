@@ -20,22 +20,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // meets the sea twice.
 constexpr std::array kGrazing = {0.002, 0.03, 0.07, 0.13, 0.22, 0.35, 0.55, 1.0};
 
-// One sigma. Emissivities measured at sea agree with facet models to about 1 % above 20 deg of
-// elevation and 5 % nearer the horizon, where waves hide each other [masuda1988]; a mirror misses
-// what waves do there (0.45 instead of 0.68 at 5 deg). A grey surface is as good as its number.
-double surface_model_relative(LowerSpec::Kind kind) {
-  switch (kind) {
-    case LowerSpec::Kind::kRoughSea:
-      return 0.02;
-    case LowerSpec::Kind::kFlatSea:
-      return 0.15;
-    case LowerSpec::Kind::kGreySea:
-    case LowerSpec::Kind::kGround:
-      return 0.05;
-  }
-  return 0;
-}
-
 double zenith_deg_of(double sine_up) {
   return std::acos(std::clamp(sine_up, -1.0, 1.0)) / kRadPerDeg;
 }
@@ -56,6 +40,23 @@ struct Gathered {
 };
 
 }  // namespace
+
+// Emissivities measured at sea agree with facet models to about 1 % above 20 deg of elevation and
+// 5 % at the horizon, where waves hide each other [masuda1988]: of the whole hemisphere, 2 %. A
+// mirror misses what waves do there (0.45 instead of 0.68 at 5 deg). A grey surface is as good as
+// its number.
+double surface_model_relative(LowerSpec::Kind kind, double sine) {
+  switch (kind) {
+    case LowerSpec::Kind::kRoughSea:
+      return 0.01 + 0.04 * std::max(0.0, 1 - sine / 0.342);
+    case LowerSpec::Kind::kFlatSea:
+      return 0.15;
+    case LowerSpec::Kind::kGreySea:
+    case LowerSpec::Kind::kGround:
+      return 0.05;
+  }
+  return 0;
+}
 
 std::vector<double> ring_weights(const std::vector<double>& sine) {
   std::vector<double> w(sine.size(), 0.0);
@@ -162,18 +163,48 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
   sky_mean = sky_model_error = AirSpectrum(kAirBandCount, 0.0);
   const std::vector<double> weight = ring_weights(up);
   for (std::size_t i = 0; i < sky.size(); ++i) {
-    const PathLayers& path = sky[i].layers;
-    AirSpectrum scattered = path.surroundings_share;
-    for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
-    const ModelError model = model_error(path.amounts(), path.transmittance, scattered,
-                                         path.warmest_k(), bands, &surroundings);
+    const AirSpectrum error = model_error_of(sky[i]);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      sky_model_error[b] += weight[i] * model.radiance_w_m2_sr_um[b];
+      sky_model_error[b] += weight[i] * error[b];
       sky_mean[b] += weight[i] * sky[i].total[b];
     }
   }
   sky_model_relative = mean_relative(sky_model_error, sky_mean);
-  lower_model_relative = surface_model_relative(spec_.kind);
+  lower_model_relative =
+      spec_.kind == LowerSpec::Kind::kRoughSea ? 0.02 : surface_model_relative(spec_.kind, 1);
+}
+
+double WeatherLight::surface_relative(double sine) const {
+  return surface_model_relative(spec_.kind, sine);
+}
+
+AirSpectrum WeatherLight::model_error_of(const SkyRing& ring) const {
+  const PathLayers& path = ring.layers;
+  AirSpectrum scattered = path.surroundings_share;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
+  return model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(), bands_,
+                     &surroundings)
+      .radiance_w_m2_sr_um;
+}
+
+const std::vector<SkyRing>& WeatherLight::limb() const {
+  return limb_.get([this] {
+    const double dip = std::asin(sin_of_dip(atmosphere_.profile(), height_m_, refraction_));
+    std::vector<SkyRing> rings;
+    for (const double share : kLimb) {
+      // The bisected dip may lie on either side of the ray that touches.
+      double fall = share * dip;
+      while (look(atmosphere_.profile(), height_m_, zenith_deg_of(-std::sin(fall)), kInfinity,
+                  refraction_)
+                 .end == PathEnd::kSurface) {
+        fall -= 1e-7;
+      }
+      rings.push_back(make_sky(-std::sin(fall)));
+      rings.back().sin_elevation = -std::sin(share * dip);
+      finish(rings.back());
+    }
+    return rings;
+  });
 }
 
 SkyRing WeatherLight::make_sky(double sin_elevation) const {
@@ -320,14 +351,14 @@ void WeatherLight::finish(SkyRing& ring) const {
   }
 }
 
-AirSpectrum WeatherLight::sky_ratio(std::uint32_t ring, const AbsorberAmounts& near,
-                                    const AirSpectrum& through_near) const {
-  const PathLayers::Behind seen = sky[ring].layers.behind(near, through_near);
+AirSpectrum WeatherLight::ratio_behind(const SkyRing& ring, const AbsorberAmounts& near,
+                                       const AirSpectrum& through_near) const {
+  const PathLayers::Behind seen = ring.layers.behind(near, through_near);
   AirSpectrum ratio(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
-    if (sky[ring].total[b] <= 0) continue;
-    ratio[b] = (seen.thermal_w_m2_sr_um[b] + seen.surroundings_share[b] * surroundings[b]) /
-               sky[ring].total[b];
+    if (ring.total[b] <= 0) continue;
+    ratio[b] =
+        (seen.thermal_w_m2_sr_um[b] + seen.surroundings_share[b] * surroundings[b]) / ring.total[b];
   }
   return ratio;
 }

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/atmosphere/path_layers.h"
 #include "core/environment/environment.h"
+#include "core/environment/made_once.h"
 
 namespace irsig {
 
@@ -49,10 +51,23 @@ class WeatherLight {
   double sky_model_relative = 0, lower_model_relative = 0;
   double sky_interpolation = 0, lower_interpolation = 0;
 
+  // The sky between the horizon and the horizontal, which nothing but a line of sight sees: rings
+  // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.
+  [[nodiscard]] const std::vector<SkyRing>& limb() const;
+
+  // surface_model_relative() of what is below the horizon.
+  [[nodiscard]] double surface_relative(double sine) const;
+  // One sigma of the model's radiance of a sky's ring.
+  [[nodiscard]] AirSpectrum model_error_of(const SkyRing& ring) const;
+
   // Radiance of the sky's ring through so much air in front, over its own.
   //   through_near  its transmittance
   [[nodiscard]] AirSpectrum sky_ratio(std::uint32_t ring, const AbsorberAmounts& near,
-                                      const AirSpectrum& through_near) const;
+                                      const AirSpectrum& through_near) const {
+    return ratio_behind(sky[ring], near, through_near);
+  }
+  [[nodiscard]] AirSpectrum ratio_behind(const SkyRing& ring, const AbsorberAmounts& near,
+                                         const AirSpectrum& through_near) const;
 
  private:
   [[nodiscard]] SkyRing make_sky(double sin_elevation) const;
@@ -73,7 +88,14 @@ class WeatherLight {
   bool refraction_;
   WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
+  MadeOnce<std::vector<SkyRing>> limb_;
 };
+
+// Where the rings of the limb lie, as BehindSight::limb has it: from the horizon up.
+inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.33, 0.16};
+
+// One sigma of what a surface emits and reflects, seen at an angle to it: relative.
+[[nodiscard]] double surface_model_relative(LowerSpec::Kind kind, double sine);
 
 // Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
 [[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);

@@ -10,7 +10,8 @@ namespace irsig {
 namespace {
 
 // What is stored of the air between target and sensor, and the models' errors.
-void add_path(const ViewEnvironment& e, const BandOnAxis& band, SignatureResult& r) {
+void add_path(const ViewEnvironment& e, const BandOnAxis& band, double background_model_w_sr,
+              SignatureResult& r) {
   const BandGrid& grid = band.grid;
   const std::size_t offset = band.first_node;
   double width_um = 0;
@@ -23,7 +24,7 @@ void add_path(const ViewEnvironment& e, const BandOnAxis& band, SignatureResult&
   r.path_transmittance /= width_um;
   // Surface emission is multiplied by the mean transmittance, whose error is taken bin by bin; the
   // errors of one model go the same way everywhere, and add up.
-  double emission_lost_w_sr = 0, path_w_sr = 0;
+  double emission_lost_w_sr = 0, path_w_sr = 0, difference_lost_w_sr = 0;
   for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
     double transmittance = 0, radiance = 0;
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
@@ -34,6 +35,19 @@ void add_path(const ViewEnvironment& e, const BandOnAxis& band, SignatureResult&
           grid.band_weight[i] * r.spectral.value[k] * e.model_error_transmittance[offset + i];
       path_w_sr +=
           grid.band_weight[i] * r.projected_area_m2.value * e.model_error_path_radiance[offset + i];
+    }
+    // Path radiance is common to the target and what stands behind it; what either sends through
+    // the air is not. Where next to nothing comes through, nothing of it is known.
+    constexpr double kOpaque = 1e-6;
+    const double behind_w_sr_um =
+        transmittance > kOpaque
+            ? r.projected_area_m2.value * std::max(0.0, r.background_spectral.value[k] - radiance) /
+                  transmittance
+            : 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
+      if (e.model_error_transmittance.empty()) continue;
+      difference_lost_w_sr += grid.band_weight[i] * (r.spectral.value[k] - behind_w_sr_um) *
+                              e.model_error_transmittance[offset + i];
     }
     r.path_transmittance_spectral.push_back(transmittance);
     r.path_radiance_spectral.push_back(radiance);
@@ -49,6 +63,8 @@ void add_path(const ViewEnvironment& e, const BandOnAxis& band, SignatureResult&
                           : 0;
   r.apparent_model_error_w_sr =
       std::hypot(std::min(seen, 1.0) * r.model_error_w_sr, emission_lost_w_sr - path_w_sr);
+  r.contrast_model_error_w_sr = std::hypot(std::min(seen, 1.0) * r.model_error_w_sr,
+                                           difference_lost_w_sr, background_model_w_sr);
 }
 
 // What of the intensity each effect was measured to be, where the causes tell.
@@ -162,7 +178,7 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   spectrum(r.apparent_spectral);
   spectrum(r.contrast_spectral);
   spectrum(r.background_spectral);
-  add_path(pass.light(row).environment(), band, r);
+  add_path(pass.light(row).environment(), band, pass.background_model_w_sr(row), r);
 
   auto [source, apparent, contrast] = pass.measured(row);
   const double reach = length(scene.target.centre) + scene.target.radius_m;
@@ -179,6 +195,7 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.omitted_bound_w_sr = source.of(BoundOf::kOmitted);
   r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);
   r.contrast_omitted_bound_w_sr = contrast.of(BoundOf::kOmitted);
+  r.background_bound_w_sr = contrast.of(BoundOf::kBackground);
   r.numerical_error_w_sr = source.numerical_error();
   r.apparent_numerical_error_w_sr = apparent.numerical_error();
   r.contrast_numerical_error_w_sr = contrast.numerical_error();

@@ -112,6 +112,7 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
     }
   }
   find_basis_errors(sums);
+  if (kind != Kind::kPilot) find_background_errors(sums);
 }
 
 // Of the nodes between those that paths carry.
@@ -128,6 +129,28 @@ void Pass::find_basis_errors(std::span<const SummedWeights> sums) {
   for (std::size_t row = 0; row < rows(); ++row)
     basis_w_sr_[row] =
         basis->relative_error * largest_in_band_w_sr(light(row), largest, axis_band(row));
+}
+
+// What stands behind the silhouette, in the directions in which it does.
+void Pass::find_background_errors(std::span<const SummedWeights> sums) {
+  background_bound_w_sr_.assign(rows(), 0.0);
+  background_model_w_sr_.assign(rows(), 0.0);
+  const SourceRange behind = sources_.layout().behind();
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const ViewEnvironment& e = light(row).environment();
+    if (e.behind_interpolation.empty()) continue;
+    std::size_t node = 0;
+    for (const SourceId id : behind) {
+      // Nothing of the target's materials is in these weights: they are the same at each node.
+      double area_m2 = 0;
+      for (const SummedWeights& s : sums) area_m2 += s.row(id)[0];
+      area_m2 /= accuracy_.replicates;
+      background_bound_w_sr_[row] +=
+          area_m2 * in_band(e.behind_interpolation[node], axis_band(row));
+      background_model_w_sr_[row] += area_m2 * in_band(e.behind_model_error[node], axis_band(row));
+      ++node;
+    }
+  }
 }
 
 // By reciprocity: what of the light that the sensor would send out ends where.
@@ -191,9 +214,12 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
     out.of(BoundOf::kOmitted) = omitted_w_sr;
     return out;
   };
+  Measured contrast =
+      with(contrast_quantity(scene_.target.part.size()), omitted.contrast, unseen.contrast);
+  if (!background_bound_w_sr_.empty())
+    contrast.of(BoundOf::kBackground) = background_bound_w_sr_[row];
   return {with(0, omitted.source, unseen.source),
-          with(kApparentQuantity, omitted.apparent, unseen.apparent),
-          with(contrast_quantity(scene_.target.part.size()), omitted.contrast, unseen.contrast)};
+          with(kApparentQuantity, omitted.apparent, unseen.apparent), contrast};
 }
 
 double Pass::find_brightest_w_m2_sr(std::size_t row) const {

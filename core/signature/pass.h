@@ -77,6 +77,10 @@ class Pass {
   [[nodiscard]] double relative_goal_w_sr(std::size_t row) const;
   // The error that the request wants of a row: relative to its value, or the absolute floor if that
   // is more. [W/sr]
+  // One sigma of the models of what stands behind the target. Not of pilots.
+  [[nodiscard]] double background_model_w_sr(std::size_t row) const {
+    return background_model_w_sr_[row];
+  }
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
   // The error that a row may keep, besides its lasting bounds, for its numerical error to reach its
@@ -111,6 +115,7 @@ class Pass {
   [[nodiscard]] PathSettings path_settings(std::uint64_t samples, std::uint64_t stage) const;
   void collect(std::span<const PathWeights> weights, Kind kind);
   void find_basis_errors(std::span<const SummedWeights> sums);
+  void find_background_errors(std::span<const SummedWeights> sums);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
   struct Unseen {                                              // [W/sr]
     double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
@@ -136,6 +141,7 @@ class Pass {
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;        // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_;  // [row]
+  std::vector<double> background_bound_w_sr_, background_model_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
   double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates
   ReplicateStatistics beyond_;                     // [order]

@@ -4,23 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/environment/line_horizon.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
 namespace {
 
-// Rings of a side on which the background of a target is wanted, from |sin(elevation)| low to high.
-// Near the horizon the way through the air changes fastest.
-std::vector<float> behind_rings(double low, double high) {
-  std::vector<float> out{static_cast<float>(low)};
-  const auto last = static_cast<float>(high);
-  while (out.back() < last)
-    out.push_back(std::min(last, std::max(1.15f * out.back(), out.back() + 0.002f)));
-  return out;
-}
-
-// A side of the horizon that lines of sight miss by less is lit nevertheless: they are rounded.
-constexpr double kGrazingRad = 1e-4;
+// Lines of sight are rounded.
+constexpr double kGrazing = 1e-4;
 
 // What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
 // homogeneous air or none.
@@ -51,9 +42,6 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   return out;
 }
 
-// Whether the atmosphere has a sun for this condition.
-bool has_atmospheric_sun(const ConditionSpec& c) { return c.sun && c.sun_direction.z < 0; }
-
 }  // namespace
 
 ViewPlan plan_with_everything(const ViewRequest& request) {
@@ -73,24 +61,32 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                                                         const Target& target, double range_m,
                                                         const std::vector<double>& node_um) {
   ViewSurroundings out(request, range_m, node_um);
-  if (request.environment == nullptr) return out;
-  const Viewpoint& v = request.viewpoint;
+  Viewpoint v = request.viewpoint;
+  v.range_m = range_m;
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+  if (request.environment == nullptr) {
+    if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
+    const GrazingRay straight;
+    const LineHorizon horizon(straight, 0, {range_m, v.aspect_elevation_deg, towards, {}}, 0);
+    out.horizon_ = horizon.horizon();
+    out.behind_ = BehindNodes({horizon.z(), horizon.z()});
+    return out;
+  }
+  Environment::Line line = request.environment->line(v);
   // Lines of sight leave the target downwards where the sensor is above it: between the elevations
   // of the target's lowest and highest point, as the sensor sees them.
   const double elevation = v.aspect_elevation_deg * std::numbers::pi / 180,
                reach =
-                   std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)),
-               least = elevation - reach, most = std::min(elevation + reach, std::numbers::pi / 2);
-  const auto side = [](double from, double to) {
-    return to > 0 ? behind_rings(std::sin(std::max(from, 0.0)), std::sin(to))
-                  : std::vector<float>{0.0f};
-  };
-  const double up = std::min(-least, std::numbers::pi / 2), down = most;
-  out.behind_ =
-      DirectionNodes(side(-most, up), side(least, down), 1, std::atan2(-towards.y, -towards.x));
-  auto look = request.environment->look({range_m, v.aspect_elevation_deg, towards, out.behind_,
-                                         up > -kGrazingRad, down > -kGrazingRad});
+                   std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)) +
+                   kGrazing,
+               quarter = std::numbers::pi / 2;
+  line.behind = BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
+                                      std::sin(std::min(elevation + reach, quarter)),
+                                      request.environment->horizons_z(line),
+                                      std::atan2(-towards.y, -towards.x));
+  out.behind_ = line.behind;
+  out.horizon_ = request.environment->horizon(line);
+  auto look = request.environment->look(line);
   if (!look.ok()) return look.status();
   out.look_.emplace(*std::move(look));
   return out;
@@ -118,6 +114,7 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
 
 ViewEnvironments ViewSurroundings::without_light() {
   ViewEnvironments out;
+  out.horizon = horizon_;
   const std::vector<double> dark(node_um_->size(), 0.0);
   for (std::uint32_t c = 0; c < request_->condition.size(); ++c) {
     const LightBounds& b = bounds(c);
@@ -134,6 +131,8 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
                                                        const EffectSet& effects) {
   ViewEnvironments out;
   out.condition.resize(request_->condition.size());
+  out.behind = behind_;
+  out.horizon = horizon_;
   if (!look_) {
     for (const std::uint32_t c : conditions) {
       const ConditionSpec& spec = request_->condition[c];
@@ -145,12 +144,11 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
   const bool reflected = effects.surroundings();
   // Not so that it could depend on which conditions are asked for.
   bool with_azimuths = false;
-  for (std::size_t c = 0; c < effects.sun.size(); ++c)
-    with_azimuths |= effects.scattered_sun(c) && has_atmospheric_sun(request_->condition[c]);
+  for (std::uint32_t c = 0; c < effects.sun.size(); ++c)
+    with_azimuths |= effects.scattered_sun(c) && request_->environment->sun_seen(c).visible > 0;
   EffectSet wanted = effects;
   if (!with_azimuths)
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
-  out.behind = behind_;
   if (reflected) out.directions = request_->environment->nodes(with_azimuths);
   for (const std::uint32_t c : conditions) {
     auto seen = look_->see(c, wanted, with_azimuths);

@@ -45,7 +45,8 @@ class ViewSurroundings {
   const ViewRequest* request_;
   double range_m_;
   const std::vector<double>* node_um_;
-  DirectionNodes behind_;
+  BehindNodes behind_;
+  std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::Look> look_;
   std::vector<std::optional<LightBounds>> plain_bounds_;  // [condition], without an atmosphere
 };

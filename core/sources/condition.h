@@ -15,6 +15,8 @@ struct ConditionSpec {
   Vec<Body> sun_direction;  // unit vector towards the sun
   double sun_cos_zenith = 0;
   double sun_angular_radius_deg = 0;
+  // Of the horizon that cuts its disk, seen from the target: the sine of its dip.
+  double sun_horizon_z = 0;
   double sun_scale = 0;     // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
   double sea_wind_m_s = 0;  // > 0: the sea mirrors the sun, as rough as this wind makes it
   double air_temperature_k = 0;

@@ -15,7 +15,8 @@ namespace irsig {
 bool sun_shines(const ConditionSpec& condition) {
   return condition.sun && condition.sun_scale > 0 &&
          condition.sun_cos_zenith >
-             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180);
+             -std::sin(condition.sun_angular_radius_deg * std::numbers::pi / 180 +
+                       std::asin(condition.sun_horizon_z));
 }
 
 double in_band(std::span<const double> spectrum, const BandOnAxis& band) {

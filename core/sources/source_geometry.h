@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/environment/behind_nodes.h"
 #include "core/environment/direction_nodes.h"
 #include "core/geo/frames.h"
 
@@ -34,6 +35,9 @@ struct Emitters {
 struct Plane {
   double z_m = 0;             // of the surface (body z, down): a point below it is hidden by it
   double earth_radius_m = 0;  // > 0: its curvature hides what lies behind it (primary rays)
+  // Refraction: the straight line to the sensor rises by so much more than the geometric one, above
+  // a sphere of that radius (Environment::Horizon).
+  double lift_rad = 0;
 };
 struct NoBoundary {};      // nothing to meet: two stated radiances
 struct Sea : Plane {};     // mirrors the suns that have a wind
@@ -54,6 +58,9 @@ struct SunDirection {
   double distance_m = 0;
   // > 0: a sea roughened by this wind mirrors it. [m/s]
   double sea_wind_m_s = 0;
+  // Directions of the disk with a larger z have set (boundaries only): the sine of the horizon's
+  // dip.
+  double horizon_z = 0;
 
   bool operator==(const SunDirection&) const = default;
 };
@@ -66,7 +73,10 @@ struct SourceGeometry {
   // Where the radiance of sky and of what lies below the horizon is known, around the target; and
   // along the lines of sight beyond it (absent: the contrast is not wanted).
   DirectionNodes directions;
-  std::optional<DirectionNodes> behind;
+  std::optional<BehindNodes> behind;
+  // Primary rays that fall more steeply than this (z of the unit vector) and meet no target end
+  // below the horizon; all others below the horizontal.
+  double horizon_z = 0;
 
   // Whether a sea mirrors one of the suns.
   [[nodiscard]] bool glitters() const;

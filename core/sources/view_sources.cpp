@@ -7,12 +7,18 @@
 
 namespace irsig {
 
-Boundary boundary_of(const ConditionSpec& condition, double surface_z_m) {
+Boundary boundary_of(const ConditionSpec& condition, double surface_z_m,
+                     const Environment::Horizon* horizon) {
+  Plane plane{surface_z_m, kEarthRadiusM};
+  if (horizon) {
+    plane.earth_radius_m = horizon->earth_radius_m;
+    plane.lift_rad = horizon->lift_rad;
+  }
   switch (condition.surroundings.kind) {
     case SurroundingsKind::kSea:
-      return Sea{{surface_z_m, kEarthRadiusM}};
+      return Sea{plane};
     case SurroundingsKind::kGround:
-      return Ground{{surface_z_m, kEarthRadiusM}};
+      return Ground{plane};
     case SurroundingsKind::kNone:
       break;
   }
@@ -25,7 +31,10 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     : environments_(std::move(environments)) {
   geometry_.emitters = request.emitters;
   // Paths are traced once for all conditions: theirs is one boundary (check_request).
-  geometry_.boundary = boundary_of(request.condition.front(), request.surface_z_m);
+  const std::optional<Environment::Horizon>& horizon = environments_->horizon;
+  geometry_.boundary =
+      boundary_of(request.condition.front(), request.surface_z_m, horizon ? &*horizon : nullptr);
+  if (horizon) geometry_.horizon_z = horizon->z;
   geometry_.directions = environments_->directions;
   if (request.contrast) geometry_.behind = environments_->behind;
   // Of conditions whose suns stand at the same place the paths are the same.
@@ -42,10 +51,11 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     const ViewEnvironment& environment = environments_->condition[c];
     std::vector<LitSun>& here = lit.emplace_back();
     if (sun_shines(condition) && effects.follows_sun(c))
-      here.push_back({place_of({condition.sun_direction,
-                                condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
-                                effects.sun[c].mirrored ? condition.sea_wind_m_s : 0}),
-                      effects.sun[c].direct, environment.sun, environment.sun_apparent});
+      here.push_back(
+          {place_of(
+               {condition.sun_direction, condition.sun_angular_radius_deg * std::numbers::pi / 180,
+                0, effects.sun[c].mirrored ? condition.sea_wind_m_s : 0, condition.sun_horizon_z}),
+           effects.sun[c].direct, environment.sun, environment.sun_apparent});
   }
   layout_ = SourceLayout(request.parts, geometry_);
   condition_.reserve(request.wanted.size());

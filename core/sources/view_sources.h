@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,10 @@ namespace irsig {
 
 // What the conditions of a request do to one view, and the directions to which it refers.
 struct ViewEnvironments {
-  DirectionNodes directions, behind;
+  DirectionNodes directions;
+  BehindNodes behind;
+  // Where the sea or ground ends for the sensor; without either, the horizontal.
+  std::optional<Environment::Horizon> horizon;
   std::vector<ViewEnvironment> condition;  // of the request; empty where it was not asked for
 };
 
@@ -48,6 +52,8 @@ class ViewSources {
 };
 
 // Sea or ground of a condition, or none.
-[[nodiscard]] Boundary boundary_of(const ConditionSpec& condition, double surface_z_m);
+//   horizon  null: seen by straight lines
+[[nodiscard]] Boundary boundary_of(const ConditionSpec& condition, double surface_z_m,
+                                   const Environment::Horizon* horizon = nullptr);
 
 }  // namespace irsig

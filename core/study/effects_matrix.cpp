@@ -102,6 +102,12 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
   if (!for_all.ok()) return for_all.status();
   ViewRequest request;
   request.condition = {cell.condition};
+  if (cell.condition.sun) {
+    const Environment::SunSeen& seen = (*for_chosen)->sun_seen(0);
+    request.condition[0].sun_direction = seen.direction;
+    request.condition[0].sun_cos_zenith = -seen.direction.z;
+    request.condition[0].sun_horizon_z = seen.horizon_z;
+  }
   request.selected_condition = request.selected_band = {0};
   request.environment = *for_chosen;
   request.max_reflections = cell.max_reflections;

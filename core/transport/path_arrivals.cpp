@@ -17,6 +17,7 @@ struct PathTracer::Arrivals {
   float offset_m, persistence;
   float surface_z_m;  // of sea or ground, with the offset; infinite: there is none
   bool horizon;       // whether the Earth may hide what these rays met
+  float horizon_z;    // rays that fall more steeply end below the horizon
   bool uniform;       // sky and sea are
 
   Arrivals(const PathTracer& tracer, std::uint32_t of_order)
@@ -27,6 +28,7 @@ struct PathTracer::Arrivals {
                                   : std::numeric_limits<float>::infinity()),
         horizon(order == 0 && tracer.plane_ && tracer.plane_->earth_radius_m > 0 &&
                 tracer.view_.frame.sensor.z > tracer.plane_->z_m),
+        horizon_z(order == 0 ? static_cast<float>(tracer.sources_.horizon_z) : 0.0f),
         uniform(tracer.sources_.directions.uniform()) {}
 };
 
@@ -66,7 +68,8 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
   RayPacket& packet = ray.packet;
   const std::uint32_t lane = ray.lane;
   const Float3 d = ray.direction;
-  if (packet.triangle[lane] == RayPacket::kMiss) return d.z < 0 ? Met::kAbove : Met::kBelow;
+  if (packet.triangle[lane] == RayPacket::kMiss)
+    return d.z * ray.state.inverse_length < all.horizon_z ? Met::kAbove : Met::kBelow;
   const auto from_behind = [&] {
     const Target::Facet& met = target_.facet[packet.triangle[lane]];
     return !target_.part[met.part].two_sided && dot({met.nx, met.ny, met.nz}, d) >= 0;
@@ -121,9 +124,11 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
                    spectrum);
     return;
   }
-  const float z = d.z * s.inverse_length;
+  // Between the horizontal and the horizon: the sky at the horizontal.
+  const float z =
+      above ? std::min(d.z * s.inverse_length, -1e-30f) : std::max(d.z * s.inverse_length, 0.0f);
   DirectionNodes::Share share[4];
-  const int count = sources_.directions.shares(d.x, d.y, above ? z : std::max(z, 0.0f), share);
+  const int count = sources_.directions.shares(d.x, d.y, z, share);
   for (int k = 0; k < count; ++k)
     add<kSpectral>(work, s, order, layout_.node(share[k].node), s.weight * share[k].weight,
                    spectrum);
@@ -283,11 +288,10 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
   batch.size = 0;
 }
 
-// The silhouette, by what stands behind it. Where the sea begins, at an elevation of 0, is the
-// horizon here as it is for reflections.
+// The silhouette, by what stands behind it.
 void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
-  DirectionNodes::Share share[4];
-  const int count = sources_.behind->shares(direction.x, direction.y, direction.z, share);
+  BehindNodes::Share share[2];
+  const int count = sources_.behind->shares(direction.z, share);
   for (int k = 0; k < count; ++k) {
     double* out =
         work.weight[path.replicate * work.orders].row(path.first, layout_.behind(share[k].node));
@@ -297,10 +301,11 @@ void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction)
 }
 
 // The segment to the sensor against the sphere of the Earth, from the point's height above the
-// waterline.
+// waterline; both are those that refraction makes straight.
 bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
   const double h = plane_->z_m - static_cast<double>(p.z), radius = plane_->earth_radius_m;
-  const double slant = inverse_length, ex = -d.x * slant, ey = -d.y * slant, up = d.z * slant;
+  const double slant = inverse_length, ex = -d.x * slant, ey = -d.y * slant,
+               up = d.z * slant + plane_->lift_rad;
   const double b = p.x * ex + p.y * ey + (radius + h) * up;
   const double c =
       static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;

@@ -83,7 +83,8 @@ void PathTracer::aim_at_suns(Work& work, std::uint32_t order) const {
       const Sun::Light light = sun.towards(x, r * list.cos_y[k], r * list.sin_y[k]);
       const Float3 wi = light.direction;
       const float cos_i = dot(n, wi);
-      if (cos_i <= 0 || (plane_ && wi.z > 0)) continue;  // that piece of the disk has set
+      if (cos_i <= 0 || (plane_ && wi.z > sun.horizon_z))
+        continue;  // that piece of the disk has set
       const Reflection at = reflection(n, wi, wo, cos_i, vertex.cos_o[v]);
       const Material& material = materials_[vertex.material[v]];
       float f = light.irradiance;
@@ -283,7 +284,7 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
       const Sun& sun = work.sun[j];
       Sun::Light light{};
       if (material.narrowest_slope() >= sun.narrow_slope || !sun.met_by(x, direction, light) ||
-          (plane_ && direction.z > 0))
+          (plane_ && direction.z > sun.horizon_z))
         continue;
       const float aimed = work.sun_keep[j * work.most + v] * light.density_per_sr;
       const float drawn = vertex.survival[v] * material.density_per_sr(local.at);

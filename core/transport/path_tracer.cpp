@@ -58,7 +58,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
             static_cast<float>(tangent * tangent),
             s.distance_m > 0 ? static_cast<float>(1 / s.distance_m) : 0.0f,
             static_cast<float>(1 / (std::numbers::pi * tangent * tangent)),
-            settings_.sun_disk_by_chance ? kNarrowRadii * static_cast<float>(tangent) : 0.0f};
+            settings_.sun_disk_by_chance ? kNarrowRadii * static_cast<float>(tangent) : 0.0f,
+            static_cast<float>(s.horizon_z)};
     orthonormal_basis(sun.direction, sun.tangent1, sun.tangent2);
     const auto r = static_cast<float>(tangent);
     for (Float3* t : {&sun.tangent1, &sun.tangent2}) *t = {r * t->x, r * t->y, r * t->z};

@@ -47,6 +47,7 @@ struct Sun {
   float inverse_area_per_sr;     // 1 / (pi tan^2 radius)
   // Lobes this narrow (rms slope) find the disk by drawn directions too.
   float narrow_slope;
+  float horizon_z;  // directions that fall more steeply have set
 
   // Towards a point of the disk, (a, b) in the unit circle, or where a direction meets the disk.
   struct Light {

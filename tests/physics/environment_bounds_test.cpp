@@ -81,8 +81,8 @@ ConditionEnvironment sunny(double elevation_deg, std::uint32_t of_weather = 0) {
 Environment::Line line(double range_m, double elevation_deg, double aspect_deg) {
   const Vec<Body> d = body_from_aspect(aspect_deg, elevation_deg);
   return {range_m, elevation_deg, d,
-          DirectionNodes({0.0f, 0.02f, 0.17f, 0.6f}, {0.01f, 0.05f, 0.2f, 0.6f}, 3,
-                         std::atan2(-d.y, -d.x))};
+          BehindNodes({-0.6f, -0.17f, -0.02f, 0.0f, 0.001f, 0.01f, 0.05f, 0.2f, 0.6f},
+                      std::atan2(-d.y, -d.x))};
 }
 // Looking at the target with the sun behind it, beside it and behind the sensor; and from above.
 std::vector<Environment::Line> lines() {

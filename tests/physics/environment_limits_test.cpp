@@ -41,7 +41,7 @@ ConditionEnvironment sunny(double zenith_deg, double azimuth_deg, std::uint32_t 
 
 Environment::Line line(double range_m, double elevation_deg) {
   return {range_m, elevation_deg, body_from_aspect(30, elevation_deg),
-          DirectionNodes({0.0f, 0.1f, 0.5f}, {0.05f, 0.2f, 0.7f}, 4)};
+          BehindNodes({-0.5f, -0.1f, 0.0f, 0.05f, 0.2f, 0.7f})};
 }
 
 std::unique_ptr<const Environment> environment(std::vector<WeatherSpec> weather,
@@ -173,32 +173,6 @@ TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
       }
     }
   }
-}
-
-TEST(EnvironmentLimits, WhereNoLineOfSightGoesTheBackgroundIsDark) {
-  const auto e = environment({sea_weather()}, {sunny(40, 30)});
-  Environment::Line both = line(3000, 1), above = both, below = both;
-  both.behind = above.behind = below.behind = DirectionNodes({0.01f, 0.2f}, {0.02f, 0.3f}, 1, M_PI);
-  above.behind_lower = false;
-  below.behind_sky = false;
-  const ViewEnvironment all = seen(*e, both), sky = seen(*e, above), lower = seen(*e, below);
-  const std::vector<double> dark(wavelengths().size(), 0.0);
-  for (std::uint32_t n = 0; n < both.behind.count(); ++n) {
-    const bool up = n < both.behind.sky();
-    EXPECT_NE(all.behind_apparent[n], dark) << n;
-    EXPECT_EQ(sky.behind_apparent[n], up ? all.behind_apparent[n] : dark) << n;
-    EXPECT_EQ(lower.behind_apparent[n], up ? dark : all.behind_apparent[n]) << n;
-  }
-  EXPECT_EQ(sky.node_apparent, all.node_apparent);
-  // The bound of the background is that of the lit sides.
-  const auto bound = [&](const Environment::Line& l) {
-    return e->look(l)->bounds(0).background_sun;
-  };
-  const std::vector<double> of_all = bound(both), of_sky = bound(above), of_lower = bound(below);
-  for (std::size_t i = 0; i < of_all.size(); ++i) {
-    EXPECT_EQ(of_all[i], std::max(of_sky[i], of_lower[i])) << i;
-  }
-  EXPECT_NE(of_sky, of_lower);
 }
 
 TEST(EnvironmentLimits, NoRangeNoAir) {

@@ -195,6 +195,14 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
   EXPECT_GT(product, 0.5);
 }
 
+// By how much a ray from the sensor points lower at the target than the straight line. [rad]
+double lift_of(double range_m, double elevation_deg) {
+  if (range_m == 0) return 0;
+  const LightPath path = *look_between(afgl_profile(AfglProfile::kMidlatitudeSummer),
+                                       sensor_height_m(range_m, elevation_deg), kHeightM, range_m);
+  return (path.node.back().zenith_deg - 90 - elevation_deg) * M_PI / 180;
+}
+
 TEST(EnvironmentNodes, SunlitSkyInOneDirectionAsSummedOverEveryStep) {
   // Where the background is wanted, the aureole is that of the very direction.
   const Light day({sunny(50, 0)});
@@ -203,21 +211,26 @@ TEST(EnvironmentNodes, SunlitSkyInOneDirectionAsSummedOverEveryStep) {
   light.surroundings_w_m2_sr_um = day.light->surroundings;
   double worst = 0;
   for (const auto& [range_m, elevation_deg] : {std::pair{0.0, 5.0}, std::pair{8e3, 2.0}}) {
-    Environment::Line line{range_m, elevation_deg, body_from_aspect(0, elevation_deg),
-                           DirectionNodes({0.02f, 0.2f, 0.6f, 0.95f}, {0.5f}, 7, 0.1)};
-    const ViewEnvironment v = (*day.environment->view(line, std::vector<std::uint32_t>{0}))[0];
-    const AbsorberAmounts near = day.air.amounts(*look_between(
-        day.air.profile(), sensor_height_m(range_m, elevation_deg), kHeightM, range_m));
-    for (std::uint32_t n = 0; n < line.behind.sky(); ++n) {
-      const Vec<Body> d = line.behind.direction(n);
-      light.sun = SunPlace{50, -std::atan2(d.y, d.x) * 180 / M_PI};
-      const AirSpectrum all =
-          day.air.sky_radiance(kHeightM, std::acos(-d.z) * 180 / M_PI, light, &near)
-              .total_w_m2_sr_um;
-      for (std::size_t i = 0; i < um.size(); ++i) {
-        const std::size_t b = *air_band(um[i]);
-        if (all[b] < 1e-3 * v.path_radiance[i]) continue;
-        worst = std::max(worst, std::abs(v.behind_apparent[n][i] / all[b] - 1));
+    for (const double azimuth : {0.1, 1.0, 1.9, 2.8, 3.7, 4.6, 5.5}) {
+      Environment::Line line{range_m, elevation_deg, body_from_aspect(0, elevation_deg),
+                             BehindNodes({-0.95f, -0.6f, -0.2f, -0.02f}, azimuth)};
+      const ViewEnvironment v = (*day.environment->view(line, std::vector<std::uint32_t>{0}))[0];
+      const AbsorberAmounts near = day.air.amounts(*look_between(
+          day.air.profile(), sensor_height_m(range_m, elevation_deg), kHeightM, range_m));
+      const double lift = lift_of(range_m, elevation_deg);
+      for (std::uint32_t n = 0; n < line.behind.count(); ++n) {
+        // The ray itself points lower there than the straight line.
+        const Vec<Body> d = line.behind.direction(
+            std::sin(std::asin(static_cast<double>(line.behind.z(n))) + lift));
+        light.sun = SunPlace{50, -std::atan2(d.y, d.x) * 180 / M_PI};
+        const AirSpectrum all =
+            day.air.sky_radiance(kHeightM, std::acos(-d.z) * 180 / M_PI, light, &near)
+                .total_w_m2_sr_um;
+        for (std::size_t i = 0; i < um.size(); ++i) {
+          const std::size_t b = *air_band(um[i]);
+          if (all[b] < 1e-3 * v.path_radiance[i]) continue;
+          worst = std::max(worst, std::abs(v.behind_apparent[n][i] / all[b] - 1));
+        }
       }
     }
   }
@@ -328,7 +341,7 @@ TEST(EnvironmentNodes, SeaFromFacetsRayByRay) {
   const DirectionNodes& nodes = l.environment->nodes();
   const float between = 0.147f;  // half way between two rings
   const ViewEnvironment v =
-      (*l.environment->view({0, 10, body_from_aspect(0, 10), DirectionNodes({0.5f}, {between}, 1)},
+      (*l.environment->view({0, 10, body_from_aspect(0, 10), BehindNodes({-0.5f, between})},
                             std::vector<std::uint32_t>{0}))[0];
   std::uint32_t node = nodes.sky();
   while (nodes.sin_elevation(node) > -0.2) node += nodes.azimuths();

@@ -154,7 +154,7 @@ TEST(Contrast, IsADifferenceRayByRay) {
     const Vec<Body> line = 1000 * body_from_aspect(30, elevation_deg) - Vec<Body>{0, 0, -3};
     const double s = -line.z / length(line);
     const std::vector<float> rings{static_cast<float>(s) - 0.01f, static_cast<float>(s) + 0.01f};
-    f.environments.behind = DirectionNodes({0}, rings, 1, 0);
+    f.environments.behind = BehindNodes({0, rings[0], rings[1]});
     // 4 W/(m2 sr um) at the mean elevation, the sky's node must not be met.
     ViewEnvironment& e = f.environments.condition[0];
     e.behind_apparent.clear();

@@ -11,7 +11,8 @@ ERRORS = {  # numerical error: standard error, sum of bounds; the basis is conta
     "apparent_numerical_error_w_sr":
         ("apparent_intensity_stderr_w_sr", f"{COMMON} + apparent_omitted_bound_w_sr + depth_bound_w_sr"),
     "contrast_numerical_error_w_sr":
-        ("contrast_intensity_stderr_w_sr", f"{COMMON} + contrast_omitted_bound_w_sr + depth_bound_w_sr"),
+        ("contrast_intensity_stderr_w_sr", f"{COMMON} + contrast_omitted_bound_w_sr + depth_bound_w_sr"
+                                            " + background_bound_w_sr"),
 }
 
 
@@ -35,7 +36,7 @@ class ErrorBudget(unittest.TestCase):
                     self.assertLessEqual(abs(stated - again), 1e-12 * again, (error, stated, again))
             counted = {column: db.execute(f"SELECT count(*) FROM signature WHERE {column} > 0").fetchone()[0]
                        for column in ("truncation_bound_w_sr", "unseen_bound_w_sr", "sky_bound_w_sr",
-                                      "omitted_bound_w_sr", "depth_bound_w_sr")}
+                                      "omitted_bound_w_sr", "depth_bound_w_sr", "background_bound_w_sr")}
             explained = subprocess.run([IRSIG, "explain", "x.sigdb", "--row", "1"], cwd=path, capture_output=True,
                                        text=True, timeout=600)
             self.assertEqual(explained.returncode, 0, explained.stderr)

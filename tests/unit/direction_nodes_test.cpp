@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "core/environment/behind_nodes.h"
+
 namespace irsig {
 namespace {
 
@@ -81,6 +83,46 @@ TEST(DirectionNodes, SkyAndLowerDoNotMix) {
   EXPECT_NEAR(at[0], 1, 1e-9);  // beyond the first ring: that ring's
   sum_of(nodes, {1, 0, 1e-4}, &at);
   EXPECT_NEAR(at[2], 1, 1e-9);
+}
+
+TEST(BehindNodes, AreLinearBetweenAndJumpAtTheHorizon) {
+  const BehindNodes nodes({-0.5f, 0.001f, 0.001f, 0.25f});
+  BehindNodes::Share share[2];
+  const auto at = [&](float z) {
+    double sum = 0, mean = 0;
+    for (int i = 0, n = nodes.shares(z, share); i < n; ++i) {
+      sum += static_cast<double>(share[i].weight);
+      mean += static_cast<double>(share[i].weight) * (share[i].node < 2 ? 1.0 : 5.0);
+    }
+    EXPECT_NEAR(sum, 1, 1e-7) << z;
+    return mean;
+  };
+  for (const float z : {-1.0f, -0.5f, -0.2f, 0.0f, 0.000999f}) EXPECT_NEAR(at(z), 1, 1e-6) << z;
+  for (const float z : {0.001f, 0.0011f, 0.2f, 0.25f, 1.0f}) EXPECT_NEAR(at(z), 5, 1e-6) << z;
+  EXPECT_EQ(nodes.shares(-0.124750003f, share), 2);
+  EXPECT_NEAR(share[1].weight, 0.749, 1e-3);
+  EXPECT_TRUE(nodes.above(0, 0.001f));
+  EXPECT_TRUE(nodes.above(1, 0.001f));
+  EXPECT_FALSE(nodes.above(2, 0.001f));
+  // Another weather's horizon lies between.
+  EXPECT_TRUE(nodes.above(2, 0.1f));
+  EXPECT_FALSE(nodes.above(3, 0.1f));
+}
+
+TEST(BehindNodes, SpanWhatIsLookedAtWithAJumpAtEachHorizon) {
+  const std::vector<float> horizon = {0.0012f, 0.0011f, 0.0012f};
+  const BehindNodes nodes = BehindNodes::spanning(-0.02, 0.03, horizon, 0);
+  EXPECT_EQ(nodes.z(0), -0.02f);
+  EXPECT_EQ(nodes.z(nodes.count() - 1), 0.03f);
+  int jumps = 0;
+  for (std::uint32_t n = 1; n < nodes.count(); ++n) {
+    EXPECT_LE(nodes.z(n) - nodes.z(n - 1), 0.005f);
+    jumps += nodes.z(n) == nodes.z(n - 1) ? 1 : 0;
+  }
+  EXPECT_EQ(jumps, 2);
+  // No horizon in sight: no jump.
+  const BehindNodes sky = BehindNodes::spanning(-0.9, -0.7, horizon, 0);
+  for (std::uint32_t n = 1; n < sky.count(); ++n) EXPECT_LT(sky.z(n - 1), sky.z(n));
 }
 
 }  // namespace

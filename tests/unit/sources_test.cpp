@@ -28,7 +28,7 @@ SourceGeometry everything_around() {
   out.boundary = Sea{{3, 6.4e6}};
   out.sun = {{{0, 0.6, -0.8}, 0.005, 0, 5}, {{0.6, 0, -0.8}, 0.005}};
   out.directions = DirectionNodes({0, 0.5f, 1}, {0, 1}, 4);
-  out.behind = DirectionNodes({0}, {0, 0.1f}, 1);
+  out.behind = BehindNodes({0, 0, 0.1f});
   return out;
 }
 

@@ -65,7 +65,7 @@ TEST(SweepEnvironment, SeesThroughTheAirOfEachSeason) {
                         ->view({.range_m = 5000,
                                 .elevation_deg = 30,
                                 .direction = Vec<Body>{0.8660254037844386, 0, -0.5},
-                                .behind = DirectionNodes({0.5f}, {0.5f}, 1)},
+                                .behind = BehindNodes({0.5f})},
                                all);
   ASSERT_TRUE(seen.ok()) << seen.status();
   for (const ViewEnvironment& season : *seen) {

@@ -60,6 +60,11 @@ CREATE TABLE signature (
   absolute_floor_w_sr REAL CHECK (absolute_floor_w_sr >= 0),
   reflections INTEGER CHECK (reflections >= 0),
   depth_bound_w_sr REAL CHECK (depth_bound_w_sr >= 0),
+  unseen_stderr_w_sr REAL CHECK (unseen_stderr_w_sr >= 0),
+  apparent_unseen_stderr_w_sr REAL CHECK (apparent_unseen_stderr_w_sr >= 0),
+  contrast_unseen_stderr_w_sr REAL CHECK (contrast_unseen_stderr_w_sr >= 0),
+  contrast_model_error_w_sr REAL CHECK (contrast_model_error_w_sr >= 0),
+  background_bound_w_sr REAL CHECK (background_bound_w_sr >= 0),
   backface_share REAL CHECK (backface_share >= 0),
   UNIQUE (condition_id, band_id, viewpoint_id)
 ) STRICT;
@@ -88,9 +93,11 @@ SELECT s.signature_id,
        s.unseen_bound_w_sr, s.basis_bound_w_sr, s.sky_bound_w_sr,
        s.contrast_intensity_w_sr, s.contrast_intensity_stderr_w_sr, s.contrast_numerical_error_w_sr,
        s.background_radiance_w_m2_sr, s.background_radiance_stderr_w_m2_sr,
-       s.model_error_w_sr, s.apparent_model_error_w_sr, s.path_transmittance, s.path_radiance_w_m2_sr,
+       s.model_error_w_sr, s.apparent_model_error_w_sr, s.contrast_model_error_w_sr,
+       s.path_transmittance, s.path_radiance_w_m2_sr,
        s.omitted_bound_w_sr, s.apparent_omitted_bound_w_sr, s.contrast_omitted_bound_w_sr, s.absolute_floor_w_sr,
-       s.depth_bound_w_sr, s.backface_share, s.reflections,
+       s.depth_bound_w_sr, s.unseen_stderr_w_sr, s.apparent_unseen_stderr_w_sr, s.contrast_unseen_stderr_w_sr,
+       s.background_bound_w_sr, s.backface_share, s.reflections,
        r.name AS stop_reason, s.energy_gain,
        CASE WHEN s.backface_share > 0
             THEN coalesce(nullif(c.warning, '') || char(10), '') ||

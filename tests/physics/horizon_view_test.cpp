@@ -1,0 +1,212 @@
+// Rationale: a row's silhouette, its background and its sunlight end at one horizon: that of rays
+// bent as the air of the sweep bends them.
+// Expected: what is hidden of a wall by the sphere of the equivalent radius; sky behind a plate
+// that stands above the line of sight to the horizon and sea behind one that stands below it, with
+// one step; half of the sun's disk where its centre is on the apparent horizon. Source: h = (D -
+// sqrt(2 R' h_s))^2 / (2 R'), R' = R / (1 - k), k = -R dn/dh of the lowest air, for straight rays
+// above a sphere of radius R', to (h / R)^2 and the change of k over the heights met.
+#include <cmath>
+#include <numbers>
+
+#include "core/environment/environment.h"
+#include "core/spectral/planck.h"
+#include "scene_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+const AirProfile& air() { return afgl_profile(AfglProfile::kMidlatitudeSummer); }
+
+// A level strip of a wall that faces forward, from one height to another.
+Mesh wall(double low_m, double high_m, double width_m) {
+  Mesh mesh;
+  mesh.group = {"wall"};
+  mesh.vertex = {{0, -width_m / 2, -low_m},
+                 {0, width_m / 2, -low_m},
+                 {0, width_m / 2, -high_m},
+                 {0, -width_m / 2, -high_m}};
+  mesh.triangle = {{0, 2, 1}, {0, 3, 2}};
+  mesh.triangle_group = {0, 0};
+  return mesh;
+}
+
+// Of a sensor so high above a place so far away, at the wall's foot.
+Viewpoint from(double sensor_m, double along_m) {
+  const double turn = along_m / kEarthRadiusM, s = kEarthRadiusM + sensor_m;
+  const double x = s * std::sin(turn), y = s * std::cos(turn) - kEarthRadiusM;
+  return {0, std::atan2(y, x) / kRadPerDeg, std::hypot(x, y)};
+}
+
+double refractivity(double height_m) {
+  const AirLevel a = air_at(air(), height_m);
+  const double p_hpa = 1e-2 * a.pressure_pa;
+  return 1e-6 *
+         (77.4784 * p_hpa / a.temperature_k - 1e-6 * a.gas.h2o_ppmv * p_hpa / 1013.25 * 43.476);
+}
+
+double equivalent_radius_m(bool refraction, double sensor_m) {
+  const double k =
+      refraction ? kEarthRadiusM * (refractivity(0) - refractivity(sensor_m)) / sensor_m : 0;
+  return kEarthRadiusM / (1 - k);
+}
+
+// Height at which the line of sight that touches the sea passes a place.
+double passes_m(double sensor_m, double along_m, double radius_m) {
+  return std::pow(along_m - std::sqrt(2 * radius_m * sensor_m), 2) / (2 * radius_m);
+}
+
+struct Seen {
+  double area_m2, background_w_m2_sr;
+};
+
+Seen look_at(const Mesh& mesh, const Viewpoint& viewpoint, int refraction,
+             ConditionSpec condition = {}) {
+  SceneSpec scene = scene_of(mesh, grey(1), {"MWIR", 3.5, 4.1, 0.3, {}});
+  scene.part[0].two_sided = true;
+  scene.spectral_breaks_um = air_band_edges_um(3.2, 4.4);
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg,
+                          viewpoint.range_m, {295});
+  condition.part_temperature_k = {295};
+  r.condition = {condition};
+  r.accuracy.samples_per_replicate = 1024;
+  if (refraction >= 0) {
+    WeatherSpec w{{air(), {AerosolKind::kMaritime, 50e3}},
+                  refraction > 0,
+                  {LowerSpec::Kind::kRoughSea, 292, 1, 5},
+                  nullptr};
+    std::vector<double> node_um = simulator->band_grids()[0].node_um;
+    auto made = Environment::make({w}, {{0, condition.sun, condition.sun_direction, 1}}, 10,
+                                  std::move(node_um));
+    EXPECT_TRUE(made.ok()) << made.status();
+    r.environment = *std::move(made);
+    r.condition[0].surroundings.kind = SurroundingsKind::kSea;
+    r.condition[0].sea_wind_m_s = 5;
+  }
+  const SignatureResult row = only_row(*simulator, r);
+  return {row.projected_area_m2.value, row.background_radiance_w_m2_sr.value};
+}
+
+TEST(HorizonView, RefractionHidesLess) {
+  constexpr double kSensorM = 20, kAlongM = 26e3, kHighM = 14, kWidthM = 100;
+  double hidden_m[2];
+  for (const int refraction : {0, 1}) {
+    const double expected_m =
+        passes_m(kSensorM, kAlongM, equivalent_radius_m(refraction > 0, kSensorM));
+    const Seen seen = look_at(wall(0, kHighM, kWidthM), from(kSensorM, kAlongM), refraction);
+    hidden_m[refraction] = kHighM - seen.area_m2 / kWidthM;
+    // k changes by 2 % over the heights met, which is 0.02 m here; sampling of the edge 0.01 m.
+    EXPECT_NEAR(hidden_m[refraction], expected_m, 0.05) << "refraction " << refraction;
+  }
+  EXPECT_GT(hidden_m[0] - hidden_m[1], 2.5) << "a third of what is hidden";
+}
+
+TEST(HorizonView, OneStepOfTheBackgroundAtTheDip) {
+  constexpr double kSensorM = 10, kAlongM = 5e3;
+  for (const int refraction : {-1, 0, 1}) {  // -1: no atmosphere
+    ConditionSpec c;
+    c.surroundings = {SurroundingsKind::kSea, 150, 0, 350, 1, 0};
+    if (refraction >= 0) {  // the sun low behind the target: glitter on the sea
+      c.sun = true;
+      c.sun_direction = normalized(Vec<Body>{-1, 0, -std::tan(9.8 * kRadPerDeg)});
+      c.sun_cos_zenith = -c.sun_direction.z;
+      c.sun_angular_radius_deg = 0.266;
+      c.sun_scale = 1;
+    }
+    const double step_m =
+        passes_m(kSensorM, kAlongM, equivalent_radius_m(refraction > 0, kSensorM));
+    EXPECT_GT(step_m, 3) << "well below the sensor: above it the sky begins at the horizontal";
+    const auto background = [&](double height_m) {
+      return look_at(wall(height_m - 0.01, height_m + 0.01, 1), from(kSensorM, kAlongM), refraction,
+                     c)
+          .background_w_m2_sr;
+    };
+    std::vector<double> sky, sea;
+    for (const double away_m : {0.05, 0.3, 1.5}) {
+      sky.push_back(background(step_m + away_m));
+      sea.push_back(background(step_m - away_m));
+    }
+    sky.push_back(background(7));  // of the issue: what was taken for sea
+    for (const double b : sky) EXPECT_LT(b, 0.4 * sea.front()) << "refraction " << refraction;
+    for (const double b : sea) EXPECT_GT(b, 0.5 * sea.front()) << "refraction " << refraction;
+    if (refraction < 0) {
+      EXPECT_NEAR(sky[0], planck_band_radiance_w_m2_sr(3.5, 4.1, 150), 1e-5 * sky[0]);
+      EXPECT_NEAR(sea[0], planck_band_radiance_w_m2_sr(3.5, 4.1, 350), 1e-5 * sea[0]);
+    } else {
+      EXPECT_NEAR(sky[0] / sky[3], 1, 0.1) << "the sky changes slowly";
+    }
+  }
+}
+
+TEST(HorizonView, TheSunsDiskIsCutByTheApparentHorizon) {
+  constexpr double kHeightM = 7, kRadiusDeg = 0.266;
+  for (const bool refraction : {false, true}) {
+    WeatherSpec w{{air(), {AerosolKind::kMaritime, 50e3}},
+                  refraction,
+                  {LowerSpec::Kind::kRoughSea, 292, 1, 5},
+                  nullptr};
+    // Where the sea ends, and where a ray that leaves there for the sun goes in the end.
+    double above = 90, below = 91;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (above + below);
+      const bool meets =
+          look(air(), kHeightM, middle, INFINITY, refraction).end == PathEnd::kSurface;
+      (meets ? below : above) = middle;
+    }
+    const double horizon_deg =
+        90 - above - look(air(), kHeightM, above - 1e-5, INFINITY, refraction).bending_deg;
+    EXPECT_NEAR(horizon_deg, refraction ? -0.65 : -0.085, refraction ? 0.1 : 0.002);
+    std::vector<ConditionEnvironment> conditions;
+    const std::vector<double> offset = {-1.5, -0.99, -0.5, 0, 0.5, 0.99, 2.5, 20};
+    for (const double radii : offset) {
+      const double e = (horizon_deg + radii * kRadiusDeg) * kRadPerDeg;
+      conditions.push_back({0, true, {std::cos(e), 0, -std::sin(e)}, 1.0018});
+    }
+    const auto made = Environment::make({w}, conditions, kHeightM, {3.9});
+    ASSERT_TRUE(made.ok()) << made.status();
+    double last_z = 1;
+    for (std::uint32_t i = 0; i < offset.size(); ++i) {
+      const Environment::SunSeen& seen = (*made)->sun_seen(i);
+      const double x = std::clamp(offset[i], -1.0, 1.0);
+      const double share = 0.5 + (x * std::sqrt(1 - x * x) + std::asin(x)) / std::numbers::pi;
+      // Above the horizon refraction lifts the disk less than at it: by a fifth of the difference.
+      EXPECT_NEAR(seen.visible, share, x > 0 && refraction ? 0.1 : 2e-3) << offset[i];
+      EXPECT_LT(seen.direction.z, last_z);
+      last_z = seen.direction.z;
+    }
+    // High up next to nothing is left of it.
+    const double lifted_deg = std::asin(-last_z) / kRadPerDeg - horizon_deg - 20 * kRadiusDeg;
+    EXPECT_NEAR(lifted_deg, refraction ? 0.15 : 0, refraction ? 0.05 : 1e-9);
+  }
+}
+
+// A wall that faces the setting sun: half of the disk gives half of the light.
+TEST(HorizonView, ASetHalfOfTheDiskGivesNoLight) {
+  const auto simulator = simulator_of(scene_of(wall(0, 1, 1), grey(0.5), mwir()));
+  const auto lit = [&](double elevation_deg) {
+    ViewRequest r = request(*simulator, 0, 0, 1000, {1});
+    ConditionSpec& c = r.condition[0];
+    c.surroundings = {SurroundingsKind::kSea, 1, 0, 1, 1, 0};
+    c.sun = true;
+    const double e = elevation_deg * kRadPerDeg;
+    c.sun_direction = {std::cos(e), 0, -std::sin(e)};
+    c.sun_cos_zenith = std::sin(e);
+    c.sun_angular_radius_deg = 0.266;
+    c.sun_scale = 1;
+    c.sun_horizon_z = std::sin(0.1 * kRadPerDeg);
+    r.max_reflections = 1;
+    r.accuracy.samples_per_replicate = 4096;
+    return only_row(*simulator, r).cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)].value;
+  };
+  const double whole = lit(0.3);
+  EXPECT_GT(whole, 0);
+  EXPECT_NEAR(lit(-0.1) / whole, 0.5, 0.01);
+  EXPECT_NEAR(lit(-0.1 + 0.133) / whole, 0.8045, 0.01);  // half a radius up
+  EXPECT_NEAR(lit(-0.1 - 0.133) / whole, 0.1955, 0.01);
+  EXPECT_EQ(lit(-0.1 - 0.267), 0);
+}
+
+}  // namespace
+}  // namespace irsig
