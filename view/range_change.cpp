@@ -94,7 +94,7 @@ class SweepAir {
     const Vec<Body> towards = body_from_aspect(aspect_azimuth_deg, aspect_elevation_deg);
     Environment::Line line =
         environment_->line({aspect_azimuth_deg, aspect_elevation_deg, range_m});
-    line.behind = BehindNodes({static_cast<float>(towards.z)}, std::atan2(-towards.y, -towards.x));
+    line.behind = BehindNodes({static_cast<float>(-towards.z)}, std::atan2(-towards.y, -towards.x));
     return environment_->view(line, conditions);
   }
 

@@ -83,8 +83,8 @@ Environment::SunSeen sun_from(const AirProfile& air, const GrazingRay& ray, doub
     if (true_rad <= lowest - at_horizon) {
       seen_rad = true_rad + at_horizon;
     } else {
-      double low = lowest, high = std::max(lowest, true_rad) + at_horizon + 1e-6;
-      for (int i = 0; i < 40; ++i) {
+      double low = std::max(lowest, true_rad), high = low + at_horizon + 1e-6;
+      for (int i = 0; i < 24; ++i) {  // to 1e-9
         const double middle = std::min(0.5 * (low + high), 0.5 * std::numbers::pi);
         (middle - bending(middle) < true_rad ? low : high) = middle;
       }
