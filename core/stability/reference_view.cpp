@@ -23,6 +23,8 @@ constexpr int kStrata = 6;  // wavelengths of a path in a band
 constexpr double kHotterK = 20;
 // Roulette begins at a throughput below this.
 constexpr double kThin = 0.5;
+// Lobes narrower than this throw the sun onto other surfaces: followed from the sun.
+constexpr double kMirrorSlope = 0.15;
 
 using Body3 = Vec<Body>;
 
@@ -113,6 +115,7 @@ struct ReferenceView::Parts {
   double size_m = 0, cos_sun = 1, sun_solid_angle = 0;
   PlainLight light{};
   Choice primary, hot;
+  Choice mirrors;  // by area that faces the sun; empty where no light is followed from it
   std::vector<double> hot_density;  // [facet]: per area; 0: not a light
   std::vector<WavelengthDraw> waves;  // [band]
   // [band]: of grey scenes.
@@ -129,6 +132,10 @@ struct ReferenceView::Parts {
   [[nodiscard]] ReferenceTracer::Hit meet(Body3 from, Body3 towards, std::uint32_t own,
                                           double t_max) const;
   void trace(Path& path) const;
+  void trace_from_sun(Path& path) const;
+  [[nodiscard]] bool is_mirror(std::uint32_t part) const {
+    return brdf[scene.part[part].material].narrowest_slope() < kMirrorSlope;
+  }
 };
 
 // Whether the ray from + t v, 0 < t < end, goes through the sphere of the Earth that touches z = 0
@@ -174,6 +181,16 @@ struct ReferenceView::Parts::Path {
 
   [[nodiscard]] double first(Dimension d, int depth) {
     return depth == 0 ? u[static_cast<std::size_t>(d)] : random();
+  }
+  // weight x cos / density of a drawn direction, in each channel.
+  void weigh(const ReferenceBrdf& f, const ReferenceBrdf::Drawn& drawn,
+             std::vector<double>& out) const {
+    if (!(drawn.density_per_sr > 0)) {
+      std::fill(out.begin(), out.end(), 0.0);
+      return;
+    }
+    f.brdf_per_sr(drawn.at, lambda_um, out);
+    for (double& v : out) v *= drawn.at.cos_i / drawn.density_per_sr;
   }
 };
 
@@ -228,25 +245,15 @@ void ReferenceView::Parts::trace(Path& p) const {
   std::fill(p.through.begin(), p.through.end(), 1.0);
   std::fill(p.sum.begin(), p.sum.end(), 0.0);
 
-  // weight x cos / density of a drawn direction, in each channel.
-  const auto weigh = [&](const ReferenceBrdf& f, const ReferenceBrdf::Drawn& drawn,
-                         std::vector<double>& out) {
-    if (!(drawn.density_per_sr > 0)) {
-      std::fill(out.begin(), out.end(), 0.0);
-      return;
-    }
-    f.brdf_per_sr(drawn.at, p.lambda_um, out);
-    for (double& v : out) v *= drawn.at.cos_i / drawn.density_per_sr;
-  };
-
   std::uint32_t part = first.part;
   double unaimed = 1;  // the share of drawn directions in what is met
+  bool matt_before = false;
   for (int depth = 0; depth < 10000; ++depth) {
     const ReferenceBrdf& f = brdf[scene.part[part].material];
     const Frame frame(normal, to_eye);
     const auto drawn = f.draw(cos_o, p.first(kLobe, depth), p.first(kDrawU, depth),
                               p.first(kDrawV, depth));
-    weigh(f, drawn, p.factor);
+    p.weigh(f, drawn, p.factor);
     const std::vector<double>& emitted = planck(part);
     for (std::size_t i = 0; i < n; ++i)
       p.sum[i] += p.through[i] * unaimed * (1 - p.factor[i]) * emitted[i];
@@ -258,7 +265,11 @@ void ReferenceView::Parts::trace(Path& p) const {
       at = geometry_between(in, out);
       return true;
     };
-    if (sun) {
+    // What mirrors send on to anything matt comes from the sun's side.
+    const bool mirror = !mirrors.item.empty() && is_mirror(part);
+    const bool of_sun = sun && !(mirror && matt_before);
+    matt_before = matt_before || !mirror;
+    if (of_sun) {
       const double c = 1 - p.first(kSunU, depth) * (1 - cos_sun);
       const double s = std::sqrt(std::max(0.0, 1 - c * c)), turn = 2 * kPi * p.first(kSunV, depth);
       const Frame about(condition.sun_direction, {0.3, 0.5, 0.8});
@@ -306,7 +317,7 @@ void ReferenceView::Parts::trace(Path& p) const {
           if (!met.met() || met.facet == target) {
             // What it emits this way: 1 less a drawn direction's weight.
             const ReferenceBrdf& g = brdf[scene.part[lamp.part].material];
-            weigh(g, g.draw(std::min(cos_l, 1.0), p.random(), p.random(), p.random()),
+            p.weigh(g, g.draw(std::min(cos_l, 1.0), p.random(), p.random(), p.random()),
                   p.end_factor);
             const std::vector<double>& b = planck(lamp.part);
             for (std::size_t i = 0; i < n; ++i)
@@ -335,7 +346,7 @@ void ReferenceView::Parts::trace(Path& p) const {
     if (!hit.met() || (surface && next.z > 0)) {
       const std::vector<double>& beyond = wi.z < 0 ? p.sky : p.lower;
       for (std::size_t i = 0; i < n; ++i) p.sum[i] += p.through[i] * beyond[i];
-      if (sun && !hit.met() && !(surface && wi.z > 0) &&
+      if (of_sun && !hit.met() && !(surface && wi.z > 0) &&
           dot(wi, condition.sun_direction) > cos_sun) {
         const double share = drawn_share(drawn.density_per_sr, 1 / sun_solid_angle);
         for (std::size_t i = 0; i < n; ++i)
@@ -386,6 +397,98 @@ void ReferenceView::Parts::trace(Path& p) const {
     const double whole = air.path_emission ? (1 - at_range) * column : 0;
     p.apparent[b] = w0 * (seen * radiance + front);
     p.contrast[b] = p.apparent[b] - w0 * (at_range * background + whole);
+  }
+}
+
+// Light that reaches a matt surface from the sun by way of mirrors alone, followed on from there; at
+// each place from the first matt one on, what of it goes to the sensor.
+void ReferenceView::Parts::trace_from_sun(Path& p) const {
+  const std::size_t bands = scene.band.size(), n = channels();
+  std::fill(p.total.begin(), p.total.end(), 0.0);
+  std::fill(p.apparent.begin(), p.apparent.end(), 0.0);
+  const std::size_t picked = mirrors.pick(p.u[kFacet]);
+  std::uint32_t own = mirrors.item[picked];
+  const double root = std::sqrt(p.u[kPointU]);
+  Body3 x = facet[own].a + (root * (1 - p.u[kPointV])) * facet[own].ab +
+            (root * p.u[kPointV]) * facet[own].ac;
+  const double c = 1 - p.u[kSunU] * (1 - cos_sun), s = std::sqrt(std::max(0.0, 1 - c * c)),
+               turn = 2 * kPi * p.u[kSunV];
+  const Frame about(condition.sun_direction, {0.3, 0.5, 0.8});
+  Body3 from = about.out(s * std::cos(turn), s * std::sin(turn), c);
+  if (surface && (from.z > 0 || x.z > 0)) return;
+  std::uint32_t part = facet[own].part;
+  Body3 normal = facet[own].normal;
+  double cos_i = dot(normal, from);
+  if (cos_i < 0 && scene.part[part].two_sided) {
+    normal = -1.0 * normal;
+    cos_i = -cos_i;
+  }
+  if (cos_i <= 0 || blocked(x, from, own, 1e30, p.rays)) return;
+  if (!grey) {
+    for (std::size_t b = 0; b < bands; ++b)
+      waves[b].draw(p.u[kWave], p.lambda_um.data() + b * kStrata, p.weight.data() + b * kStrata);
+    for (std::size_t i = 0; i < n; ++i) p.sunlight[i] = light.sunlight(p.lambda_um[i]);
+  }
+  const double flux = cos_i * facet[own].area_m2 / mirrors.share(picked);
+  std::fill(p.through.begin(), p.through.end(), 1.0);
+  const double extinction = extinction_per_m(air, condition.air_temperature_k);
+  bool matt = false;
+  for (int depth = 0; depth < 10000; ++depth) {
+    const ReferenceBrdf& f = brdf[scene.part[part].material];
+    const Frame frame(normal, from);
+    const double in[3] = {std::sqrt(std::max(0.0, 1 - cos_i * cos_i)), 0, cos_i};
+    matt = matt || !is_mirror(part);
+    if (matt) {
+      Body3 to_eye = sensor - x;
+      const double distance_m = length(to_eye);
+      to_eye = (1 / distance_m) * to_eye;
+      const double out[3] = {dot(to_eye, frame.x), dot(to_eye, frame.y), dot(to_eye, frame.z)};
+      if (out[2] > 0 && !(surface && meets_earth(x, to_eye, distance_m)) &&
+          !blocked(x, to_eye, own, distance_m, p.rays)) {
+        f.brdf_per_sr(geometry_between(in, out), p.lambda_um, p.source);
+        const double ratio = viewpoint.range_m / distance_m;
+        const double weight = flux * out[2] * ratio * ratio;
+        const double seen = std::exp(-extinction * distance_m);
+        for (std::size_t i = 0; i < n; ++i) {
+          const double value = weight * p.through[i] * p.source[i] * p.sunlight[i] *
+                               (grey ? 1 : p.weight[i]);
+          const std::size_t b = grey ? i : i / kStrata;
+          p.total[b] += value;
+          p.apparent[b] += seen * value;
+        }
+      }
+    }
+    const auto drawn = f.draw(cos_i, p.first(kLobe, depth), p.first(kDrawU, depth),
+                              p.first(kDrawV, depth));
+    p.weigh(f, drawn, p.factor);
+    double most = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      p.through[i] *= p.factor[i];
+      most = std::max(most, p.through[i]);
+    }
+    if (!(most > 0)) return;
+    if (most < kThin && matt) {
+      const double survival = std::max(most, 0.02) / kThin;
+      if (p.random() >= survival) return;
+      for (double& t : p.through) t /= survival;
+    }
+    const Body3 wi = frame.out(drawn.x, drawn.y, drawn.z);
+    ++p.rays;
+    const auto hit = meet(x, wi, own, 1e30);
+    if (!hit.met()) return;
+    x = x + hit.t * wi;
+    if (surface && x.z > 0) return;
+    own = hit.facet;
+    part = facet[own].part;
+    normal = facet[own].normal;
+    from = -1.0 * wi;
+    cos_i = dot(normal, from);
+    if (cos_i < 0 && scene.part[part].two_sided) {
+      normal = -1.0 * normal;
+      cos_i = -cos_i;
+    }
+    if (cos_i <= 0) return;
+    cos_i = std::min(cos_i, 1.0);
   }
 }
 
@@ -507,6 +610,18 @@ absl::StatusOr<ReferenceView> ReferenceView::make(const SceneSpec& scene,
   }
   p.primary.finish();
 
+  bool any_matt = false;
+  for (std::uint32_t i = 0; i < parts_count; ++i) any_matt = any_matt || !p.is_mirror(i);
+  for (std::uint32_t t = 0; p.sun && any_matt && t < p.facet.size(); ++t) {
+    const Facet& f = p.facet[t];
+    if (!p.is_mirror(f.part)) continue;
+    const double cosine = dot(f.normal, c.sun_direction);
+    // Facets along the beam meet a part of the disk.
+    const double facing = scene.part[f.part].two_sided ? std::abs(cosine) : cosine;
+    p.mirrors.add(t, f.area_m2 * std::max(0.0, facing + std::sin(radius)));
+  }
+  if (!p.mirrors.item.empty()) p.mirrors.finish();
+
   p.hot_density.assign(p.facet.size(), 0.0);
   std::vector<double> power(p.facet.size(), 0.0);
   double all = 0;
@@ -565,6 +680,14 @@ ReferenceView::Result ReferenceView::run(std::uint64_t samples, std::uint64_t se
         value[4 * b + 2] += path.contrast[b];
         value[4 * b + 3] += path.area_m2;
         gross[b] += std::abs(path.total[b]);
+      }
+      if (all.mirrors.item.empty()) continue;
+      all.trace_from_sun(path);
+      for (std::size_t b = 0; b < bands; ++b) {
+        value[4 * b] += path.total[b];
+        value[4 * b + 1] += path.apparent[b];
+        value[4 * b + 2] += path.apparent[b];
+        gross[b] += path.total[b];
       }
     }
     for (double& v : value) v /= static_cast<double>(samples);

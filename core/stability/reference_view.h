@@ -27,9 +27,10 @@ namespace irsig {
 // point's own distance. The background of a primary ray is the sea where the ray meets the sphere of
 // the Earth.
 //
-// Limits: one condition; no embedded atmosphere (UNIMPLEMENTED); sunlight that mirrors throw onto
-// diffuse surfaces is found by drawn directions alone, as in any path tracer: such scenes need a
-// feature of known contribution (planning/random_scene.h).
+// Sunlight that mirrors (lobes of slopes below 0.15) send on to matt surfaces is followed from the sun,
+// and joined to the sensor wherever it arrives; no path from the sensor counts it.
+//
+// Limits: one condition; no embedded atmosphere (UNIMPLEMENTED).
 class ReferenceView {
  public:
   // condition: index into the request's.

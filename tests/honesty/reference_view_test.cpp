@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "core/accuracy/replicates.h"
@@ -132,6 +133,44 @@ TEST(ReferenceView, TwoPlates) {
   const auto result = run(scene, request, 2048);
   // A plate and not a point: (small / height)^2.
   expect_near(result.row[0].total, expected, "total", 1e-4 * expected);
+}
+
+// A mirror that lies before a wall throws the sun onto it: all the light that falls on the mirror
+// arrives, less what it absorbs, besides the sun's own.
+TEST(ReferenceView, AMirrorLightsAWall) {
+  const double sun_zenith = 45 * kRadPerDeg, side_m = 0.2;
+  // Light arrives 1 m up; the mirror's shadow falls 1 m down, below the wall.
+  const Mesh wall = moved(plate(4, 4), {-1, 0, -2.5});
+  SceneSpec scene =
+      one_body(joined(lying(plate(side_m, side_m)), wall, "wall_"), grey_paint(0.5));
+  CookTorrance flat;
+  flat.constants = {{0, 3, 12}};
+  flat.roughness = 1e-3;
+  scene.material.push_back({"mirror", flat});
+  scene.part = {{"mirror", {scene.mesh.group[0]}, 1, false, false},
+                {"wall", {"wall_*"}, 0, false, false}};
+  scene.band = {{"MWIR", 3, 5, 0.1, {}}};
+  // Seen along the wall's normal, from where the mirror is edge on.
+  ViewRequest request = view_of(0, 0, 1e5, {0, 0});
+  put_sun(request.condition[0], {std::sin(sun_zenith), 0, -std::cos(sun_zenith)});
+  double sun_w_m2 = 0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i)
+    sun_w_m2 += solar_irradiance_w_m2_um(3 + 2 * (i + 0.5) / kSteps) * 2 / kSteps;
+  const double direct = 0.5 / kPi * sun_w_m2 * std::sin(sun_zenith) * 16;  // on 16 m2
+  // Reflectance of n = 3 + 12 i at 45 deg, by Fresnel.
+  const auto f = ReferenceBrdf::make({"mirror", flat}, 3, 5);
+  ASSERT_TRUE(f.ok());
+  const std::complex<double> index(3, 12), root = std::sqrt(index * index - 0.5);
+  const double c = std::sqrt(0.5);
+  const double reflectance = 0.5 * (std::norm((c - root) / (c + root)) +
+                                    std::norm((index * index * c - root) / (index * index * c + root)));
+  const double thrown =
+      0.5 / kPi * sun_w_m2 * side_m * side_m * std::cos(sun_zenith) * reflectance;
+  const auto result = run(scene, request, 4096);
+  // What the wall lights on the mirror and back again is below 1e-3 of it.
+  expect_near(result.row[0].total, direct + thrown, "wall", 3e-5 * direct + 1e-3 * thrown);
+  EXPECT_GT(thrown, 20 * result.row[0].total.stderr_) << "seen at all";
 }
 
 // What wavelengths drawn for each path make of a band is what a fixed quadrature does.
