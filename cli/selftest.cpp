@@ -53,6 +53,7 @@ int search_scenes(const SelftestOptions& given) {
   }
   if (given.invariances >= 0) options.invariances = std::min(given.invariances, kInvariances);
   options.threads = given.threads;
+  options.family = given.filter;
   options.failures = given.failures;
   if (given.no_shrink) options.shrink_trials = 0;
   const std::uint64_t scenes = options.last - options.first + 1;
@@ -61,21 +62,20 @@ int search_scenes(const SelftestOptions& given) {
               static_cast<unsigned long long>(options.last), failure_bound(options));
   const auto start = std::chrono::steady_clock::now();
   std::uint64_t count = 0;
-  const SearchSummary summary =
-      search(options, [&](const SceneVerdict& verdict, double bound) {
-        ++count;
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const JudgedValue* worst = verdict.worst();
-        if (!verdict.status.ok() || verdict.undecided ||
-            (worst != nullptr && !(std::abs(worst->deviation()) <= 5)) || given.csv)
-          std::printf("%s\n", verdict_line(verdict, bound).c_str());
-        std::fflush(stdout);
-        std::fprintf(stderr, "%llu of %llu scenes, %.0f s, %.0f s left\n",
-                     static_cast<unsigned long long>(count),
-                     static_cast<unsigned long long>(scenes), seconds,
-                     seconds / static_cast<double>(count) * static_cast<double>(scenes - count));
-      });
+  const SearchSummary summary = search(options, [&](const SceneVerdict& verdict, double bound) {
+    ++count;
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const JudgedValue* worst = verdict.worst();
+    if (!verdict.status.ok() || verdict.undecided ||
+        (worst != nullptr && !(std::abs(worst->deviation()) <= 5)) || given.csv)
+      std::printf("%s\n", verdict_line(verdict, bound).c_str());
+    std::fflush(stdout);
+    std::fprintf(stderr, "%llu of %llu scenes, %.0f s, %.0f s left\n",
+                 static_cast<unsigned long long>(count), static_cast<unsigned long long>(scenes),
+                 seconds,
+                 seconds / static_cast<double>(count) * static_cast<double>(scenes - count));
+  });
   std::printf("%s", summary_text(summary).c_str());
   return summary.failed().empty() && 20 * summary.undecided() <= summary.scene.size() ? 0 : 1;
 }
@@ -113,7 +113,8 @@ int selftest(const SelftestOptions& given) {
 void add_selftest(CLI::App& app, int& exit_code) {
   const auto given = std::make_shared<SelftestOptions>();
   CLI::App* command = app.add_subcommand(
-      "selftest", "Run the cases on which radiometric codes break, on this machine, or look for new ones");
+      "selftest",
+      "Run the cases on which radiometric codes break, on this machine, or look for new ones");
   command->add_flag("--hard", given->hard, "The stability suite");
   command->add_flag("--search", given->search,
                     "Random scenes, judged by another integrator: is any error bar broken?");
@@ -127,8 +128,9 @@ void add_selftest(CLI::App& app, int& exit_code) {
   command->add_flag("--no-shrink", given->no_shrink, "--search: they are written as they are");
   command->add_option("--threads", given->threads, "--search: at most so many")
       ->check(CLI::Range(1, 256));
-  command->add_option("--filter", given->filter,
-                      "Only cases that match: planck, transport/*, *vertex*");
+  command->add_option(
+      "--filter", given->filter,
+      "Only cases that match: planck, transport/*, *vertex*; --search: families, *mirror*");
   command->add_flag("--csv", given->csv, "Comma-separated values instead of a table");
   command->callback([given, &exit_code] { exit_code = selftest(*given); });
 }

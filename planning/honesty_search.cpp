@@ -18,6 +18,7 @@
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/replicates.h"
 #include "core/base/constants.h"
+#include "core/scene/mesh.h"
 #include "core/stability/reference_view.h"
 #include "jobs/expand.h"
 #include "jobs/sweep_file.h"
@@ -88,8 +89,8 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
   return out;
 }
 
-absl::Status by_reference(const Computed& program, const SearchOptions& options,
-                          std::uint64_t seed, SceneVerdict& verdict) {
+absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
+                          SceneVerdict& verdict) {
   const auto scene = scene_from_sweep(program.sweep, program.model);
   if (!scene.ok()) return scene.status();
   const auto request = request_from_job(program.sweep, program.job, nullptr);
@@ -115,11 +116,11 @@ absl::Status by_reference(const Computed& program, const SearchOptions& options,
                                                               kRounding * of_band.gross_w_sr));
     }
     const double count = static_cast<double>(pilot_samples);
-    const double most = std::min(static_cast<double>(kMostSamples),
-                                 static_cast<double>(options.most_reference_rays) * count /
-                                     static_cast<double>(pilot.rays));
-    samples = std::clamp(std::max(samples, 1.3 * ratio * ratio * count), count,
-                         std::max(most, count));
+    const double most = std::min(
+        static_cast<double>(kMostSamples),
+        static_cast<double>(options.most_reference_rays) * count / static_cast<double>(pilot.rays));
+    samples =
+        std::clamp(std::max(samples, 1.3 * ratio * ratio * count), count, std::max(most, count));
   }
   const ReferenceView::Result truth =
       reference->run(static_cast<std::uint64_t>(samples), 3 * seed + 1);
@@ -287,12 +288,10 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
   // Nothing else here knows the sky of the embedded atmosphere: more of what must not change it.
   const int invariances =
       scene.atmosphere ? std::min(2 + options.invariances, kInvariances) : options.invariances;
-  if (!scene.atmosphere)
-    verdict.status = by_reference(*program, options, scene.seed, verdict);
+  if (!scene.atmosphere) verdict.status = by_reference(*program, options, scene.seed, verdict);
   for (int k = 0; k < invariances && verdict.status.ok(); ++k) {
     const auto by = static_cast<Invariance>(
-        (scene.seed * static_cast<std::uint64_t>(invariances) +
-         static_cast<std::uint64_t>(k)) %
+        (scene.seed * static_cast<std::uint64_t>(invariances) + static_cast<std::uint64_t>(k)) %
         kInvariances);
     verdict.status = by_invariance(scene, *program, by, verdict);
   }
@@ -302,8 +301,7 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
 
 double failure_bound(const SearchOptions& options) {
   const double scenes = static_cast<double>(options.last - options.first + 1);
-  return student_t_bound(31, static_cast<std::uint64_t>(
-                                 std::ceil(scenes * kValuesPerScene * (1 + options.invariances))));
+  return student_t_bound(31, static_cast<std::uint64_t>(std::ceil(scenes * kValuesPerScene)));
 }
 
 RandomScene shrunk(const RandomScene& scene, const std::function<bool(const RandomScene&)>& fails,
@@ -352,8 +350,8 @@ RandomScene shrunk(const RandomScene& scene, const std::function<bool(const Rand
               [&](RandomScene& s) { s.body[i].patch = 0; });
     }
     for (std::size_t m = 0; m < best.material.size(); ++m) {
-      const std::string grey = absl::StrCat("kind = \"lambert\"\nemissivity = ",
-                                            best.material[m].mean_emissivity, "\n");
+      const std::string grey =
+          absl::StrCat("kind = \"lambert\"\nemissivity = ", best.material[m].mean_emissivity, "\n");
       without([&](const RandomScene& s) { return s.material[m].toml == grey; },
               [&](RandomScene& s) { s.material[m].toml = grey; });
     }
@@ -369,8 +367,8 @@ std::vector<const SceneVerdict*> SearchSummary::failed() const {
 }
 
 std::size_t SearchSummary::undecided() const {
-  return static_cast<std::size_t>(std::count_if(
-      scene.begin(), scene.end(), [](const SceneVerdict& s) { return s.undecided; }));
+  return static_cast<std::size_t>(
+      std::count_if(scene.begin(), scene.end(), [](const SceneVerdict& s) { return s.undecided; }));
 }
 
 SearchSummary search(const SearchOptions& options,
@@ -383,6 +381,7 @@ SearchSummary search(const SearchOptions& options,
   const auto work = [&] {
     for (std::uint64_t seed = next++; seed <= options.last; seed = next++) {
       const RandomScene scene = random_scene(seed, options.grammar);
+      if (!group_matches(name_of(scene.family), options.family)) continue;
       SceneVerdict verdict = judge(scene, options);
       std::string written;
       if (!options.failures.empty() && fails(verdict, out.bound)) {
@@ -404,24 +403,25 @@ SearchSummary search(const SearchOptions& options,
   for (std::size_t i = 1; i < options.threads; ++i) threads.emplace_back(work);
   work();
   threads.clear();
+  std::erase_if(out.scene, [](const SceneVerdict& s) { return s.seed == 0; });
   std::sort(out.written.begin(), out.written.end());
   return out;
 }
 
 std::string verdict_line(const SceneVerdict& verdict, double bound) {
   const JudgedValue* worst = verdict.worst();
-  std::string out =
-      absl::StrFormat("seed %6d  %-14s %-9s", verdict.seed, name_of(verdict.family),
-                      fails(verdict, bound) ? "FAILED" : verdict.undecided ? "undecided" : "holds");
+  std::string out = absl::StrFormat("seed %6d  %-14s %-9s", verdict.seed, name_of(verdict.family),
+                                    fails(verdict, bound) ? "FAILED"
+                                    : verdict.undecided   ? "undecided"
+                                                          : "holds");
   if (!verdict.status.ok()) return absl::StrCat(out, "  ", verdict.status.message());
   if (worst != nullptr)
-    absl::StrAppend(&out,
-                    absl::StrFormat("  worst %6.2f  %s: %.6g +- %.2g, expected %.6g +- %.2g",
-                                    worst->deviation(), worst->what, worst->value, worst->error,
-                                    worst->truth, worst->truth_error));
-  absl::StrAppend(&out, absl::StrFormat("  (%.2g + %.2g rays)",
-                                        static_cast<double>(verdict.program_rays),
-                                        static_cast<double>(verdict.reference_rays)));
+    absl::StrAppend(&out, absl::StrFormat("  worst %6.2f  %s: %.6g +- %.2g, expected %.6g +- %.2g",
+                                          worst->deviation(), worst->what, worst->value,
+                                          worst->error, worst->truth, worst->truth_error));
+  absl::StrAppend(&out,
+                  absl::StrFormat("  (%.2g + %.2g rays)", static_cast<double>(verdict.program_rays),
+                                  static_cast<double>(verdict.reference_rays)));
   return out;
 }
 
@@ -438,8 +438,8 @@ std::string summary_text(const SearchSummary& summary) {
     of[2] += s.undecided ? 1 : 0;
     for (const JudgedValue& v : s.value) {
       const double d = std::abs(v.deviation());
-      const auto bin = static_cast<std::size_t>(
-          std::upper_bound(kEdges.begin(), kEdges.end(), d) - kEdges.begin());
+      const auto bin = static_cast<std::size_t>(std::upper_bound(kEdges.begin(), kEdges.end(), d) -
+                                                kEdges.begin());
       ++(v.by_reference ? count : count_invariance)[bin];
       values += v.by_reference ? 1 : 0;
       if (v.by_reference && v.statistical) {
@@ -447,13 +447,13 @@ std::string summary_text(const SearchSummary& summary) {
         statistical_beyond += d > 2 ? 1 : 0;
       }
       if (!(d <= kBeyond))
-        absl::StrAppend(&beyond,
-                        absl::StrFormat("  seed %d (%s) %s: %.4g errors%s\n", s.seed,
-                                        name_of(s.family), v.what, v.deviation(),
-                                        v.target_reached ? ", target_reached" : ""));
+        absl::StrAppend(&beyond, absl::StrFormat("  seed %d (%s) %s: %.4g errors%s\n", s.seed,
+                                                 name_of(s.family), v.what, v.deviation(),
+                                                 v.target_reached ? ", target_reached" : ""));
     }
   }
-  std::string out = absl::StrFormat("\n|error| / errors    <0.5   0.5-1     1-2     2-3     3-5      >5\n");
+  std::string out =
+      absl::StrFormat("\n|error| / errors    <0.5   0.5-1     1-2     2-3     3-5      >5\n");
   for (const auto& [name, row] :
        {std::pair{"by the reference", count}, {"by invariances", count_invariance}}) {
     absl::StrAppend(&out, absl::StrFormat("%-16s", name));
@@ -467,13 +467,14 @@ std::string summary_text(const SearchSummary& summary) {
                                                   static_cast<double>(statistical)
                                             : 0.0));
   for (const auto& [name, of] : family)
-    absl::StrAppend(&out, absl::StrFormat("%-16s %5d scenes, %d failed, %d undecided\n", name, of[0],
-                                          of[1], of[2]));
+    absl::StrAppend(&out, absl::StrFormat("%-16s %5d scenes, %d failed, %d undecided\n", name,
+                                          of[0], of[1], of[2]));
   if (!beyond.empty()) absl::StrAppend(&out, "beyond 5 errors:\n", beyond);
   for (const std::string& file : summary.written) absl::StrAppend(&out, "written: ", file, "\n");
-  absl::StrAppend(&out, absl::StrFormat("%d scenes, %d values, bound %.2f: %d failed, %d undecided\n",
-                                        summary.scene.size(), values, summary.bound,
-                                        summary.failed().size(), summary.undecided()));
+  absl::StrAppend(
+      &out, absl::StrFormat("%d scenes, %d values, bound %.2f: %d failed, %d undecided\n",
+                            summary.scene.size(), values, summary.bound, summary.failed().size(),
+                            summary.undecided()));
   return out;
 }
 

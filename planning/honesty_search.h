@@ -33,10 +33,10 @@ inline constexpr int kInvariances = 8;
 // One stored in-band value and what it should be.
 struct JudgedValue {
   std::string what;  // "total", "apparent", "contrast"; of which band; "turned: total" ...
-  double value = 0, error = 0;              // numerical error, stated
-  double truth = 0, truth_error = 0;        // one sigma
-  bool by_reference = true;                 // else by an invariance
-  bool statistical = false;                 // its error is mostly standard error, bounds below a tenth
+  double value = 0, error = 0;        // numerical error, stated
+  double truth = 0, truth_error = 0;  // one sigma
+  bool by_reference = true;           // else by an invariance
+  bool statistical = false;           // its error is mostly standard error, bounds below a tenth
   bool target_reached = false;
   // (value - truth) / both errors together.
   [[nodiscard]] double deviation() const;
@@ -47,8 +47,8 @@ struct SceneVerdict {
   SceneFamily family = SceneFamily::kBodies;
   absl::Status status;  // not OK: the scene could not be computed, which counts as a failure
   std::vector<JudgedValue> value;
-  // The reference did not get to a fifth of the stated errors within its budget of rays, and nothing
-  // failed.
+  // The reference did not get to a fifth of the stated errors within its budget of rays, and
+  // nothing failed.
   bool undecided = false;
   std::uint64_t program_rays = 0, reference_rays = 0;
   [[nodiscard]] const JudgedValue* worst() const;  // null: none
@@ -56,9 +56,10 @@ struct SceneVerdict {
 
 struct SearchOptions {
   std::uint64_t first = 1, last = 60;  // seeds
+  std::string family = "*";            // only those whose family matches
   SceneGrammar grammar;
   std::uint64_t most_reference_rays = 6'000'000;  // of a scene
-  int invariances = 2;  // of each scene, in rotation; kInvariances: all
+  int invariances = 2;                            // of each scene, in rotation; kInvariances: all
   std::size_t threads = 1;
   // Where failing scenes are written, made smaller; empty: nowhere. Smaller scenes are looked for
   // with at most so many trials.
@@ -69,8 +70,8 @@ struct SearchOptions {
 // Judges one scene.
 [[nodiscard]] SceneVerdict judge(const RandomScene& scene, const SearchOptions& options);
 
-// The bound on |deviation| for a search: student_t_bound(1 - 0.0005 / values judged), 31 degrees of
-// freedom. values: expected of all its scenes.
+// The bound on |deviation| for a search: student_t_bound(1 - 0.0005 / values), 31 degrees of
+// freedom; values: what the reference judges of so many scenes.
 [[nodiscard]] double failure_bound(const SearchOptions& options);
 
 // A scene that still fails, of fewer bodies, simpler materials, one band ...; terminates after at
@@ -80,16 +81,17 @@ struct SearchOptions {
                                  int most_trials);
 
 struct SearchSummary {
-  std::vector<SceneVerdict> scene;     // by seed
-  std::vector<std::string> written;    // files of failing scenes
+  std::vector<SceneVerdict> scene;   // by seed
+  std::vector<std::string> written;  // files of failing scenes
   double bound = 0;
   [[nodiscard]] std::vector<const SceneVerdict*> failed() const;
   [[nodiscard]] std::size_t undecided() const;
 };
 
 // done: called after each scene, from one thread at a time.
-[[nodiscard]] SearchSummary search(const SearchOptions& options,
-                                   const std::function<void(const SceneVerdict&, double bound)>& done);
+[[nodiscard]] SearchSummary search(
+    const SearchOptions& options,
+    const std::function<void(const SceneVerdict&, double bound)>& done);
 
 // What a verdict says, in a line; what a search says: failures, values beyond 5, histogram, counts.
 [[nodiscard]] std::string verdict_line(const SceneVerdict& verdict, double bound);

@@ -14,16 +14,16 @@ namespace irsig {
 
 // Which of its pieces a scene is mostly about.
 enum class SceneFamily {
-  kBodies,       // up to 12 bodies of any kind
-  kGrazingGloss, // a glossy plate seen at 75 to 89.5 deg, often towards the sun
-  kHole,         // a hot patch that is seen, or shines, only through a hole
-  kSmallMirror,  // a near-mirror that sends the sun to the sensor, on a large body
-  kMirrorPair,   // the same by way of two mirrors
-  kNotch,        // emissivities narrower than the stored wavelengths
-  kHorizon,      // target and sensor near the sea's horizon
-  kCavity,       // several reflections between grey walls
-  kNeedles,      // bodies 1 : 100 to 1 : 4000
-  kWeather,      // the embedded atmosphere; smooth surfaces under its sky
+  kBodies,        // up to 12 bodies of any kind
+  kGrazingGloss,  // a glossy plate seen at 75 to 89.5 deg, often towards the sun
+  kHole,          // a hot patch that is seen, or shines, only through a hole
+  kSmallMirror,   // a near-mirror that sends the sun to the sensor, on a large body
+  kMirrorPair,    // the same by way of two mirrors
+  kNotch,         // emissivities narrower than the stored wavelengths
+  kHorizon,       // target and sensor near the sea's horizon
+  kCavity,        // several reflections between grey walls
+  kNeedles,       // bodies 1 : 100 to 1 : 4000
+  kWeather,       // the embedded atmosphere; smooth surfaces under its sky
 };
 inline constexpr int kSceneFamilies = 10;
 [[nodiscard]] const char* name_of(SceneFamily family);
@@ -36,8 +36,8 @@ struct SceneGrammar {
 
 struct RandomMaterial {
   std::string name;
-  std::string toml;             // its keys but for the name
-  double mean_emissivity = 0.8; // of the grey paint that a smaller scene has in its place
+  std::string toml;              // its keys but for the name
+  double mean_emissivity = 0.8;  // of the grey paint that a smaller scene has in its place
 };
 
 // A closed body or a two-sided plate, in the axes of its OBJ file: x forward, y port, z up. [m]
@@ -46,11 +46,12 @@ struct RandomBody {
   std::array<double, 3> centre_m{}, size_m{1, 1, 1};
   // Columns: the images of the body's own axes.
   std::array<std::array<double, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  double aperture = 0.5;  // cup: side of the hole / side of the cup; its walls are a twentieth thick
-  double patch = 0;       // cup: side of a part of its own in the middle of the floor / floor's side
+  double aperture =
+      0.5;           // cup: side of the hole / side of the cup; its walls are a twentieth thick
+  double patch = 0;  // cup: side of a part of its own in the middle of the floor / floor's side
   std::size_t material = 0, patch_material = 0;
   double temperature_k = 290, patch_temperature_k = 290;
-  bool split = false;     // two parts instead of one: an invariance
+  bool split = false;  // two parts instead of one: an invariance
 };
 
 struct RandomBand {
@@ -77,9 +78,10 @@ struct RandomScene {
   std::uint64_t max_samples_per_replicate = 16384;
   std::uint64_t sampler_seed = 1;
   bool all_effects = false;
-  int subdivisions = 0;            // each triangle is cut into four, so often
-  std::string prefix = "body";     // of the parts' names
-  bool mirrored = false;           // left for right, the sun and the sensor too
+  int max_reflections = -1;     // below 0: the default
+  int subdivisions = 0;         // each triangle is cut into four, so often
+  std::string prefix = "body";  // of the parts' names
+  bool mirrored = false;        // left for right, the sun and the sensor too
 };
 
 [[nodiscard]] RandomScene random_scene(std::uint64_t seed, const SceneGrammar& grammar = {});

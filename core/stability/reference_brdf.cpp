@@ -43,8 +43,7 @@ double reflectance(std::complex<double> index, double cos_d, Fresnel form) {
   }
   const std::complex<double> inner = std::sqrt(index * index - (1 - cos_d * cos_d));
   const std::complex<double> s = (cos_d - inner) / (cos_d + inner);
-  const std::complex<double> p =
-      (index * index * cos_d - inner) / (index * index * cos_d + inner);
+  const std::complex<double> p = (index * index * cos_d - inner) / (index * index * cos_d + inner);
   return 0.5 * (std::norm(s) + std::norm(p));
 }
 
@@ -166,10 +165,12 @@ absl::StatusOr<ReferenceBrdf> ReferenceBrdf::make(const MaterialSpec& spec, doub
     out.cosine_share_ = 1;
     add_breaks(lambert->emissivity, out.breaks_);
   } else if (const auto* cook = std::get_if<CookTorrance>(&spec.model)) {
-    if (cook->forced_emissivity >= 0 || (cook->normal_emissivity >= 0 && cook->constants.size() > 1))
+    if (cook->forced_emissivity >= 0 ||
+        (cook->normal_emissivity >= 0 && cook->constants.size() > 1))
       return absl::UnimplementedError("a scaled lobe of spectral constants");
     lobe(Law::kBeckmann, cook->roughness, 1);
-    if (cook->normal_emissivity >= 0) out.scale_ = (1 - cook->normal_emissivity) / normal_dhr(*cook);
+    if (cook->normal_emissivity >= 0)
+      out.scale_ = (1 - cook->normal_emissivity) / normal_dhr(*cook);
     add_breaks(cook->constants, out.breaks_);
   } else if (const auto* priest = std::get_if<PriestGermer>(&spec.model)) {
     lobe(Law::kBeckmann, std::numbers::sqrt2 * priest->roughness, 1);
@@ -247,8 +248,7 @@ void ReferenceBrdf::brdf_per_sr(const ReflectionGeometry& g, std::span<const dou
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = of_lambda(lambda_um[i]);
   };
   const auto facets = [&](const OpticalConstants& constants, Fresnel form, double m, Masking mask) {
-    const double shape =
-        scale_ * beckmann(g, m) * masking(g, mask, m) / (4 * g.cos_i * g.cos_o);
+    const double shape = scale_ * beckmann(g, m) * masking(g, mask, m) / (4 * g.cos_i * g.cos_o);
     each([&](double l) { return shape * reflectance(index_at(constants, l), g.cos_d, form); });
   };
   if (const auto* lambert = std::get_if<Lambert>(&spec_.model)) {
@@ -260,7 +260,9 @@ void ReferenceBrdf::brdf_per_sr(const ReflectionGeometry& g, std::span<const dou
            priest->published ? Masking::kNone : Masking::kVGroove);
   } else if (const auto* ward = std::get_if<Ward>(&spec_.model)) {
     const double shape = ward_lobe(g, *ward);
-    each([&](double l) { return value_at(ward->diffuse, l) / kPi + value_at(ward->specular, l) * shape; });
+    each([&](double l) {
+      return value_at(ward->diffuse, l) / kPi + value_at(ward->specular, l) * shape;
+    });
   } else if (const auto* beard = std::get_if<BeardMaxwell>(&spec_.model)) {
     const double shape = beard_maxwell_shape(g, *beard);
     const double volume = 2 / (kPi * (g.cos_i + g.cos_o));

@@ -10,7 +10,8 @@
 
 namespace irsig {
 
-// In-band integrals and wavelengths of a scene's bands for ReferenceView. Private to core/stability.
+// In-band integrals and wavelengths of a scene's bands for ReferenceView. Private to
+// core/stability.
 
 // Integral of response x f over the band, by `points` midpoints in each piece between the
 // response's corners and `breaks_um`.

@@ -41,7 +41,20 @@ class Random {
 };
 
 constexpr std::array kBase{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-enum Dimension { kFacet, kPointU, kPointV, kLobe, kDrawU, kDrawV, kSunU, kSunV, kHotF, kHotU, kHotV, kWave };
+enum Dimension {
+  kFacet,
+  kPointU,
+  kPointV,
+  kLobe,
+  kDrawU,
+  kDrawV,
+  kSunU,
+  kSunV,
+  kHotF,
+  kHotU,
+  kHotV,
+  kWave
+};
 
 double radical_inverse(std::uint64_t i, int base) {
   double out = 0, digit = 1.0 / base;
@@ -91,13 +104,11 @@ struct Choice {
     for (double& u : until) u /= until.back();
   }
   [[nodiscard]] std::size_t pick(double u) const {
-    return std::min(static_cast<std::size_t>(std::upper_bound(until.begin(), until.end(), u) -
-                                             until.begin()),
-                    until.size() - 1);
+    return std::min(
+        static_cast<std::size_t>(std::upper_bound(until.begin(), until.end(), u) - until.begin()),
+        until.size() - 1);
   }
-  [[nodiscard]] double share(std::size_t k) const {
-    return until[k] - (k == 0 ? 0 : until[k - 1]);
-  }
+  [[nodiscard]] double share(std::size_t k) const { return until[k] - (k == 0 ? 0 : until[k - 1]); }
 };
 
 }  // namespace
@@ -116,7 +127,7 @@ struct ReferenceView::Parts {
   PlainLight light{};
   Choice primary, hot;
   Choice mirrors;  // by area that faces the sun; empty where no light is followed from it
-  std::vector<double> hot_density;  // [facet]: per area; 0: not a light
+  std::vector<double> hot_density;    // [facet]: per area; 0: not a light
   std::vector<WavelengthDraw> waves;  // [band]
   // [band]: of grey scenes.
   std::vector<std::vector<double>> part_in_band;
@@ -238,8 +249,7 @@ void ReferenceView::Parts::trace(Path& p) const {
     std::vector<double>& out = p.part[part];
     if (grey || !out.empty()) return out;
     for (std::size_t i = 0; i < n; ++i)
-      out.push_back(
-          planck_radiance_w_m2_sr_um(p.lambda_um[i], condition.part_temperature_k[part]));
+      out.push_back(planck_radiance_w_m2_sr_um(p.lambda_um[i], condition.part_temperature_k[part]));
     return out;
   };
   std::fill(p.through.begin(), p.through.end(), 1.0);
@@ -251,8 +261,8 @@ void ReferenceView::Parts::trace(Path& p) const {
   for (int depth = 0; depth < 10000; ++depth) {
     const ReferenceBrdf& f = brdf[scene.part[part].material];
     const Frame frame(normal, to_eye);
-    const auto drawn = f.draw(cos_o, p.first(kLobe, depth), p.first(kDrawU, depth),
-                              p.first(kDrawV, depth));
+    const auto drawn =
+        f.draw(cos_o, p.first(kLobe, depth), p.first(kDrawU, depth), p.first(kDrawV, depth));
     p.weigh(f, drawn, p.factor);
     const std::vector<double>& emitted = planck(part);
     for (std::size_t i = 0; i < n; ++i)
@@ -307,8 +317,7 @@ void ReferenceView::Parts::trace(Path& p) const {
       if (target != own && cos_l > 0 && d > 1e-9 * size_m && !(surface && y.z > 0) &&
           reflected(wi, at)) {
         const double aimed = hot_density[target] * d * d / cos_l;
-        const double share =
-            at.cos_i * (1 - drawn_share(f.density_per_sr(at), aimed)) / aimed;
+        const double share = at.cos_i * (1 - drawn_share(f.density_per_sr(at), aimed)) / aimed;
         f.brdf_per_sr(at, p.lambda_um, p.source);
         const double most = *std::max_element(p.source.begin(), p.source.end());
         if (most > 0) {
@@ -318,7 +327,7 @@ void ReferenceView::Parts::trace(Path& p) const {
             // What it emits this way: 1 less a drawn direction's weight.
             const ReferenceBrdf& g = brdf[scene.part[lamp.part].material];
             p.weigh(g, g.draw(std::min(cos_l, 1.0), p.random(), p.random(), p.random()),
-                  p.end_factor);
+                    p.end_factor);
             const std::vector<double>& b = planck(lamp.part);
             for (std::size_t i = 0; i < n; ++i)
               p.sum[i] += p.through[i] * p.source[i] * share * (1 - p.end_factor[i]) * b[i];
@@ -400,8 +409,8 @@ void ReferenceView::Parts::trace(Path& p) const {
   }
 }
 
-// Light that reaches a matt surface from the sun by way of mirrors alone, followed on from there; at
-// each place from the first matt one on, what of it goes to the sensor.
+// Light that reaches a matt surface from the sun by way of mirrors alone, followed on from there;
+// at each place from the first matt one on, what of it goes to the sensor.
 void ReferenceView::Parts::trace_from_sun(Path& p) const {
   const std::size_t bands = scene.band.size(), n = channels();
   std::fill(p.total.begin(), p.total.end(), 0.0);
@@ -450,16 +459,16 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
         const double weight = flux * out[2] * ratio * ratio;
         const double seen = std::exp(-extinction * distance_m);
         for (std::size_t i = 0; i < n; ++i) {
-          const double value = weight * p.through[i] * p.source[i] * p.sunlight[i] *
-                               (grey ? 1 : p.weight[i]);
+          const double value =
+              weight * p.through[i] * p.source[i] * p.sunlight[i] * (grey ? 1 : p.weight[i]);
           const std::size_t b = grey ? i : i / kStrata;
           p.total[b] += value;
           p.apparent[b] += seen * value;
         }
       }
     }
-    const auto drawn = f.draw(cos_i, p.first(kLobe, depth), p.first(kDrawU, depth),
-                              p.first(kDrawV, depth));
+    const auto drawn =
+        f.draw(cos_i, p.first(kLobe, depth), p.first(kDrawU, depth), p.first(kDrawV, depth));
     p.weigh(f, drawn, p.factor);
     double most = 0;
     for (std::size_t i = 0; i < n; ++i) {

@@ -17,18 +17,18 @@ namespace irsig {
 //   L = B(T) + integral of f cos_i (L_in - B(T)) dw                        [kajiya1986; Kirchhoff]
 //
 // V: whether x sees the sensor; d: its distance, R: the range. Points are drawn on the facets
-// themselves, in proportion to projected area and radiance, so that there is no image plane, no mask
-// and no rim, and a small hot part is sampled wherever it is. BRDFs are formulas in double
+// themselves, in proportion to projected area and radiance, so that there is no image plane, no
+// mask and no rim, and a small hot part is sampled wherever it is. BRDFs are formulas in double
 // (reference_brdf.h), reflections are not limited, the sun's disk and hot facets are aimed at and
 // drawn (balance heuristic [veach1995]). In-band integrals: grey scenes by 4000 midpoints a band
 // between the response's corners; others at wavelengths drawn for each path. Rays: exact arithmetic
-// (core/scene/reference_tracer.h). Sampler: Halton points, shifted at random for each batch, for the
-// first vertex; pseudo-random numbers after it. The air (vacuum or homogeneous) is that of each
-// point's own distance. The background of a primary ray is the sea where the ray meets the sphere of
-// the Earth.
+// (core/scene/reference_tracer.h). Sampler: Halton points, shifted at random for each batch, for
+// the first vertex; pseudo-random numbers after it. The air (vacuum or homogeneous) is that of each
+// point's own distance. The background of a primary ray is the sea where the ray meets the sphere
+// of the Earth.
 //
-// Sunlight that mirrors (lobes of slopes below 0.15) send on to matt surfaces is followed from the sun,
-// and joined to the sensor wherever it arrives; no path from the sensor counts it.
+// Sunlight that mirrors (lobes of slopes below 0.15) send on to matt surfaces is followed from the
+// sun, and joined to the sensor wherever it arrives; no path from the sensor counts it.
 //
 // Limits: one condition; no embedded atmosphere (UNIMPLEMENTED).
 class ReferenceView {
@@ -41,7 +41,7 @@ class ReferenceView {
   ReferenceView(ReferenceView&&) noexcept;
   ReferenceView& operator=(ReferenceView&&) noexcept;
 
-  struct Row {  // of a band; means over batches and their standard errors
+  struct Row {                           // of a band; means over batches and their standard errors
     Estimate total, apparent, contrast;  // [W/sr]
     Estimate projected_area_m2;
     // Sum of the absolute values of what was added to the total [W/sr]: what rounding is relative
@@ -49,8 +49,8 @@ class ReferenceView {
     double gross_w_sr = 0;
   };
   struct Result {
-    std::vector<Row> row;        // [band]
-    std::uint64_t rays = 0;      // of all kinds: the cost
+    std::vector<Row> row;    // [band]
+    std::uint64_t rays = 0;  // of all kinds: the cost
   };
   static constexpr std::uint32_t kBatches = 32;
   // samples: points on facets, each batch.

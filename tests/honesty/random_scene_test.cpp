@@ -81,7 +81,8 @@ TEST(Shrinking, EndsWithTheLeastThatFails) {
   (void)shrunk(scene, fails, 3);
   EXPECT_EQ(trials, 3) << "no more trials than allowed";
   // What never fails when it is smaller stays as it is.
-  const RandomScene same = shrunk(scene, [](const RandomScene&) { return false; }, 1000);
+  const RandomScene same = shrunk(
+      scene, [](const RandomScene&) { return false; }, 1000);
   EXPECT_EQ(same.body.size(), scene.body.size());
   EXPECT_EQ(sweep_toml(same, "m.obj"), sweep_toml(scene, "m.obj"));
 }

@@ -1,8 +1,8 @@
 // Rationale: the integrator that judges this program's error bars must itself be right, on scenes
 // whose answer is a formula.
-// Expected: within Student's bound of 31 degrees of freedom for 30 values, of its own standard error
-// and 1e-6 (coordinates and quadratures).
-// Source: Planck, Kirchhoff, Lambert; configuration factor of a rectangle [howell2010, B-4].
+// Expected: within Student's bound of 31 degrees of freedom for 30 values, of its own standard
+// error and 1e-6 (coordinates and quadratures). Source: Planck, Kirchhoff, Lambert; configuration
+// factor of a rectangle [howell2010, B-4].
 #include "core/stability/reference_view.h"
 
 #include <gtest/gtest.h>
@@ -62,8 +62,7 @@ TEST(ReferenceView, ABlackSphereShowsItsSilhouette) {
   double area_m2 = 0;
   for (const auto& t : mesh->triangle) {
     const Vec<Body> a = mesh->vertex[t[0]];
-    area_m2 +=
-        std::max(0.0, 0.5 * dot(cross(mesh->vertex[t[1]] - a, mesh->vertex[t[2]] - a), eye));
+    area_m2 += std::max(0.0, 0.5 * dot(cross(mesh->vertex[t[1]] - a, mesh->vertex[t[2]] - a), eye));
   }
   const auto result = run(scene, request, 4096);
   // Perspective: 2 radius / range.
@@ -121,15 +120,16 @@ TEST(ReferenceView, ALambertPlateInTheSun) {
 TEST(ReferenceView, TwoPlates) {
   const double side_m = 3, height_m = 2, small_m = 0.01;
   const Mesh above = moved(inside_out(lying(plate(side_m, side_m))), {0, 0, -height_m});
-  SceneSpec scene = one_body(joined(lying(plate(small_m, small_m)), above, "hot_"), grey_paint(0.2));
+  SceneSpec scene =
+      one_body(joined(lying(plate(small_m, small_m)), above, "hot_"), grey_paint(0.2));
   scene.material.push_back(grey_paint(1));
   scene.part = {{"small", {scene.mesh.group[0]}, 0, false, false},
                 {"hot", {"hot_*"}, 1, false, true}};
   const ViewRequest request = view_of(0, 10, 1e5, {1, 600});
   const double a = 0.5 * side_m / height_m, root = std::sqrt(1 + a * a);
   const double corner = (a / root * std::atan(a / root)) / kPi;
-  const double expected = small_m * small_m * std::sin(10 * kRadPerDeg) * 0.8 * 4 * corner *
-                          black(scene.band[0], 600);
+  const double expected =
+      small_m * small_m * std::sin(10 * kRadPerDeg) * 0.8 * 4 * corner * black(scene.band[0], 600);
   const auto result = run(scene, request, 2048);
   // A plate and not a point: (small / height)^2.
   expect_near(result.row[0].total, expected, "total", 1e-4 * expected);
@@ -141,8 +141,7 @@ TEST(ReferenceView, AMirrorLightsAWall) {
   const double sun_zenith = 45 * kRadPerDeg, side_m = 0.2;
   // Light arrives 1 m up; the mirror's shadow falls 1 m down, below the wall.
   const Mesh wall = moved(plate(4, 4), {-1, 0, -2.5});
-  SceneSpec scene =
-      one_body(joined(lying(plate(side_m, side_m)), wall, "wall_"), grey_paint(0.5));
+  SceneSpec scene = one_body(joined(lying(plate(side_m, side_m)), wall, "wall_"), grey_paint(0.5));
   CookTorrance flat;
   flat.constants = {{0, 3, 12}};
   flat.roughness = 1e-3;
@@ -163,10 +162,10 @@ TEST(ReferenceView, AMirrorLightsAWall) {
   ASSERT_TRUE(f.ok());
   const std::complex<double> index(3, 12), root = std::sqrt(index * index - 0.5);
   const double c = std::sqrt(0.5);
-  const double reflectance = 0.5 * (std::norm((c - root) / (c + root)) +
-                                    std::norm((index * index * c - root) / (index * index * c + root)));
-  const double thrown =
-      0.5 / kPi * sun_w_m2 * side_m * side_m * std::cos(sun_zenith) * reflectance;
+  const double reflectance =
+      0.5 * (std::norm((c - root) / (c + root)) +
+             std::norm((index * index * c - root) / (index * index * c + root)));
+  const double thrown = 0.5 / kPi * sun_w_m2 * side_m * side_m * std::cos(sun_zenith) * reflectance;
   const auto result = run(scene, request, 4096);
   // What the wall lights on the mirror and back again is below 1e-3 of it.
   expect_near(result.row[0].total, direct + thrown, "wall", 3e-5 * direct + 1e-3 * thrown);
@@ -175,7 +174,8 @@ TEST(ReferenceView, AMirrorLightsAWall) {
 
 // What wavelengths drawn for each path make of a band is what a fixed quadrature does.
 TEST(ReferenceView, SpectraAreIntegratedWhereTheyBreak) {
-  MaterialSpec notched{"notched", Lambert{{{7, 0.9}, {9.9, 0.9}, {10, 0.1}, {10.1, 0.9}, {13, 0.9}}}};
+  MaterialSpec notched{"notched",
+                       Lambert{{{7, 0.9}, {9.9, 0.9}, {10, 0.1}, {10.1, 0.9}, {13, 0.9}}}};
   SceneSpec scene = one_body(plate(1, 1), notched);
   const ViewRequest request = view_of(0, 0, 1e6, {300});
   double expected = 0;
@@ -188,8 +188,8 @@ TEST(ReferenceView, SpectraAreIntegratedWhereTheyBreak) {
   expect_near(run(scene, request, 4096).row[0].total, expected, "total");
 }
 
-// Drawing directions by the density that it states: the mean of f cos / density is the DHR, and f is
-// the same both ways.
+// Drawing directions by the density that it states: the mean of f cos / density is the DHR, and f
+// is the same both ways.
 TEST(ReferenceBrdf, IsReciprocalAndDrawsWhatItStates) {
   const std::vector<double> lambda_um{10};
   for (const double roughness : {0.05, 0.3})
@@ -199,7 +199,9 @@ TEST(ReferenceBrdf, IsReciprocalAndDrawsWhatItStates) {
       double density = 0;
       constexpr int kDraws = 20000;
       for (int i = 0; i < kDraws; ++i) {
-        const auto u = [&](std::uint64_t k) { return uniform(3, static_cast<std::uint64_t>(8 * i) + k); };
+        const auto u = [&](std::uint64_t k) {
+          return uniform(3, static_cast<std::uint64_t>(8 * i) + k);
+        };
         const auto drawn = f->draw(0.7, u(0), u(1), u(2));
         if (!(drawn.density_per_sr > 0)) continue;
         const double in[3] = {drawn.x, drawn.y, drawn.z}, out[3] = {std::sqrt(1 - 0.49), 0, 0.7};
@@ -209,8 +211,8 @@ TEST(ReferenceBrdf, IsReciprocalAndDrawsWhatItStates) {
         f->brdf_per_sr(there, lambda_um, {&here, 1});
         f->brdf_per_sr(reversed(there), lambda_um, {&back, 1});
         EXPECT_NEAR(here, back, 1e-5 * here) << kind.name;
-        // Uniform directions, judged by the density: its integral over the hemisphere is 1 less what
-        // falls below the surface.
+        // Uniform directions, judged by the density: its integral over the hemisphere is 1 less
+        // what falls below the surface.
         const double z = u(3), s = std::sqrt(1 - z * z), a = 2 * kPi * u(4);
         const double any[3] = {s * std::cos(a), s * std::sin(a), z};
         density += 2 * kPi * f->density_per_sr(geometry_between(any, out)) / kDraws;
@@ -227,8 +229,8 @@ TEST(ReferenceView, SaysWhatItCannotDo) {
   forced.constants = {{0, 1.2, 5}};
   forced.forced_emissivity = 0.8;
   const SceneSpec scene = one_body(plate(1, 1), {"paper", forced});
-  EXPECT_TRUE(absl::IsUnimplemented(
-      ReferenceView::make(scene, view_of(0, 0, 100, {300}), 0).status()));
+  EXPECT_TRUE(
+      absl::IsUnimplemented(ReferenceView::make(scene, view_of(0, 0, 100, {300}), 0).status()));
 }
 
 }  // namespace
