@@ -56,12 +56,15 @@ int search_scenes(const SelftestOptions& given) {
   options.family = given.filter;
   options.failures = given.failures;
   if (given.no_shrink) options.shrink_trials = 0;
-  const std::uint64_t scenes = options.last - options.first + 1;
+  const std::size_t scenes = seeds_of(options).size();
+  if (scenes == 0)
+    return report(absl::InvalidArgumentError(absl::StrCat("selftest: --filter \"", given.filter,
+                                                          "\" matches no family of these scenes")));
   std::printf("determinism class: %s\nseeds %llu..%llu, bound %.2f errors\n",
               determinism_class().c_str(), static_cast<unsigned long long>(options.first),
               static_cast<unsigned long long>(options.last), failure_bound(options));
   const auto start = std::chrono::steady_clock::now();
-  std::uint64_t count = 0;
+  std::size_t count = 0;  // of scenes done
   const SearchSummary summary = search(options, [&](const SceneVerdict& verdict, double bound) {
     ++count;
     const double seconds =
@@ -77,7 +80,10 @@ int search_scenes(const SelftestOptions& given) {
                  seconds / static_cast<double>(count) * static_cast<double>(scenes - count));
   });
   std::printf("%s", summary_text(summary).c_str());
-  return summary.failed().empty() && 20 * summary.undecided() <= summary.scene.size() ? 0 : 1;
+  return summary.failed().empty() && summary.spread().holds() &&
+                 20 * summary.undecided() <= summary.scene.size()
+             ? 0
+             : 1;
 }
 
 int selftest(const SelftestOptions& given) {

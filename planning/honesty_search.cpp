@@ -299,6 +299,15 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
   return verdict;
 }
 
+std::vector<std::uint64_t> seeds_of(const SearchOptions& options) {
+  std::vector<std::uint64_t> out;
+  for (std::uint64_t seed = options.first; seed <= options.last; ++seed)
+    if (options.family == "*" ||
+        group_matches(name_of(random_scene(seed, options.grammar).family), options.family))
+      out.push_back(seed);
+  return out;
+}
+
 double failure_bound(const SearchOptions& options) {
   const double scenes = static_cast<double>(options.last - options.first + 1);
   return student_t_bound(31, static_cast<std::uint64_t>(std::ceil(scenes * kValuesPerScene)));
@@ -371,17 +380,39 @@ std::size_t SearchSummary::undecided() const {
       std::count_if(scene.begin(), scene.end(), [](const SceneVerdict& s) { return s.undecided; }));
 }
 
+SearchSummary::Spread SearchSummary::spread() const {
+  Spread out;
+  double sum = 0;
+  for (const SceneVerdict& s : scene) {
+    // What fails is counted elsewhere.
+    if (fails(s, bound)) continue;
+    bool any = false;
+    for (const JudgedValue& v : s.value) {
+      if (!v.by_reference || !v.statistical) continue;
+      any = true;
+      ++out.values;
+      out.beyond_2 += std::abs(v.deviation()) > 2 ? 1 : 0;
+      sum += v.deviation() * v.deviation();
+    }
+    out.scenes += any ? 1 : 0;
+  }
+  if (out.scenes == 0) return out;
+  out.rms = std::sqrt(sum / static_cast<double>(out.values));
+  out.most = std::sqrt(31.0 / 29) * (1 + 3.5 / std::sqrt(2.0 * static_cast<double>(out.scenes)));
+  return out;
+}
+
 SearchSummary search(const SearchOptions& options,
                      const std::function<void(const SceneVerdict&, double bound)>& done) {
   SearchSummary out;
   out.bound = failure_bound(options);
-  out.scene.resize(options.last - options.first + 1);
-  std::atomic<std::uint64_t> next = options.first;
+  const std::vector<std::uint64_t> seeds = seeds_of(options);
+  out.scene.resize(seeds.size());
+  std::atomic<std::size_t> next = 0;
   std::mutex one_at_a_time;
   const auto work = [&] {
-    for (std::uint64_t seed = next++; seed <= options.last; seed = next++) {
-      const RandomScene scene = random_scene(seed, options.grammar);
-      if (!group_matches(name_of(scene.family), options.family)) continue;
+    for (std::size_t i = next++; i < seeds.size(); i = next++) {
+      const RandomScene scene = random_scene(seeds[i], options.grammar);
       SceneVerdict verdict = judge(scene, options);
       std::string written;
       if (!options.failures.empty() && fails(verdict, out.bound)) {
@@ -396,14 +427,13 @@ SearchSummary search(const SearchOptions& options,
       const std::lock_guard lock(one_at_a_time);
       if (!written.empty()) out.written.push_back(written);
       if (done) done(verdict, out.bound);
-      out.scene[seed - options.first] = std::move(verdict);
+      out.scene[i] = std::move(verdict);
     }
   };
   std::vector<std::jthread> threads;
   for (std::size_t i = 1; i < options.threads; ++i) threads.emplace_back(work);
   work();
   threads.clear();
-  std::erase_if(out.scene, [](const SceneVerdict& s) { return s.seed == 0; });
   std::sort(out.written.begin(), out.written.end());
   return out;
 }
@@ -428,7 +458,7 @@ std::string verdict_line(const SceneVerdict& verdict, double bound) {
 std::string summary_text(const SearchSummary& summary) {
   constexpr std::array kEdges{0.5, 1.0, 2.0, 3.0, 5.0};
   std::array<std::size_t, 6> count{}, count_invariance{};
-  std::size_t statistical = 0, statistical_beyond = 0, values = 0;
+  std::size_t values = 0;
   std::string beyond;
   std::map<std::string, std::array<std::size_t, 3>> family;
   for (const SceneVerdict& s : summary.scene) {
@@ -442,10 +472,6 @@ std::string summary_text(const SearchSummary& summary) {
                                                 kEdges.begin());
       ++(v.by_reference ? count : count_invariance)[bin];
       values += v.by_reference ? 1 : 0;
-      if (v.by_reference && v.statistical) {
-        ++statistical;
-        statistical_beyond += d > 2 ? 1 : 0;
-      }
       if (!(d <= kBeyond))
         absl::StrAppend(&beyond, absl::StrFormat("  seed %d (%s) %s: %.4g errors%s\n", s.seed,
                                                  name_of(s.family), v.what, v.deviation(),
@@ -460,12 +486,13 @@ std::string summary_text(const SearchSummary& summary) {
     for (const std::size_t n : row) absl::StrAppend(&out, absl::StrFormat(" %7d", n));
     absl::StrAppend(&out, "\n");
   }
+  const SearchSummary::Spread spread = summary.spread();
   absl::StrAppend(
-      &out, absl::StrFormat("mostly statistical: %d values, %d beyond 2 (%.1f %%; 5.4 expected)\n",
-                            statistical, statistical_beyond,
-                            statistical > 0 ? 100.0 * static_cast<double>(statistical_beyond) /
-                                                  static_cast<double>(statistical)
-                                            : 0.0));
+      &out,
+      absl::StrFormat("mostly statistical: %d values of %d scenes, %d beyond 2 (5.4 %% expected); "
+                      "rms %.2f, at most %.2f: %s\n",
+                      spread.values, spread.scenes, spread.beyond_2, spread.rms, spread.most,
+                      spread.holds() ? "holds" : "FAILED"));
   for (const auto& [name, of] : family)
     absl::StrAppend(&out, absl::StrFormat("%-16s %5d scenes, %d failed, %d undecided\n", name,
                                           of[0], of[1], of[2]));

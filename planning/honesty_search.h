@@ -67,6 +67,9 @@ struct SearchOptions {
   int shrink_trials = 40;
 };
 
+// The seeds of its scenes.
+[[nodiscard]] std::vector<std::uint64_t> seeds_of(const SearchOptions& options);
+
 // Judges one scene.
 [[nodiscard]] SceneVerdict judge(const RandomScene& scene, const SearchOptions& options);
 
@@ -86,6 +89,15 @@ struct SearchSummary {
   double bound = 0;
   [[nodiscard]] std::vector<const SceneVerdict*> failed() const;
   [[nodiscard]] std::size_t undecided() const;
+  // Root mean square of the deviations whose error is mostly statistical: 1.03 for Student's t of
+  // 31 degrees of freedom. Above `most` (3.5 standard deviations of it, scenes as units) standard
+  // errors are too small, though nothing need be beyond the bound.
+  struct Spread {
+    std::size_t scenes = 0, values = 0, beyond_2 = 0;
+    double rms = 0, most = 0;
+    [[nodiscard]] bool holds() const { return scenes == 0 || rms <= most; }
+  };
+  [[nodiscard]] Spread spread() const;
 };
 
 // done: called after each scene, from one thread at a time.

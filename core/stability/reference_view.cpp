@@ -144,6 +144,13 @@ struct ReferenceView::Parts {
                                           double t_max) const;
   void trace(Path& path) const;
   void trace_from_sun(Path& path) const;
+  // Bouguer's law: density x mass coefficient.
+  [[nodiscard]] double extinction_per_m() const {
+    return air.model == AirModel::kVacuum
+               ? 0
+               : air.absorption_m2_kg * air.pressure_pa /
+                     (air.gas_constant_j_kg_k * condition.air_temperature_k);
+  }
   [[nodiscard]] bool is_mirror(std::uint32_t part) const {
     return brdf[scene.part[part].material].narrowest_slope() < kMirrorSlope;
   }
@@ -384,8 +391,9 @@ void ReferenceView::Parts::trace(Path& p) const {
   }
 
   // At the sensor, through the air of this point's own distance.
-  const double depth_m = extinction_per_m(air, condition.air_temperature_k);
-  const double seen = std::exp(-depth_m * distance_m), at_range = std::exp(-depth_m * range_m);
+  const double extinction = extinction_per_m();
+  const double seen = std::exp(-extinction * distance_m),
+               at_range = std::exp(-extinction * range_m);
   const bool sea = surface ? meets_earth(sensor, look, 1e30) : look.z > 0;
   const std::vector<double>& behind = sea ? p.lower : p.sky;
   for (std::size_t b = 0; b < bands; ++b) {
@@ -440,7 +448,7 @@ void ReferenceView::Parts::trace_from_sun(Path& p) const {
   }
   const double flux = cos_i * facet[own].area_m2 / mirrors.share(picked);
   std::fill(p.through.begin(), p.through.end(), 1.0);
-  const double extinction = extinction_per_m(air, condition.air_temperature_k);
+  const double extinction = extinction_per_m();
   bool matt = false;
   for (int depth = 0; depth < 10000; ++depth) {
     const ReferenceBrdf& f = brdf[scene.part[part].material];

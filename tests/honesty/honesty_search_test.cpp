@@ -44,6 +44,7 @@ TEST(HonestySearch, NoErrorBarIsBroken) {
     if (!fails) std::printf("holds now: seed %d (%s)\n", static_cast<int>(seed), cause);
   }
   EXPECT_LE(20 * summary.undecided(), summary.scene.size());
+  EXPECT_TRUE(summary.spread().holds()) << summary.spread().rms;
   std::printf("%s", summary_text(summary).c_str());
 }
 
@@ -85,6 +86,24 @@ TEST(HonestyJudge, ListsWhatIsBeyondFive) {
   const std::string text = summary_text(one_scene({value_of(5.5, 1, 0, 0), value_of(1, 1, 0, 0)}));
   EXPECT_THAT(text, testing::HasSubstr("5.5 errors"));
   EXPECT_THAT(text, testing::HasSubstr("0 failed"));
+}
+
+// Standard errors that are half of what they should be break no bound, but scatter too much.
+TEST(HonestyJudge, SeesErrorsThatAreTooSmall) {
+  SearchSummary fair, halved;
+  fair.bound = halved.bound = 6;
+  for (int i = 0; i < 20; ++i) {
+    // Quantiles of a normal distribution, nearly.
+    const double q = (i + 0.5) / 20, t = std::log(q / (1 - q)) / 1.7;
+    for (const auto& [summary, error] : {std::pair{&fair, 1.0}, std::pair{&halved, 0.5}}) {
+      JudgedValue v = value_of(t, error, 0, 0);
+      v.statistical = true;
+      summary->scene.emplace_back().value = {v};
+    }
+  }
+  EXPECT_TRUE(fair.spread().holds()) << fair.spread().rms;
+  EXPECT_FALSE(halved.spread().holds()) << halved.spread().rms;
+  EXPECT_TRUE(halved.failed().empty());
 }
 
 // The values judged: the more, the further the tail that a correct program may reach.
