@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// Random scenes for `irsig selftest --search`, each a function of its seed: within the grammar of
+// sweep files, and made of what error bars have broken on before (docs/stability.md).
+
+// Which of its pieces a scene is mostly about.
+enum class SceneFamily {
+  kBodies,        // up to 12 bodies of any kind
+  kGrazingGloss,  // a glossy plate seen at 75 to 89.5 deg, often towards the sun
+  kHole,          // a hot patch that is seen, or shines, only through a hole
+  kSmallMirror,   // a near-mirror that sends the sun to the sensor, on a large body
+  kMirrorPair,    // the same by way of two mirrors
+  kNotch,         // emissivities narrower than the stored wavelengths
+  kHorizon,       // target and sensor near the sea's horizon
+  kCavity,        // several reflections between grey walls
+  kNeedles,       // bodies 1 : 100 to 1 : 4000
+  kWeather,       // the embedded atmosphere; smooth surfaces under its sky
+};
+inline constexpr int kSceneFamilies = 10;
+[[nodiscard]] const char* name_of(SceneFamily family);
+
+// How scenes are made.
+struct SceneGrammar {
+  double best_relative_error = 0.01, worst_relative_error = 0.1;
+  std::uint64_t max_samples_per_replicate = 16384;
+};
+
+struct RandomMaterial {
+  std::string name;
+  std::string toml;              // its keys but for the name
+  double mean_emissivity = 0.8;  // of the grey paint that a smaller scene has in its place
+};
+
+// A closed body or a two-sided plate, in the axes of its OBJ file: x forward, y port, z up. [m]
+struct RandomBody {
+  enum class Kind { kBox, kSphere, kPlate, kCup } kind = Kind::kBox;
+  std::array<double, 3> centre_m{}, size_m{1, 1, 1};
+  // Columns: the images of the body's own axes.
+  std::array<std::array<double, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  double aperture =
+      0.5;           // cup: side of the hole / side of the cup; its walls are a twentieth thick
+  double patch = 0;  // cup: side of a part of its own in the middle of the floor / floor's side
+  std::size_t material = 0, patch_material = 0;
+  double temperature_k = 290, patch_temperature_k = 290;
+  bool split = false;  // two parts instead of one: an invariance
+};
+
+struct RandomBand {
+  double lambda_min_um, lambda_max_um, step_um;
+};
+
+struct RandomScene {
+  std::uint64_t seed = 0;
+  SceneFamily family = SceneFamily::kBodies;
+  std::vector<RandomMaterial> material;
+  std::vector<RandomBody> body;
+  std::vector<RandomBand> band;
+  bool sea = false, sun = false, homogeneous_air = false, path_emission = false;
+  double sky_temperature_k = 250, sea_temperature_k = 288, sea_emissivity = 0.95;
+  double air_temperature_k = 285, absorption_m2_kg = 1e-5;
+  double lower_radiance_w_m2_sr_um = 0;
+  // The embedded atmosphere over a rough sea in place of air and sky; judged by invariances alone.
+  bool atmosphere = false;
+  double visibility_m = 23000, wind_speed_m_s = 5;
+  std::string time = "12:00Z";
+  double heading_deg = 0;
+  double azimuth_deg = 0, elevation_deg = 0, range_m = 1000;
+  double relative_error = 0.05;
+  std::uint64_t max_samples_per_replicate = 16384;
+  std::uint64_t sampler_seed = 1;
+  bool all_effects = false;
+  int max_reflections = -1;     // below 0: the default
+  int subdivisions = 0;         // each triangle is cut into four, so often
+  std::string prefix = "body";  // of the parts' names
+  bool mirrored = false;        // left for right, the sun and the sensor too
+};
+
+[[nodiscard]] RandomScene random_scene(std::uint64_t seed, const SceneGrammar& grammar = {});
+
+// The sweep file, which names `model_name`, and that OBJ file. Both are functions of the scene.
+[[nodiscard]] std::string sweep_toml(const RandomScene& scene, const std::string& model_name);
+[[nodiscard]] std::string model_obj(const RandomScene& scene);
+
+// The direction of the scene's sun, as azimuth clockwise from north and elevation. [deg]
+struct SceneSun {
+  double azimuth_deg, elevation_deg;
+};
+[[nodiscard]] SceneSun sun_of(const std::string& time);
+
+}  // namespace irsig
