@@ -73,7 +73,7 @@ namespace irsig {
   NUMBER(apparent_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of apparent_intensity_w_sr") \
   NUMBER(contrast_unseen_stderr_w_sr, kStderr, "W/sr", 8, "the same of contrast_intensity_w_sr") \
   NUMBER(background_bound_w_sr, kBound, "W/sr", 9,                                               \
-         "of contrast_intensity_w_sr: of what is behind, between the directions at which it is "  \
+         "of contrast_intensity_w_sr: of what is behind, between the directions at which it is " \
          "known")                                                                                \
   NUMBER(backface_share, kGuard, "1", 10,                                                        \
          "of the silhouette: one-sided facets seen from behind, which send nothing")

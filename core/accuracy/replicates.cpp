@@ -47,7 +47,7 @@ namespace {
 std::uint64_t whole_nets(double n, std::uint64_t n_max) {
   std::uint64_t unit = 1;
   while (static_cast<double>(16 * unit) < n && unit < (std::uint64_t{1} << 58)) unit *= 2;
-  if (!(n < 16 * static_cast<double>(unit))) return n_max;
+  if (!(n <= 16 * static_cast<double>(unit))) return n_max;
   const auto multiples = static_cast<std::uint64_t>(std::ceil(n / static_cast<double>(unit)));
   return std::min(multiples * unit, n_max);
 }

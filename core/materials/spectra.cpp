@@ -84,4 +84,40 @@ absl::Status first_failure(std::vector<absl::Status> statuses) {
   return absl::OkStatus();
 }
 
+std::vector<double> corners_um(const MaterialSpec& material) {
+  std::vector<double> out;
+  const auto add = [&](const auto& table) {
+    if (table.size() < 2) return;
+    for (const auto& point : table) out.push_back(point.lambda_um);
+  };
+  struct Visit {
+    const decltype(add)& table;
+    std::vector<double>& out;
+    void operator()(const Lambert& m) const { table(m.emissivity); }
+    void operator()(const CookTorrance& m) const { table(m.constants); }
+    void operator()(const Ward& m) const {
+      table(m.diffuse);
+      table(m.specular);
+    }
+    void operator()(const SandfordRobertson& m) const {
+      table(m.emissivity);
+      table(m.diffuse);
+    }
+    void operator()(const PriestGermer& m) const { table(m.constants); }
+    void operator()(const BeardMaxwell& m) const {
+      table(m.constants);
+      table(m.diffuse);
+      table(m.volume);
+    }
+    void operator()(const Prisse& m) const { table(m.reflectance); }
+    void operator()(const TabulatedBrdf& m) const {
+      if (m.lambda_um.size() > 1) out.insert(out.end(), m.lambda_um.begin(), m.lambda_um.end());
+    }
+  };
+  std::visit(Visit{add, out}, material.model);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 }  // namespace irsig

@@ -20,6 +20,10 @@ namespace irsig {
 // INVALID_ARGUMENT unless least <= value <= most.
 [[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
 
+// Where the tables of a material have their corners: all wavelengths of tables of more than one
+// point, increasing. [um]
+[[nodiscard]] std::vector<double> corners_um(const MaterialSpec& material);
+
 // The first failure of several, or ok.
 [[nodiscard]] absl::Status first_failure(std::vector<absl::Status> statuses);
 

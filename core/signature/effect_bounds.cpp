@@ -13,8 +13,6 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kSigmas = 4;
-// (1 / the Earth's distance at perihelion in AU)^2
-constexpr double kNearestSun = 1.035;
 
 RowBounds::Bound& at(RowBounds& row, Effect effect) {
   return row.effect[static_cast<std::size_t>(effect)];
@@ -61,7 +59,8 @@ double hottest_k(const ConditionSpec& condition) {
 
 // What the target's materials can do with light that comes from anywhere.
 struct SurfaceLimits {
-  double gathered = 1;  // light on a facet, that from other facets included / from outside
+  double gathered = 1;     // light on a facet, that from other facets included / from outside
+  double matt_per_sr = 0;  // the largest DHR / pi
   double least_dhr = 1;
 };
 SurfaceLimits surface_limits(const PreparedScene& scene) {
@@ -81,6 +80,7 @@ SurfaceLimits surface_limits(const PreparedScene& scene) {
     }
     most = std::max(most, dhr);
   }
+  out.matt_per_sr = most / std::numbers::pi;
   // Radiances of facets that light each other obey L <= f E + DHR L.
   if (!target.convex) out.gathered = most < 1 ? 1 / (1 - most) : kInfinite;
   return out;
@@ -263,7 +263,9 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
       if (!convex) at(row, Effect::kInterReflection) = row.reflected;
 
       if (!at(row, Effect::kDirectSun).absent) {
-        double per_irradiance = std::min(facets.first.sum(), area_m2 * facets.first.brightest());
+        double per_irradiance =
+            lit != nullptr ? std::min(facets.first.sum(), area_m2 * facets.first.brightest())
+                           : area_m2 * surface.matt_per_sr;
         if (!convex) per_irradiance += q0 * facets.brightest_per_sr;
         at(row, Effect::kDirectSun) = times(per_irradiance, sunlight(light.sun));
       }

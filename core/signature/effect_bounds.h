@@ -38,8 +38,8 @@ struct PilotLimits {
 //
 // At the aperture each is multiplied, wavelength by wavelength, by the line's transmittance: that
 // is the most that arrives of light bounded by a smooth spectrum, lines or not. Of sunlight that is
-// the one outside the air. `lit`: for the facets that reflect the sun; null: as if none were
-// turned to it.
+// the one outside the air. `lit`: for the facets that reflect the sun; null: as if they were
+// matt and turned to it.
 [[nodiscard]] std::vector<RowBounds> effect_bounds(const PreparedScene& scene,
                                                    const ViewRequest& request,
                                                    const PilotLimits& pilot, const UnseenLight* lit,

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/accuracy/replicates.h"
 #include "core/base/sobol.h"
+#include "core/spectral/solar.h"
 
 namespace irsig {
 
@@ -30,7 +32,7 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   for (const SunDirection& sun : sources_.geometry().sun)
     glitter_.push_back(brightest_glitter(sun));
   for (std::size_t row = 0; row < this->rows(); ++row)
-    brightest_.push_back(find_brightest_w_m2_sr(row));
+    brightest_.push_back(find_brightest_w_m2_sr(row, request));
 }
 
 PathSettings Pass::path_settings(std::uint64_t samples, std::uint64_t stage) const {
@@ -222,13 +224,26 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
           with(kApparentQuantity, omitted.apparent, unseen.apparent), contrast};
 }
 
-double Pass::find_brightest_w_m2_sr(std::size_t row) const {
+double Pass::find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const {
   const ConditionSources& light = this->light(row);
   double sum = light.brightest_thermal_w_m2_sr(axis_band(row));
   for (const LitSun& sun : light.suns())
     sum += in_band(sun.irradiance, axis_band(row)) *
                unseen_->of(sources_.geometry().sun[sun.index]).brightest_per_sr +
            glitter_w_m2_sr(row, sun, false);
+  // Without any reflection no sun is followed, and none is known but outside the air.
+  const ConditionSpec& condition = request.condition[condition_of(row)];
+  if (plan_.effects.max_reflections == 0 && allowed_reflections_ == 0 && sun_shines(condition)) {
+    std::vector<double> irradiance;
+    for (const double um : scene_.axis.node_um())
+      irradiance.push_back(solar_irradiance_w_m2_um(um) *
+                           std::max(condition.sun_scale, kNearestSun));
+    sum += in_band(irradiance, axis_band(row)) *
+           unseen_
+               ->of({condition.sun_direction,
+                     condition.sun_angular_radius_deg * std::numbers::pi / 180, 0, 0})
+               .brightest_per_sr;
+  }
   return sum;
 }
 

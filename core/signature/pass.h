@@ -123,7 +123,7 @@ class Pass {
   [[nodiscard]] Unseen unseen(std::size_t row) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
-  [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row) const;
+  [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
   [[nodiscard]] ImagePlan plan_images() const;
 
   const PreparedScene& scene_;

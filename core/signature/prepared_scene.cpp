@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/materials/spectra.h"
 #include "core/signature/scene_hash.h"
 
 namespace irsig {
@@ -10,9 +11,15 @@ namespace irsig {
 absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   PreparedScene out;
   out.band = spec.band;
+  std::vector<double> corners;
+  for (const MaterialSpec& material : spec.material) {
+    const std::vector<double> of_material = corners_um(material);
+    corners.insert(corners.end(), of_material.begin(), of_material.end());
+  }
+  std::sort(corners.begin(), corners.end());
   std::vector<BandGrid> grids;
   for (const Band& band : spec.band) {
-    auto grid = make_band_grid(band, spec.spectral_breaks_um);
+    auto grid = make_band_grid(band, spec.spectral_breaks_um, corners);
     if (!grid.ok()) return grid.status();
     grids.push_back(*std::move(grid));
   }

@@ -147,7 +147,8 @@ double band_response(const Band& band, double lambda_um) {
   return response_from(band, lambda_um, lambda_um);
 }
 
-absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double> breaks_um) {
+absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double> breaks_um,
+                                        std::span<const double> corners_um) {
   const double low = band.lambda_min_um;
   const double high = band.lambda_max_um;
   if (!(low >= kPlanckLambdaMinUm && high <= kPlanckLambdaMaxUm && low < high)) {
@@ -183,12 +184,18 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
     // The middle of the first and last bin is a limit of the band.
     cuts = {lambda - half};
     if (breaks_um.empty() || k == 0 || k == n) cuts.push_back(lambda);
-    for (auto at = std::upper_bound(breaks_um.begin(), breaks_um.end(), lambda - half);
-         at != breaks_um.end() && *at < lambda + half; ++at)
-      cuts.push_back(*at);
+    for (const std::span<const double> list : {breaks_um, corners_um})
+      for (auto at = std::upper_bound(list.begin(), list.end(), lambda - half);
+           at != list.end() && *at < lambda + half; ++at)
+        cuts.push_back(*at);
     cuts.push_back(lambda + half);
     std::sort(cuts.begin(), cuts.end());
-    cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+    // Cuts that differ by rounding are one.
+    const double least = 1e-9 * grid.step_um;
+    cuts.erase(std::unique(cuts.begin(), cuts.end(),
+                           [least](double a, double b) { return b - a < least; }),
+               cuts.end());
+    cuts.back() = std::max(cuts.back(), lambda + half);
     for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
       const double from = cuts[c], to = cuts[c + 1], reach = 0.5 * (to - from);
       for (const double side : {-kGauss2, kGauss2}) {

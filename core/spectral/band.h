@@ -31,7 +31,8 @@ struct Band {
 // so that it divides the band exactly). Bin k is [lambda_k - step/2, lambda_k + step/2] (the outer
 // half of the first and last bin lies outside the band). Bins are cut into panels of two
 // Gauss-Legendre points, so the bins and the in-band integral share their nodes: at the middle, or,
-// where the spectrum jumps at stated wavelengths, at those and at the limits of the band.
+// where the spectrum jumps at stated wavelengths, at those and at the limits of the band; and at
+// its corners.
 struct BandGrid {
   double step_um;                      // as adjusted
   std::vector<double> lambda_um;       // n+1 stored wavelengths
@@ -49,9 +50,11 @@ struct BandGrid {
 // INVALID_ARGUMENT: limits that are reversed or not positive, a step that is not positive, wider
 // than the band, or more than a million of them, a response that does not increase, is negative, or
 // 0 everywhere in the band.
-//   breaks_um  where spectra jump (the edges of the air's bands), increasing; others are ignored
+//   breaks_um   where spectra jump (the edges of the air's bands), increasing; others are ignored
+//   corners_um  where they have corners (the points of materials' tables), likewise
 [[nodiscard]] absl::StatusOr<BandGrid> make_band_grid(const Band& band,
-                                                      std::span<const double> breaks_um = {});
+                                                      std::span<const double> breaks_um = {},
+                                                      std::span<const double> corners_um = {});
 
 // Response of the band at a wavelength (0 outside).
 [[nodiscard]] double band_response(const Band& band, double lambda_um);

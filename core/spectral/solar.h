@@ -12,4 +12,7 @@ namespace irsig {
 // solar_irradiance_w_m2_um(lambda) * b / kSolarConstantWM2.                        [W m^-2]
 inline constexpr double kSolarConstantWM2 = 1366.1;
 
+// (1 / the Earth's distance at perihelion in AU)^2
+inline constexpr double kNearestSun = 1.035;
+
 }  // namespace irsig

@@ -202,5 +202,27 @@ TEST(BandGrid, WhatIsNoBandIsRefusedWithItsReason) {
   EXPECT_THAT(why({"b", 3, 5, 0.1, {{1, 1}, {3, 1}}}), HasSubstr("0 everywhere"));
 }
 
+// A table's corners are ends of panels: a notch narrower than the step is integrated as it stands.
+TEST(BandGrid, CornersOfTablesAreCuts) {
+  const std::vector<double> corner = {4.011, 4.013, 4.020, 4.0201};
+  const std::vector<double> depth = {0, 1, 1, 0};
+  const auto notch = [&](double um) {
+    if (um <= corner.front() || um >= corner.back()) return 0.0;
+    std::size_t k = 1;
+    while (um > corner[k]) ++k;
+    return std::lerp(depth[k - 1], depth[k], (um - corner[k - 1]) / (corner[k] - corner[k - 1]));
+  };
+  const Band band{"b", 3, 5, 0.5, {}};
+  const auto in_band = [&](const BandGrid& grid) {
+    double sum = 0;
+    for (std::size_t i = 0; i < grid.node_um.size(); ++i)
+      sum += grid.band_weight[i] * notch(grid.node_um[i]);
+    return sum;
+  };
+  const double exact = 0.5 * (0.002 + 0.0001) + 0.007;
+  EXPECT_NEAR(in_band(make_band_grid(band, {}, corner).value()), exact, 1e-15);
+  EXPECT_GT(std::abs(in_band(make_band_grid(band).value()) - exact), 0.1 * exact);
+}
+
 }  // namespace
 }  // namespace irsig
