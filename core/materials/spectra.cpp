@@ -87,8 +87,7 @@ absl::Status first_failure(std::vector<absl::Status> statuses) {
 std::vector<double> corners_um(const MaterialSpec& material) {
   std::vector<double> out;
   const auto add = [&](const auto& table) {
-    if (table.size() < 2) return;
-    for (const auto& point : table) out.push_back(point.lambda_um);
+    for (std::size_t i = 1; i + 1 < table.size(); ++i) out.push_back(table[i].lambda_um);
   };
   struct Visit {
     const decltype(add)& table;
@@ -111,7 +110,7 @@ std::vector<double> corners_um(const MaterialSpec& material) {
     }
     void operator()(const Prisse& m) const { table(m.reflectance); }
     void operator()(const TabulatedBrdf& m) const {
-      if (m.lambda_um.size() > 1) out.insert(out.end(), m.lambda_um.begin(), m.lambda_um.end());
+      for (std::size_t i = 1; i + 1 < m.lambda_um.size(); ++i) out.push_back(m.lambda_um[i]);
     }
   };
   std::visit(Visit{add, out}, material.model);

@@ -20,8 +20,8 @@ namespace irsig {
 // INVALID_ARGUMENT unless least <= value <= most.
 [[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
 
-// Where the tables of a material have their corners: all wavelengths of tables of more than one
-// point, increasing. [um]
+// Where the tables of a material have their corners: all wavelengths but the first and the last of
+// each, beyond which no band reaches, increasing. [um]
 [[nodiscard]] std::vector<double> corners_um(const MaterialSpec& material);
 
 // The first failure of several, or ok.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/accuracy/replicates.h"
+
 namespace irsig {
 namespace {
 
@@ -86,7 +88,7 @@ RareLight::Allowance RareLight::allowance(double sample_m2) const {
   Allowance best;
   double least = std::numeric_limits<double>::infinity(), bound = 0;
   const auto consider = [&](double missed) {
-    const double error = std::hypot(missed, bound / std::numbers::sqrt3);
+    const double error = numerical_error(0, missed, bound);
     if (error >= least) return;
     least = error;
     best = {bound, missed};
@@ -94,7 +96,7 @@ RareLight::Allowance RareLight::allowance(double sample_m2) const {
   for (const auto& [key, here] : places_) {
     consider(2 * sample_m2 * here.brightest);
     bound += here.sum;
-    if (bound / std::numbers::sqrt3 >= least) return best;
+    if (numerical_error(0, 0, bound) >= least) return best;
   }
   consider(0);
   return best;
