@@ -86,23 +86,28 @@ void see_aperture(const std::string& row, const SignatureResult& r, Reasons& rea
                   false);
 }
 
-// What was left out. In a ledger NaN stands for "not known".
+// What was left out, and what no sample met. In a ledger NaN stands for "not known".
 void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reasons) {
-  struct Omitted {
-    const char* name;
-    double bound_w_sr, stderr_w_sr, numerical_error_w_sr;
+  struct Error {
+    const char* of;
+    double omitted_w_sr, unseen_w_sr, stderr_w_sr, numerical_error_w_sr;
   };
-  for (const Omitted& o :
-       {Omitted{"omitted_bound_w_sr", r.omitted_bound_w_sr, r.intensity_w_sr.stderr_,
-                r.numerical_error_w_sr},
-        Omitted{"apparent_omitted_bound_w_sr", r.apparent_omitted_bound_w_sr,
-                r.apparent_intensity_w_sr.stderr_, r.apparent_numerical_error_w_sr},
-        Omitted{"contrast_omitted_bound_w_sr", r.contrast_omitted_bound_w_sr,
-                r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
-    reasons.see(row + o.name, o.bound_w_sr, 0);
-    if (numerical_error(o.stderr_w_sr, 0, o.bound_w_sr) > (1 + 1e-9) * o.numerical_error_w_sr)
-      reasons.add(absl::StrCat(row, o.name, " is no part of the numerical error: ", o.bound_w_sr,
-                               " in ", o.numerical_error_w_sr));
+  for (const Error& e :
+       {Error{"", r.omitted_bound_w_sr, r.unseen_stderr_w_sr, r.intensity_w_sr.stderr_,
+              r.numerical_error_w_sr},
+        Error{"apparent_", r.apparent_omitted_bound_w_sr, r.apparent_unseen_stderr_w_sr,
+              r.apparent_intensity_w_sr.stderr_, r.apparent_numerical_error_w_sr},
+        Error{"contrast_", r.contrast_omitted_bound_w_sr, r.contrast_unseen_stderr_w_sr,
+              r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
+    const std::string omitted = absl::StrCat(row, e.of, "omitted_bound_w_sr"),
+                      unseen = absl::StrCat(row, e.of, "unseen_stderr_w_sr");
+    reasons.see(omitted, e.omitted_w_sr, 0);
+    reasons.see(unseen, e.unseen_w_sr, 0);
+    if (numerical_error(e.stderr_w_sr, e.unseen_w_sr, e.omitted_w_sr) >
+        (1 + 1e-9) * e.numerical_error_w_sr)
+      reasons.add(absl::StrCat(omitted, " or ", unseen,
+                               " is no part of the numerical error: ", e.omitted_w_sr, ", ",
+                               e.unseen_w_sr, " in ", e.numerical_error_w_sr));
   }
   reasons.see(row + "absolute_floor_w_sr", r.absolute_floor_w_sr, 0);
   reasons.see(row + "backface_share", r.backface_share, 0);

@@ -58,7 +58,7 @@ namespace irsig {
   NUMBER(quadrature_bound_w_sr, kBound, "W/sr", 1,                                               \
          "over wavelength; basis_bound_w_sr is contained in it")                                 \
   NUMBER(unseen_bound_w_sr, kBound, "W/sr", 3,                                                   \
-         "of rare bright events that were met too seldom to show in the standard error")         \
+         "of small places that may shine and that samples may have missed")                      \
   NUMBER(basis_bound_w_sr, kBound, "W/sr", 3, "of spectra carried at a few nodes")               \
   NUMBER(sky_bound_w_sr, kBound, "W/sr", 3,                                                      \
          "of sky and sea between the directions at which they are known")                        \

@@ -75,12 +75,12 @@ class Pass {
   [[nodiscard]] double backface_share() const;
   // What accuracy.relative_error is of a row's value. [W/sr]
   [[nodiscard]] double relative_goal_w_sr(std::size_t row) const;
-  // The error that the request wants of a row: relative to its value, or the absolute floor if that
-  // is more. [W/sr]
-  // One sigma of the models of what stands behind the target. Not of pilots.
+  // One sigma of the models of what stands behind the target. Not of pilots. [W/sr]
   [[nodiscard]] double background_model_w_sr(std::size_t row) const {
     return background_model_w_sr_[row];
   }
+  // The error that the request wants of a row: relative to its value, or the absolute floor if that
+  // is more. [W/sr]
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
   // The error that a row may keep, besides its lasting bounds, for its numerical error to reach its

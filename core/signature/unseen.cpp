@@ -179,7 +179,7 @@ UnseenLight::~UnseenLight() = default;
 
 const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
   SunDirection alone = sun;
-  alone.sea_wind_m_s = 0;
+  alone.sea_wind_m_s = alone.horizon_z = 0;
   const std::lock_guard lock(mutex_);
   for (const auto& [direction, light] : sun_)
     if (direction == alone) return light;

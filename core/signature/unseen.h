@@ -62,7 +62,7 @@ class UnseenLight {
     // most the disk's.
     double brightest_per_sr = 0;
   };
-  // Made when it is asked for first; the sea plays no part.
+  // Made when it is asked for first; sea and horizon play no part.
   [[nodiscard]] const Sun& of(const SunDirection& sun) const;
 
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
