@@ -1,6 +1,9 @@
 #include "core/materials/spectra.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 
@@ -84,38 +87,78 @@ absl::Status first_failure(std::vector<absl::Status> statuses) {
   return absl::OkStatus();
 }
 
-std::vector<double> corners_um(const MaterialSpec& material) {
-  std::vector<double> out;
-  const auto add = [&](const auto& table) {
-    for (std::size_t i = 1; i + 1 < table.size(); ++i) out.push_back(table[i].lambda_um);
-  };
-  struct Visit {
-    const decltype(add)& table;
-    std::vector<double>& out;
-    void operator()(const Lambert& m) const { table(m.emissivity); }
-    void operator()(const CookTorrance& m) const { table(m.constants); }
-    void operator()(const Ward& m) const {
-      table(m.diffuse);
-      table(m.specular);
+namespace {
+
+double distance(const SpectralPoint& a, const SpectralPoint& b, const SpectralPoint& p) {
+  return std::abs(p.value - std::lerp(a.value, b.value,
+                                      (p.lambda_um - a.lambda_um) / (b.lambda_um - a.lambda_um)));
+}
+double distance(const OpticalConstant& a, const OpticalConstant& b, const OpticalConstant& p) {
+  const double t = (p.lambda_um - a.lambda_um) / (b.lambda_um - a.lambda_um);
+  return std::hypot(p.n - std::lerp(a.n, b.n, t), p.k - std::lerp(a.k, b.k, t)) /
+         std::hypot(p.n, p.k);
+}
+
+// The point farthest from the chord is kept where it is too far, and so on to both sides of it.
+// [douglas1973]
+template <typename Point>
+void add_corners(const std::vector<Point>& table, double from_um, double to_um, double tolerance,
+                 TableCorners& out) {
+  if (table.size() < 3) return;
+  // The last point at or before the interval, the first at or after it.
+  std::size_t first = 0, last = table.size() - 1;
+  while (first + 1 < last && table[first + 1].lambda_um <= from_um) ++first;
+  while (last > first + 1 && table[last - 1].lambda_um >= to_um) --last;
+  std::vector<std::pair<std::size_t, std::size_t>> chords = {{first, last}};
+  while (!chords.empty()) {
+    const auto [a, b] = chords.back();
+    chords.pop_back();
+    double most = 0;
+    std::size_t farthest = a;
+    for (std::size_t i = a + 1; i < b; ++i)
+      if (const double d = distance(table[a], table[b], table[i]); d > most) {
+        most = d;
+        farthest = i;
+      }
+    if (most <= tolerance) {
+      out.left_out = std::max(out.left_out, most);
+      continue;
     }
-    void operator()(const SandfordRobertson& m) const {
-      table(m.emissivity);
-      table(m.diffuse);
-    }
-    void operator()(const PriestGermer& m) const { table(m.constants); }
-    void operator()(const BeardMaxwell& m) const {
-      table(m.constants);
-      table(m.diffuse);
-      table(m.volume);
-    }
-    void operator()(const Prisse& m) const { table(m.reflectance); }
-    void operator()(const TabulatedBrdf& m) const {
-      for (std::size_t i = 1; i + 1 < m.lambda_um.size(); ++i) out.push_back(m.lambda_um[i]);
-    }
-  };
-  std::visit(Visit{add, out}, material.model);
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+    out.um.push_back(table[farthest].lambda_um);
+    chords.emplace_back(a, farthest);
+    chords.emplace_back(farthest, b);
+  }
+}
+
+struct AddCorners {
+  double from_um, to_um, tolerance;
+  TableCorners& out;
+  template <typename... Table>
+  void see(const Table&... table) const {
+    (add_corners(table, from_um, to_um, tolerance, out), ...);
+  }
+  void operator()(const Lambert& m) const { see(m.emissivity); }
+  void operator()(const CookTorrance& m) const { see(m.constants); }
+  void operator()(const Ward& m) const { see(m.diffuse, m.specular); }
+  void operator()(const SandfordRobertson& m) const { see(m.emissivity, m.diffuse); }
+  void operator()(const PriestGermer& m) const { see(m.constants); }
+  void operator()(const BeardMaxwell& m) const { see(m.constants, m.diffuse, m.volume); }
+  void operator()(const Prisse& m) const { see(m.reflectance); }
+  void operator()(const TabulatedBrdf& m) const {
+    for (const double um : m.lambda_um)
+      if (um > from_um && um < to_um && um > m.lambda_um.front() && um < m.lambda_um.back())
+        out.um.push_back(um);
+  }
+};
+
+}  // namespace
+
+TableCorners table_corners(const MaterialSpec& material, double from_um, double to_um,
+                           double tolerance) {
+  TableCorners out;
+  std::visit(AddCorners{from_um, to_um, tolerance, out}, material.model);
+  std::sort(out.um.begin(), out.um.end());
+  out.um.erase(std::unique(out.um.begin(), out.um.end()), out.um.end());
   return out;
 }
 

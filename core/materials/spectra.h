@@ -20,9 +20,15 @@ namespace irsig {
 // INVALID_ARGUMENT unless least <= value <= most.
 [[nodiscard]] absl::Status check_between(double value, const char* what, double least, double most);
 
-// Where the tables of a material have their corners: all wavelengths but the first and the last of
-// each, beyond which no band reaches, increasing. [um]
-[[nodiscard]] std::vector<double> corners_um(const MaterialSpec& material);
+// Where the tables of a material have corners between two wavelengths, the fewest that tell them
+// apart from straight lines by at most a tolerance: of emissivities and reflectances as they are,
+// of optical constants relative to |n + ik|. A table of a BRDF keeps all of its own.
+struct TableCorners {
+  std::vector<double> um;  // increasing
+  double left_out = 0;     // by how much the tables differ from the lines at most; <= tolerance
+};
+[[nodiscard]] TableCorners table_corners(const MaterialSpec& material, double from_um, double to_um,
+                                         double tolerance);
 
 // The first failure of several, or ok.
 [[nodiscard]] absl::Status first_failure(std::vector<absl::Status> statuses);

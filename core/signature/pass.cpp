@@ -187,6 +187,12 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
       std::abs(s.estimate(0).value) *
       quadrature_relative_bound(scene_.band[band_of(row)], axis_band(row).grid, light.coldest_k(),
                                 light.hottest_k());
+  // Of materials' tables between the corners that cut the quadrature: emission and reflection may
+  // change by twice what is left out, reflectances of optical constants by four times.
+  all.of(BoundOf::kQuadrature) += 4 * scene_.corners_left_out[band_of(row)] *
+                                      s.estimate(kAreaQuantity).value *
+                                      light.brightest_w_m2_sr(axis_band(row)) +
+                                  scene_.sun_quadrature[band_of(row)] * cause(Cause::kSunReflected);
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
   const Unseen unseen = this->unseen(row);
   all.of(BoundOf::kUnseen) = unseen.bound;

@@ -5,22 +5,45 @@
 #include "absl/strings/str_cat.h"
 #include "core/materials/spectra.h"
 #include "core/signature/scene_hash.h"
+#include "core/spectral/solar.h"
 
 namespace irsig {
+
+namespace {
+
+// Each costs two nodes, and every material is prepared at every node: of a noisy table only those
+// that stand out are cuts, what is left is bounded.
+constexpr std::size_t kMostCorners = 512;
+constexpr double kFineCorners = 1e-5;
+
+TableCorners corners_of(const std::vector<MaterialSpec>& materials, const Band& band) {
+  for (double tolerance = kFineCorners;; tolerance *= 2) {
+    TableCorners all;
+    for (const MaterialSpec& material : materials) {
+      const TableCorners own = table_corners(material, band.lambda_min_um - 0.5 * band.step_um,
+                                             band.lambda_max_um + 0.5 * band.step_um, tolerance);
+      all.um.insert(all.um.end(), own.um.begin(), own.um.end());
+      all.left_out = std::max(all.left_out, own.left_out);
+    }
+    // Beyond that only tables of BRDFs are left, which lose none.
+    if (all.um.size() > kMostCorners && tolerance < 1) continue;
+    std::sort(all.um.begin(), all.um.end());
+    return all;
+  }
+}
+
+}  // namespace
 
 absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   PreparedScene out;
   out.band = spec.band;
-  std::vector<double> corners;
-  for (const MaterialSpec& material : spec.material) {
-    const std::vector<double> of_material = corners_um(material);
-    corners.insert(corners.end(), of_material.begin(), of_material.end());
-  }
-  std::sort(corners.begin(), corners.end());
   std::vector<BandGrid> grids;
   for (const Band& band : spec.band) {
-    auto grid = make_band_grid(band, spec.spectral_breaks_um, corners);
+    const TableCorners corners = corners_of(spec.material, band);
+    auto grid = make_band_grid(band, spec.spectral_breaks_um, corners.um);
     if (!grid.ok()) return grid.status();
+    out.corners_left_out.push_back(corners.left_out);
+    out.sun_quadrature.push_back(solar_quadrature_relative_bound(band, *grid));
     grids.push_back(*std::move(grid));
   }
   out.axis = SpectralAxis(std::move(grids));

@@ -28,6 +28,9 @@ struct PreparedScene {
   Target target;
   std::vector<Band> band;
   SpectralAxis axis;
+  // [band] What materials' tables hold between the corners that cut the quadrature (TableCorners),
+  // and the quadrature's relative error of sunlight.
+  std::vector<double> corners_left_out, sun_quadrature;
   std::vector<Material> material;  // prepared at every node of the axis
   SpectralBasis basis;
   std::vector<Material> carried;  // at the nodes that paths carry; empty: at all

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/spectral/band.h"
+
 namespace irsig {
 
 // Extraterrestrial solar spectral irradiance at 1 au.        [W m^-2 um^-1]      [astm_e490]
@@ -7,6 +9,10 @@ namespace irsig {
 // Accuracy: the table's, by the trapezoidal rule 1366.09 W/m2 in all and 21.1 W/m2 in 3-5 um
 // (tests/physics/solar_test.cpp).
 [[nodiscard]] double solar_irradiance_w_m2_um(double lambda_um);
+
+// Relative difference between a grid's in-band integral of it and its own, to 1e-6: 0 where the
+// band has no sunlight.
+[[nodiscard]] double solar_quadrature_relative_bound(const Band& band, const BandGrid& grid);
 
 // The table's total as E490 states it: a broadband irradiance b has the spectrum
 // solar_irradiance_w_m2_um(lambda) * b / kSolarConstantWM2.                        [W m^-2]
