@@ -65,7 +65,7 @@ void write_defaults(schema::Sweep& sweep) {
   write_air_defaults(*sweep.mutable_air());
 
   schema::Transport& transport = *sweep.mutable_transport();
-  if (!transport.has_max_reflections()) transport.set_max_reflections(16);
+  if (!transport.has_max_reflections()) transport.set_max_reflections(64);
   if (!transport.has_job_size_vertices()) transport.set_job_size_vertices(2e9);
 
   schema::Accuracy& accuracy = *sweep.mutable_accuracy();

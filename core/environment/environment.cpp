@@ -307,10 +307,10 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
 }
 
 double Environment::bytes_per_condition() const {
-  // ViewEnvironment's nodes, at the target and behind the line's air; SunLight's sky, and its air
-  // and surface below the horizon.
+  // ViewEnvironment's nodes, at the target, behind the line's air and their errors; SunLight's sky,
+  // and its air and surface below the horizon.
   const DirectionNodes& nodes = parts_->nodes;
-  const double seen = 2.0 * nodes.count() * static_cast<double>(parts_->wavelengths.um.size());
+  const double seen = 3.0 * nodes.count() * static_cast<double>(parts_->wavelengths.um.size());
   const double kept =
       nodes.azimuths() > 1 ? (nodes.sky() + 2.0 * nodes.lower()) * kAirBandCount : 0;
   return (seen + kept) * sizeof(double);

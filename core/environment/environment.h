@@ -74,6 +74,10 @@ struct ViewEnvironment {
   // one sigma of the models. Empty: none.
   std::vector<Spectrum> behind_interpolation, behind_model_error;
 
+  // Of what the nodes give at the target: the most by which straight lines between a node and those
+  // beside it were found to err, between the rings and at ten places of each cell of a sunlit sky.
+  // Summed with the weights of paths it bounds what narrow lobes see. Empty: none.
+  std::vector<Spectrum> node_interpolation;
   // Relative interpolation error of the nodes' radiance between them: mean over the side's solid
   // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
   // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.

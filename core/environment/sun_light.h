@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/environment/made_once.h"
@@ -35,12 +36,18 @@ class SunLight {
     // cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of slope 0.15
     // mirrors are beneath the nodes.
     double interpolation = 0, model_relative = 0;
+    // [node] The largest relative error of the linear radiance in any direction of the cells around
+    // a node that was looked at.
+    std::vector<double> node_error;
   };
   [[nodiscard]] const Sky& sky() const;
   struct Lower {
     std::vector<AirSpectrum> air, surface;  // [azimuth]
   };
   [[nodiscard]] const Lower& lower(std::size_t ring) const;
+  // [node below the horizon] As Sky::node_error: twice what the differences from the nodes beside
+  // it say of straight lines.
+  [[nodiscard]] const std::vector<double>& lower_node_error() const;
 
   // Transmittance from the sun to the target and through further air.
   [[nodiscard]] AirSpectrum joined(const AbsorberAmounts& amounts) const;
@@ -73,10 +80,13 @@ class SunLight {
   [[nodiscard]] PhaseMean phase(const std::vector<double>& sine, std::size_t ring, double up,
                                 std::uint32_t azimuth) const;
   [[nodiscard]] Sky make_sky() const;
+  [[nodiscard]] std::vector<double> make_lower_node_error() const;
   [[nodiscard]] Lower make_lower(std::size_t ring) const;
   // Of a grey surface: its reflection of the sun, the same in all directions.
   [[nodiscard]] double diffuse_per_sr() const;
-  [[nodiscard]] double sky_error(const std::vector<AirSpectrum>& sky) const;
+  // Sets both kinds of interpolation error.
+  void find_errors(Sky& sky) const;
+  void find_node_errors(Sky& sky, std::span<const std::size_t> bands) const;
 
   const WeatherLight& weather_;
   Vec<Body> direction_;
@@ -91,6 +101,7 @@ class SunLight {
   std::deque<MadeOnce<AirSpectrum>> far_;  // [ring below]
   std::deque<MadeOnce<Lower>> lower_;
   MadeOnce<Sky> sky_;
+  MadeOnce<std::vector<double>> lower_node_error_;
 };
 
 }  // namespace irsig

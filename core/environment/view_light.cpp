@@ -272,13 +272,17 @@ void ViewLight::add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* sola
   const std::uint32_t azimuths = nodes.azimuths();
   const Rings &here = rings(), &there = rings_apparent(joined_lines);
   for (std::size_t r = 0; r < here.size(); ++r) {
+    const bool above = r < light_.sky.size();
+    const std::size_t k = above ? r : r - light_.sky.size();
+    std::vector<double> thermal_error = here[r];
+    for (double& x : thermal_error)
+      x *= above ? light_.sky_ring_error[k] : light_.lower_ring_error[k];
+    out.node_interpolation.insert(out.node_interpolation.end(), azimuths, thermal_error);
     if (!sun) {
       out.node.insert(out.node.end(), azimuths, here[r]);
       out.node_apparent.insert(out.node_apparent.end(), azimuths, there[r]);
       continue;
     }
-    const bool above = r < light_.sky.size();
-    const std::size_t k = above ? r : r - light_.sky.size();
     const AirSpectrum sky_ratio = above ? solar->sky_ratio(k, joined_lines) : AirSpectrum();
     const SunLight::LowerRatio lower_ratio =
         above ? SunLight::LowerRatio() : solar->lower_ratio(k, joined_lines);
@@ -297,6 +301,12 @@ void ViewLight::add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* sola
           apparent[b] = air[b] * lower_ratio.air[b] + surface[b] * lower_ratio.surface[b];
         }
       }
+      const double relative =
+          (above ? sun->sky().node_error : sun->lower_node_error())[k * azimuths + a];
+      AirSpectrum error = at_target;
+      for (double& x : error) x *= relative;
+      std::vector<double>& of_node = out.node_interpolation[r * azimuths + a];
+      of_node = leg_.plus_solar(std::move(of_node), error);
       out.node.push_back(leg_.plus_solar(here[r], at_target));
       out.node_apparent.push_back(leg_.plus_solar(there[r], apparent));
     }

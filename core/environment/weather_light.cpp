@@ -146,19 +146,25 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
   for (LowerRing& r : lower) finish(r);
   for (LowerRing& r : lower_between) finish(r);
 
-  const auto interpolation = [&](const auto& ring, const auto& between) {
+  const auto interpolation = [&](const auto& ring, const auto& between,
+                                 std::vector<double>& ring_error) {
     InterpolationError of(bands);
+    ring_error.assign(ring.size(), 0.0);
     for (std::size_t i = 0; i < between.size(); ++i) {
       AirSpectrum linear = ring[i].total;
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
         linear[b] = 0.5 * (linear[b] + ring[i + 1].total[b]);
       }
       of.add(ring[i + 1].sin_elevation - ring[i].sin_elevation, linear, between[i].total);
+      InterpolationError here(bands);
+      here.add(1, linear, between[i].total);
+      for (const std::size_t k : {i, i + 1})
+        ring_error[k] = std::max(ring_error[k], 2 * here.worst());
     }
     return of.worst();
   };
-  sky_interpolation = interpolation(sky, sky_between);
-  lower_interpolation = interpolation(lower, lower_between);
+  sky_interpolation = interpolation(sky, sky_between, sky_ring_error);
+  lower_interpolation = interpolation(lower, lower_between, lower_ring_error);
 
   sky_mean = sky_model_error = AirSpectrum(kAirBandCount, 0.0);
   const std::vector<double> weight = ring_weights(up);

@@ -50,6 +50,9 @@ class WeatherLight {
   AirSpectrum sky_mean, sky_model_error;
   double sky_model_relative = 0, lower_model_relative = 0;
   double sky_interpolation = 0, lower_interpolation = 0;
+  // [ring] Twice the relative error half way to the rings beside it, the larger, in the worst
+  // quarter of a micrometre: towards the horizon the largest error is not half way.
+  std::vector<double> sky_ring_error, lower_ring_error;
 
   // The sky between the horizon and the horizontal, which nothing but a line of sight sees: rings
   // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.

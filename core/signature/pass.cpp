@@ -10,6 +10,14 @@
 
 namespace irsig {
 
+namespace {
+
+// From this slope on lobes are as wide as those over which the environment took the mean of its
+// interpolation errors (SunLight::Sky::interpolation).
+constexpr double kWideLobeSlope = 0.15;
+
+}  // namespace
+
 Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
            std::shared_ptr<const PreparedView> view, Rows rows, std::uint64_t seed)
     : scene_(scene),
@@ -113,24 +121,49 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
       replicate_[row][2].push_back(of_replicate[contrast_quantity(parts)]);
     }
   }
-  find_basis_errors(sums);
+  SummedWeights mean = sums.front();
+  for (std::size_t r = 1; r < sums.size(); ++r)
+    for (std::size_t k = 0; k < mean.value.size(); ++k) mean.value[k] += sums[r].value[k];
+  for (double& w : mean.value) w *= inverse_replicates;
+  find_basis_errors(mean);
+  find_sky_errors(mean);
   if (kind != Kind::kPilot) find_background_errors(sums);
 }
 
 // Of the nodes between those that paths carry.
-void Pass::find_basis_errors(std::span<const SummedWeights> sums) {
+void Pass::find_basis_errors(const SummedWeights& mean) {
   basis_w_sr_.assign(rows(), 0.0);
   const SpectralBasis* basis = scene_.path_basis();
   if (basis == nullptr || basis->identity()) return;
-  SummedWeights mean = sums.front();
-  for (std::size_t r = 1; r < sums.size(); ++r)
-    for (std::size_t k = 0; k < mean.value.size(); ++k) mean.value[k] += sums[r].value[k];
-  const double inverse_replicates = 1.0 / accuracy_.replicates;
-  for (double& w : mean.value) w *= inverse_replicates;
   const std::vector<double> largest = largest_on_nodes(mean, *basis);
   for (std::size_t row = 0; row < rows(); ++row)
     basis_w_sr_[row] =
         basis->relative_error * largest_in_band_w_sr(light(row), largest, axis_band(row));
+}
+
+// Of sky and sea between their nodes: where paths went to, whatever reflected them there. Lobes
+// that are wide see the mean over many cells, whose errors partly cancel.
+void Pass::find_sky_errors(const SummedWeights& mean) {
+  sky_w_sr_.assign(rows(), 0.0);
+  const bool wide = std::all_of(
+      scene_.material.begin(), scene_.material.end(),
+      [](const Material& m) { return static_cast<double>(m.narrowest_slope()) >= kWideLobeSlope; });
+  const SourceLayout& layout = sources_.layout();
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const ConditionSources& light = this->light(row);
+    const ViewEnvironment& environment = light.environment();
+    const BandOnAxis band = axis_band(row);
+    const auto of_side = [&](SourceRange nodes, double relative, Cause cause) {
+      double each = 0;
+      for (const SourceId id : nodes)
+        each += nodes_w_sr(light.interpolation(id), scene_.path_basis(), band, mean.row(id));
+      const double lobes =
+          relative * std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(cause)).value);
+      return wide ? std::min(each, lobes) : each;
+    };
+    sky_w_sr_[row] = of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
+                     of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
+  }
 }
 
 // What stands behind the silhouette, in the directions in which it does.
@@ -177,7 +210,6 @@ void Pass::find_energy(std::span<const PathWeights> weights, std::span<const Sum
 
 Pass::MeasuredRow Pass::measured(std::size_t row) const {
   const ConditionSources& light = this->light(row);
-  const ViewEnvironment& environment = light.environment();
   const ReplicateStatistics& s = statistics_[row];
   const auto cause = [&](Cause which) {
     return std::abs(s.estimate(1 + static_cast<std::size_t>(which)).value);
@@ -196,8 +228,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
   const Unseen unseen = this->unseen(row);
   all.of(BoundOf::kUnseen) = unseen.bound;
-  all.of(BoundOf::kSky) = environment.sky_interpolation * cause(Cause::kSkyReflected) +
-                          environment.lower_interpolation * cause(Cause::kSeaReflected);
+  all.of(BoundOf::kSky) = sky_w_sr_[row];
   RowBounds::Bound omitted;
   if (!plan_.omitted.empty()) omitted = plan_.omitted[planned_row(row)];
   const bool left_out = plan_.effects.max_reflections < allowed_reflections_;

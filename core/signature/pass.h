@@ -114,7 +114,8 @@ class Pass {
   }
   [[nodiscard]] PathSettings path_settings(std::uint64_t samples, std::uint64_t stage) const;
   void collect(std::span<const PathWeights> weights, Kind kind);
-  void find_basis_errors(std::span<const SummedWeights> sums);
+  void find_basis_errors(const SummedWeights& mean);
+  void find_sky_errors(const SummedWeights& mean);
   void find_background_errors(std::span<const SummedWeights> sums);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
   struct Unseen {                                              // [W/sr]
@@ -140,7 +141,7 @@ class Pass {
   std::vector<SourceTable> in_band_;            // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;        // [row]: paths of the last order alone
-  std::vector<double> basis_w_sr_;  // [row]
+  std::vector<double> basis_w_sr_, sky_w_sr_;  // [row]
   std::vector<double> background_bound_w_sr_, background_model_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
   double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates

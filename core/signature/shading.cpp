@@ -185,6 +185,21 @@ void evaluate(const ConditionSources& light, std::size_t parts,
   }
 }
 
+double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,
+                  const BandOnAxis& band, const double* weight) {
+  if (basis == nullptr) return *weight == 0 ? 0 : in_band(spectrum, band) * *weight;
+  double sum = 0;
+  for (std::size_t i = 0; i < band.nodes(); ++i) {
+    const std::size_t node = band.first_node + i;
+    const double here =
+        basis->identity()
+            ? weight[node]
+            : ordered_dot(basis->expand.data() + node * basis->columns(), weight, basis->columns());
+    sum += band.grid.band_weight[i] * spectrum[node] * here;
+  }
+  return sum;
+}
+
 std::vector<double> largest_on_nodes(const SummedWeights& sums, const SpectralBasis& basis) {
   std::vector<double> out, on_nodes(basis.nodes);
   for (std::uint32_t i = 0; i < sums.sources; ++i) {

@@ -69,6 +69,10 @@ struct Shares {
 [[nodiscard]] double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sums,
                                           const SourceTable& in_band);
 
+// In-band integral of a spectrum on the sweep's nodes times one source's weights.
+[[nodiscard]] double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,
+                                const BandOnAxis& band, const double* weight);
+
 // The largest of each source's weights on any node of the sweep. [source]
 [[nodiscard]] std::vector<double> largest_on_nodes(const SummedWeights& sums,
                                                    const SpectralBasis& basis);

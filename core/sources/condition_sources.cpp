@@ -69,12 +69,15 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
                                                    const EffectSet& effects) const {
   using Kind = SourceLayout::Kind;
   const SourceLayout::Place at = layout_.place_of(id);
-  const Light dark{none_.data(), none_.data()};
-  const auto light = [](const Spectrum& radiance, const Spectrum& apparent) {
-    return Light{radiance.data(), apparent.data()};
+  const Light dark{none_.data(), none_.data(), none_.data()};
+  const auto light = [&](const Spectrum& radiance, const Spectrum& apparent) {
+    return Light{radiance.data(), apparent.data(), none_.data()};
   };
   const auto of_node = [&] {
-    return light(environment_->node[at.index], environment_->node_apparent[at.index]);
+    Light node = light(environment_->node[at.index], environment_->node_apparent[at.index]);
+    if (!environment_->node_interpolation.empty())
+      node.interpolation = environment_->node_interpolation[at.index].data();
+    return node;
   };
   const auto of_emitter = [&] {
     const std::uint32_t part = emitters.part_of(at.index);

@@ -45,6 +45,12 @@ class ConditionSources {
     return {light_[index_of(id)].apparent, none_.size()};
   }
 
+  // Of a source that stands for the directions around it: by how much its radiance is found to be
+  // wrong in one of them. 0: of others.
+  [[nodiscard]] std::span<const double> interpolation(SourceId id) const {
+    return {light_[index_of(id)].interpolation, none_.size()};
+  }
+
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
   [[nodiscard]] const std::vector<LitSun>& suns() const { return sun_; }
@@ -64,7 +70,7 @@ class ConditionSources {
 
  private:
   struct Light {  // spectra of this condition or of its environment
-    const double *radiance, *apparent;
+    const double *radiance, *apparent, *interpolation;
   };
   [[nodiscard]] Light light_of(SourceId id, const Emitters& emitters,
                                const EffectSet& effects) const;

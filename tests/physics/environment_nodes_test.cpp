@@ -163,6 +163,56 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
   for (int k = 0; k < 5; ++k) EXPECT_NEAR(by_nodes[k] / direct[k], 1, 0.015) << k;
 }
 
+// A mirror sees one direction, and no errors cancel.
+TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
+  for (const double zenith_deg : {20.0, 60.0, 85.0}) {
+    const Light l({sunny(zenith_deg, 77)});
+    const DirectionNodes& nodes = l.environment->nodes();
+    const std::vector<double> um = wavelengths();
+    const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
+                                                    std::vector<std::uint32_t>{0}))[0];
+    ASSERT_EQ(v.node_interpolation.size(), nodes.count());
+    const SunAmounts sun(l.air, kHeightM, zenith_deg);
+    const Vec<Body> towards_sun = sunny(zenith_deg, 77).sun_direction;
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    double worst = 0, worst_relative = 0, sum_error = 0, sum_stated = 0;
+    constexpr int kDirections = 600;
+    for (int k = 0; k < kDirections; ++k) {
+      Vec<Body> d{};
+      if (k % 3 == 0) {  // the aureole
+        const Vec<Body> off = {uniform(random) - 0.5, uniform(random) - 0.5, uniform(random) - 0.5};
+        d = normalized(towards_sun + 0.6 * off);
+        if (d.z > -0.004) continue;
+      } else {
+        const double up = std::pow(uniform(random), k % 3), a = 2 * M_PI * uniform(random);
+        d = {std::sqrt(1 - up * up) * std::cos(a), std::sqrt(1 - up * up) * std::sin(a), -up};
+      }
+      const PathLayers path(
+          l.air, look(l.air.profile(), kHeightM, std::acos(-d.z) * 180 / M_PI, INFINITY), l.choice);
+      const ScatteredSun source = path.scattered(sun);
+      for (std::size_t i = 0; i < um.size(); ++i) {
+        const std::size_t b = *air_band(um[i]);
+        const double direct =
+            path.thermal_w_m2_sr_um[b] + path.surroundings_share[b] * l.light->surroundings[b] +
+            solar_irradiance_w_m2_um(air_band_lambda_um(b)) * source.per_sr(b, dot(d, towards_sun));
+        const double error = std::abs(read(v.node, nodes, d, i) - direct),
+                     stated = read(v.node_interpolation, nodes, d, i);
+        worst = std::max(worst, error / (stated + 1e-3 * direct));
+        worst_relative = std::max(worst_relative, error / direct);
+        sum_error += error / direct;
+        sum_stated += stated / direct;
+      }
+    }
+    std::printf(
+        "sun %g deg from the zenith: errors up to %.2g of the radiance, %.2f of what is stated, "
+        "which is %.1f times the error in the mean\n",
+        zenith_deg, worst_relative, worst, sum_stated / sum_error);
+    EXPECT_LT(worst, 1.2) << zenith_deg;
+    EXPECT_LT(sum_stated, 15 * sum_error) << zenith_deg;
+  }
+}
+
 TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
   const Light night(std::vector<ConditionEnvironment>(1));
   const std::vector<double> um = wavelengths();
