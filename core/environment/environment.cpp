@@ -163,6 +163,7 @@ struct Environment::Look::Parts {
     LegPath path;
     std::optional<LineHorizon> horizon;
     std::unique_ptr<const Leg> leg;
+    std::vector<Leg> end;  // [Line::end]
     std::unique_ptr<ViewLight> light;
   };
   std::map<std::uint32_t, Weather> weather;
@@ -190,8 +191,13 @@ struct Environment::Look::Parts {
   [[nodiscard]] ViewLight& light_of(std::uint32_t index) {
     Weather& here = weather.at(index);
     if (!here.light) {
-      here.light = std::make_unique<ViewLight>(leg_of(index), of.light_of(of.weather[index]), line,
-                                               *here.horizon, of.wavelengths);
+      const Environment::Parts::Weather& w = of.weather[index];
+      for (const Line::End& end : line.end) {
+        here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
+                              *w.atmosphere, w.height_m, of.wavelengths);
+      }
+      here.light = std::make_unique<ViewLight>(leg_of(index), of.light_of(w), line, *here.horizon,
+                                               of.wavelengths, here.end);
     }
     return *here.light;
   }

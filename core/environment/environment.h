@@ -9,6 +9,7 @@
 #include "core/atmosphere/atmosphere.h"
 #include "core/atmosphere/imported_path.h"
 #include "core/effects/effect_set.h"
+#include "core/environment/air.h"
 #include "core/environment/behind_nodes.h"
 #include "core/environment/direction_nodes.h"
 #include "core/environment/sea_surface.h"
@@ -66,6 +67,7 @@ struct ViewEnvironment {
   using Spectrum = std::vector<double>;
   Spectrum transmittance;                     // band means: of what surfaces emit
   Spectrum path_radiance;                     // emitted and scattered between target and sensor
+  std::vector<AirPath> end;                   // [Line::end] the same of the target's ends
   Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
   std::vector<Spectrum> node, node_apparent;  // [direction node]: sky, then lower
   std::vector<Spectrum> behind_apparent;      // [node of Line::behind]
@@ -139,6 +141,12 @@ class Environment {
     double elevation_deg;  // of the sensor, at the target, geometric; -90 .. 90
     Vec<Body> direction;   // unit vector towards the sensor
     BehindNodes behind;    // where the background is wanted: directions away from the sensor
+    // Other places of the target, by what of the air lies in front of them: how far they are from
+    // the sensor, and how high.
+    struct End {
+      double range_m, height_m;
+    };
+    std::vector<End> end = {};
   };
   // From the point that stands for the target: `viewpoint` has range and elevation at the surface
   // below it. Without directions behind it.

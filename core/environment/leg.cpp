@@ -73,6 +73,21 @@ absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmo
   return out;
 }
 
+LegPath end_path(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
+                 const LegPath& line, const Environment::Line::End& end) {
+  const AirProfile& profile = atmosphere.profile();
+  const double lowest_m = std::max(end.height_m, profile.level.front().height_m);
+  constexpr int kSteps = 8;
+  for (int i = 0; i < kSteps; ++i) {
+    const double rise = static_cast<double>(i) / kSteps;
+    absl::StatusOr<LightPath> path =
+        look_between(profile, line.sensor_height_m, std::lerp(lowest_m, height_m, rise),
+                     end.range_m, spec.refraction);
+    if (path.ok()) return {*std::move(path), line.sensor_height_m, 0, nullptr};
+  }
+  return {line.path, line.sensor_height_m, 0, nullptr};
+}
+
 Leg::Leg(const LegPath& path, const Atmosphere& atmosphere, double height_m,
          const NodeWavelengths& wavelengths)
     : layers(atmosphere, path.path, wavelengths.bands),

@@ -30,6 +30,12 @@ struct LegPath {
                                                const Environment::Line& line,
                                                const BandChoice& bands);
 
+// The same to another place of the target; one that the Earth hides is taken as high as is seen.
+// Nothing is imported for it.
+[[nodiscard]] LegPath end_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
+                               double height_m, const LegPath& line,
+                               const Environment::Line::End& end);
+
 // The air of one weather between sensor and target.
 class Leg {
  public:

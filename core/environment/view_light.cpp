@@ -70,12 +70,14 @@ struct ViewLight::Solar {
 };
 
 ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
-                     const LineHorizon& horizon, const NodeWavelengths& wavelengths)
+                     const LineHorizon& horizon, const NodeWavelengths& wavelengths,
+                     const std::vector<Leg>& end)
     : leg_(leg),
       light_(light),
       line_(line),
       horizon_(horizon),
       wavelengths_(wavelengths),
+      end_(end),
       path_radiance_(leg.radiance(&light.surroundings)),
       sky_ratio_(light.sky.size(),
                  [this](std::size_t r) {
@@ -244,6 +246,7 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.model_error_transmittance = leg_.per_wavelength(error_.transmittance);
   out.model_error_path_radiance = leg_.per_wavelength(error);
   out.path_radiance = leg_.plus_solar(leg_.spread_thermal(path_radiance_), scattered);
+  add_ends(out, sun && use.path && !leg_.imported_radiance ? sun : nullptr);
   out.sun = out.sun_apparent = dark;
   if (sun && direct_sun) {
     out.sun = leg_.plus_solar(dark, sun->irradiance);
@@ -265,6 +268,37 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
   return out;
+}
+
+// What is imported holds for one place: the others differ from it as the embedded model has it.
+void ViewLight::add_ends(ViewEnvironment& out, const SunLight* sun) {
+  if (end_.empty()) return;
+  const std::size_t n = wavelengths_.um.size();
+  struct Own {
+    std::vector<double> transmittance, path_radiance;
+  };
+  const auto own = [&](const Leg& leg) {
+    AirSpectrum thermal = leg.layers.thermal_w_m2_sr_um;
+    for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      thermal[b] += leg.layers.surroundings_share[b] * light_.surroundings[b];
+    }
+    const std::vector<double> emitted = leg_.spread_thermal(thermal);
+    return Own{
+        leg_.per_wavelength(leg.layers.transmittance),
+        sun ? leg_.plus_solar(emitted, sun->scattered_by(leg.layers, line_.direction)) : emitted};
+  };
+  const Own here = own(leg_);
+  for (const Leg& end : end_) {
+    const Own there = own(end);
+    AirPath& path = out.end.emplace_back();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double ratio =
+          here.transmittance[i] > 0 ? there.transmittance[i] / here.transmittance[i] : 1;
+      path.transmittance.push_back(std::min(1.0, out.transmittance[i] * ratio));
+      path.path_radiance_w_m2_sr_um.push_back(
+          std::max(0.0, out.path_radiance[i] + there.path_radiance[i] - here.path_radiance[i]));
+    }
+  }
 }
 
 void ViewLight::add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* solar,

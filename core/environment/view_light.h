@@ -18,7 +18,8 @@ class ViewLight {
  public:
   // All outlive it.
   ViewLight(const Leg& leg, const WeatherLight& light, const Environment::Line& line,
-            const LineHorizon& horizon, const NodeWavelengths& wavelengths);
+            const LineHorizon& horizon, const NodeWavelengths& wavelengths,
+            const std::vector<Leg>& end);
   ViewLight(const ViewLight&) = delete;
   ViewLight& operator=(const ViewLight&) = delete;
 
@@ -57,6 +58,7 @@ class ViewLight {
   [[nodiscard]] Behind lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
   // Of the sky from the horizon up: rings of the limb, then of the sky.
   [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
+  void add_ends(ViewEnvironment& out, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
 
   const Leg& leg_;
@@ -64,6 +66,7 @@ class ViewLight {
   const Environment::Line& line_;
   const LineHorizon& horizon_;
   const NodeWavelengths& wavelengths_;
+  const std::vector<Leg>& end_;  // [Line::end]
   AirSpectrum path_radiance_;
   ModelError error_;
   RingRatios sky_ratio_, mirrored_ratio_;  // of the sky, and of what the surface mirrors of it

@@ -131,24 +131,6 @@ void estimate_times(const PathCounts& counts, double reflected_share, bool atmos
   }
 }
 
-// The air is taken at the range of the reference point. Over the target's own depth, at most
-// `depth` of the range to either side, the apparent radiance changes by (L - L_air) dT: L_air is
-// the path's radiance / (1 - T), and |dT| at most T (-ln T) x depth, as in grey air; where lines
-// are saturated it is less. [W/sr]
-double depth_bound_w_sr(const SignatureResult& r, const BandGrid& grid, double depth) {
-  double sum = 0;
-  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k) {
-    const double t = r.path_transmittance_spectral[k];
-    if (!(t > 0 && t < 1)) continue;
-    const double air_w_sr_um = r.projected_area_m2.value * r.path_radiance_spectral[k] / (1 - t);
-    double width_um = 0;
-    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
-      width_um += grid.band_weight[i];
-    sum += width_um * std::abs(r.spectral.value[k] - air_w_sr_um) * t * -std::log(t) * depth;
-  }
-  return sum;
-}
-
 // All of a row but its picture.
 SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& scene,
                        const ViewRequest& request, const ViewPlan& plan) {
@@ -180,10 +162,8 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   spectrum(r.background_spectral);
   add_path(pass.light(row).environment(), band, pass.background_model_w_sr(row), r);
 
-  auto [source, apparent, contrast] = pass.measured(row);
-  const double reach = length(scene.target.centre) + scene.target.radius_m;
-  r.depth_bound_w_sr = depth_bound_w_sr(r, grid, reach / request.viewpoint.range_m);
-  apparent.of(BoundOf::kDepth) = contrast.of(BoundOf::kDepth) = r.depth_bound_w_sr;
+  const auto [source, apparent, contrast] = pass.measured(row);
+  r.depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
   r.basis_bound_w_sr = source.of(BoundOf::kBasis);

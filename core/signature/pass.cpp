@@ -127,7 +127,10 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   for (double& w : mean.value) w *= inverse_replicates;
   find_basis_errors(mean);
   find_sky_errors(mean);
-  if (kind != Kind::kPilot) find_background_errors(sums);
+  if (kind != Kind::kPilot) {
+    find_background_errors(sums);
+    find_depth_errors(mean);
+  }
 }
 
 // Of the nodes between those that paths carry.
@@ -163,6 +166,60 @@ void Pass::find_sky_errors(const SummedWeights& mean) {
     };
     sky_w_sr_[row] = of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
                      of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
+  }
+}
+
+// The air is that in front of one place of the target. In front of another all that is added up to
+// the apparent radiance, sum_s w_s R_s T + P with sum_s w_s = 1 but for the sun, changes by
+//   | sum_s w_s (R_s dT + dP) |  <=  sum_s w_s |R_s dT + dP|,
+// where dT and dP are at most those of the target's ends. (docs/methods.md)
+void Pass::find_depth_errors(const SummedWeights& mean) {
+  depth_w_sr_.assign(rows(), 0.0);
+  const SourceLayout& layout = sources_.layout();
+  const std::size_t n = scene_.axis.node_um().size();
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const ConditionSources& light = this->light(row);
+    const ViewEnvironment& e = light.environment();
+    if (e.end.empty()) continue;
+    const BandOnAxis band = axis_band(row);
+    std::vector<double> most(n), ones(n, 1.0);
+    const auto add = [&](SourceId id, bool radiance) {
+      const std::span<const double> of_source = light.radiance(id);
+      for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
+        most[i] = 0;
+        for (const AirPath& end : e.end) {
+          const double change =
+              of_source[i] * (end.transmittance[i] - e.transmittance[i]) +
+              (radiance ? end.path_radiance_w_m2_sr_um[i] - e.path_radiance[i] : 0);
+          most[i] = std::max(most[i], std::abs(change));
+        }
+      }
+      depth_w_sr_[row] += nodes_w_sr(most, scene_.path_basis(), band, mean.row(id));
+    };
+    const SourceRange radiances[] = {layout.all_emitted(), layout.sky(), layout.lower()};
+    for (const SourceRange range : radiances)
+      for (const SourceId id : range) add(id, true);
+    for (const auto& of_cause : light.causes())
+      for (const SourceRange range : of_cause)
+        for (const SourceId id : range)
+          if (std::none_of(std::begin(radiances), std::end(radiances),
+                           [&](SourceRange r) { return r.contains(id); }))
+            add(id, false);
+    // Of the silhouette from which nothing is known to come.
+    const BandGrid& grid = band.grid;
+    double weighed = 0, width_um = 0, lost = 0;
+    for (const SourceRange range : radiances)
+      for (const SourceId id : range)
+        weighed += nodes_w_sr(ones, scene_.path_basis(), band, mean.row(id));
+    for (std::size_t i = 0; i < band.nodes(); ++i) {
+      double change = 0;
+      for (const AirPath& end : e.end)
+        change = std::max(change, std::abs(end.path_radiance_w_m2_sr_um[band.first_node + i] -
+                                           e.path_radiance[band.first_node + i]));
+      width_um += grid.band_weight[i];
+      lost += grid.band_weight[i] * change;
+    }
+    if (width_um > 0) depth_w_sr_[row] += std::abs(front_area_m2_ - weighed / width_um) * lost;
   }
 }
 
@@ -257,8 +314,10 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
       with(contrast_quantity(scene_.target.part.size()), omitted.contrast, unseen.contrast);
   if (!background_bound_w_sr_.empty())
     contrast.of(BoundOf::kBackground) = background_bound_w_sr_[row];
-  return {with(0, omitted.source, unseen.source),
-          with(kApparentQuantity, omitted.apparent, unseen.apparent), contrast};
+  Measured apparent = with(kApparentQuantity, omitted.apparent, unseen.apparent);
+  if (!depth_w_sr_.empty())
+    apparent.of(BoundOf::kDepth) = contrast.of(BoundOf::kDepth) = depth_w_sr_[row];
+  return {with(0, omitted.source, unseen.source), apparent, contrast};
 }
 
 double Pass::find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const {

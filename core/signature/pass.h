@@ -63,9 +63,9 @@ class Pass {
   [[nodiscard]] const ViewFrame& frame() const { return view_->aimed->frame; }
   [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
-  // A row's estimates with their bounds, as far as paths tell: at the sensor without that of the
-  // target's depth. Reflections that the plan leaves out are `omitted`, those that the request does
-  // not allow `truncation`.                                                                 [W/sr]
+  // A row's estimates with their bounds; of pilots without those of the air and of what stands
+  // behind the target. Reflections that the plan leaves out are `omitted`, those that the request
+  // does not allow `truncation`.                                                            [W/sr]
   struct MeasuredRow {
     Measured source, apparent, contrast;
   };
@@ -116,6 +116,7 @@ class Pass {
   void collect(std::span<const PathWeights> weights, Kind kind);
   void find_basis_errors(const SummedWeights& mean);
   void find_sky_errors(const SummedWeights& mean);
+  void find_depth_errors(const SummedWeights& mean);
   void find_background_errors(std::span<const SummedWeights> sums);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
   struct Unseen {                                              // [W/sr]
@@ -140,8 +141,8 @@ class Pass {
   std::vector<double> brightest_;               // [row]
   std::vector<SourceTable> in_band_;            // [row]
   std::vector<ReplicateStatistics> statistics_;
-  ReplicateStatistics last_;        // [row]: paths of the last order alone
-  std::vector<double> basis_w_sr_, sky_w_sr_;  // [row]
+  ReplicateStatistics last_;                                // [row]: paths of the last order alone
+  std::vector<double> basis_w_sr_, sky_w_sr_, depth_w_sr_;  // [row]
   std::vector<double> background_bound_w_sr_, background_model_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
   double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates

@@ -16,10 +16,13 @@ constexpr double kGrazing = 1e-4;
 // What surroundings without an atmosphere do to a view: uniform sky and lower hemisphere,
 // homogeneous air or none.
 ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air, double range_m,
-                                  bool sun, const std::vector<double>& node_um) {
+                                  std::span<const Environment::Line::End> ends, bool sun,
+                                  const std::vector<double>& node_um) {
   const std::size_t n = node_um.size();
   AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
   ViewEnvironment out;
+  for (const Environment::Line::End& end : ends)
+    out.end.push_back(air_path(air, condition.air_temperature_k, end.range_m, node_um));
   out.sun.assign(n, 0.0);
   std::vector<double> sky(n), lower(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -40,6 +43,20 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   out.transmittance = std::move(path.transmittance);
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   return out;
+}
+
+// As much air as stands in front of any place of the target, and as little: it is thinner above.
+std::vector<Environment::Line::End> target_ends(const Target& target, Vec<Body> sensor) {
+  Environment::Line::End near{INFINITY, -INFINITY}, far{0, INFINITY};
+  for (std::size_t i = 0; i + 2 < target.vertex.size(); i += 3) {
+    const Vec<Body> at = target.centre + Vec<Body>{static_cast<double>(target.vertex[i]),
+                                                   static_cast<double>(target.vertex[i + 1]),
+                                                   static_cast<double>(target.vertex[i + 2])};
+    const double range_m = length(sensor - at);
+    near = {std::min(near.range_m, range_m), std::max(near.height_m, -at.z)};
+    far = {std::max(far.range_m, range_m), std::min(far.height_m, -at.z)};
+  }
+  return {near, far};
 }
 
 }  // namespace
@@ -64,6 +81,7 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   Viewpoint v = request.viewpoint;
   v.range_m = range_m;
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+  out.end_ = target_ends(target, range_m * towards);
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;
@@ -80,6 +98,7 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                    std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)) +
                    kGrazing,
                quarter = std::numbers::pi / 2;
+  line.end = out.end_;
   line.behind = BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
                                       std::sin(std::min(elevation + reach, quarter)),
                                       request.environment->horizons_z(line),
@@ -97,7 +116,8 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
   std::optional<LightBounds>& known = plain_bounds_[condition];
   if (known) return *known;
   const ConditionSpec& c = request_->condition[condition];
-  ViewEnvironment plain = plain_environment(c, request_->air, range_m_, sun_shines(c), *node_um_);
+  ViewEnvironment plain =
+      plain_environment(c, request_->air, range_m_, {}, sun_shines(c), *node_um_);
   LightBounds& b = known.emplace();
   const std::size_t n = node_um_->size();
   b.transmittance = std::move(plain.transmittance);
@@ -137,7 +157,7 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     for (const std::uint32_t c : conditions) {
       const ConditionSpec& spec = request_->condition[c];
       out.condition[c] =
-          plain_environment(spec, request_->air, range_m_, sun_shines(spec), *node_um_);
+          plain_environment(spec, request_->air, range_m_, end_, sun_shines(spec), *node_um_);
     }
     return out;
   }

@@ -45,6 +45,7 @@ class ViewSurroundings {
   const ViewRequest* request_;
   double range_m_;
   const std::vector<double>* node_um_;
+  std::vector<Environment::Line::End> end_;
   BehindNodes behind_;
   std::optional<Environment::Horizon> horizon_;
   std::optional<Environment::Look> look_;

@@ -128,7 +128,7 @@ TEST(HorizonView, OneStepOfTheBackgroundAtTheDip) {
       sky.push_back(background(step_m + away_m));
       sea.push_back(background(step_m - away_m));
     }
-    sky.push_back(background(7));  // of the issue: what was taken for sea
+    sky.push_back(background(7));  // below the sensor, above the line to the horizon
     for (const double b : sky) EXPECT_LT(b, 0.4 * sea.front()) << "refraction " << refraction;
     for (const double b : sea) EXPECT_GT(b, 0.5 * sea.front()) << "refraction " << refraction;
     if (refraction < 0) {
