@@ -99,13 +99,13 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
               r.apparent_intensity_w_sr.stderr_, r.apparent_numerical_error_w_sr},
         Error{"contrast_", r.contrast_omitted_bound_w_sr, r.contrast_unseen_stderr_w_sr,
               r.contrast_intensity_w_sr.stderr_, r.contrast_numerical_error_w_sr}}) {
-    const std::string omitted = absl::StrCat(row, e.of, "omitted_bound_w_sr"),
-                      unseen = absl::StrCat(row, e.of, "unseen_stderr_w_sr");
-    reasons.see(omitted, e.omitted_w_sr, 0);
-    reasons.see(unseen, e.unseen_w_sr, 0);
+    const std::string omitted = absl::StrCat(e.of, "omitted_bound_w_sr"),
+                      unseen = absl::StrCat(e.of, "unseen_stderr_w_sr");
+    reasons.see(row + omitted, e.omitted_w_sr, 0);
+    reasons.see(row + unseen, e.unseen_w_sr, 0);
     if (numerical_error(e.stderr_w_sr, e.unseen_w_sr, e.omitted_w_sr) >
         (1 + 1e-9) * e.numerical_error_w_sr)
-      reasons.add(absl::StrCat(omitted, " or ", unseen,
+      reasons.add(absl::StrCat(row, omitted, " or ", unseen,
                                " is no part of the numerical error: ", e.omitted_w_sr, ", ",
                                e.unseen_w_sr, " in ", e.numerical_error_w_sr));
   }

@@ -64,8 +64,9 @@ class CoreJobRunner final : public JobRunner {
   }
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
-    const auto request = request_from_job(sweep_, job, environment_);
+    auto request = request_from_job(sweep_, job, environment_);
     if (!request.ok()) return request.status();
+    request->accepted_backface_share = accepted_backface_share();
     if (request->thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
@@ -85,12 +86,16 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
+  [[nodiscard]] double accepted_backface_share() const {
+    const schema::Model& model = sweep_.sweep().model();
+    return model.has_accepted_backface_share() ? model.accepted_backface_share()
+                                               : kAcceptedBackfaceShare;
+  }
+
   // A target that is seen from behind is mostly a mesh inside out, or a sheet that was meant to
   // have two sides: its intensity would be what is left of it.
   [[nodiscard]] absl::Status check_back_faces(const ViewResult& view) const {
-    const schema::Model& model = sweep_.sweep().model();
-    const double accepted = model.has_accepted_backface_share() ? model.accepted_backface_share()
-                                                                : kAcceptedBackfaceShare;
+    const double accepted = accepted_backface_share();
     const double share = view.row.front().backface_share;
     if (share <= accepted) return absl::OkStatus();
     return absl::FailedPreconditionError(absl::StrCat(

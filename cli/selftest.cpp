@@ -1,10 +1,14 @@
 #include "core/stability/selftest.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -18,7 +22,7 @@ namespace {
 
 struct SelftestOptions {
   bool hard = false, search = false, full = false, csv = false, no_shrink = false;
-  std::string filter = "*", seeds, failures = "search-failures";
+  std::string filter = "*", seeds, failures = "search-failures", record;
   int invariances = -1;
   unsigned threads = std::max(1u, std::thread::hardware_concurrency());
 };
@@ -37,6 +41,18 @@ bool read_seeds(const std::string& text, SearchOptions& out) {
   const auto last = std::from_chars(after + 2, end, out.last);
   return last.ec == std::errc() && last.ptr == end && out.first <= out.last &&
          out.last - out.first < 1'000'000;
+}
+
+absl::Status append_record(const std::string& path, const std::string& line) {
+  const bool is_new = !std::filesystem::exists(path);
+  std::ofstream file(path, std::ios::app);
+  if (is_new) file << record_header();
+  file << line;
+  file.close();
+  if (!file)
+    return absl::UnavailableError(
+        absl::StrCat("--record ", path, ": cannot be written: ", std::strerror(errno)));
+  return absl::OkStatus();
 }
 
 int search_scenes(const SelftestOptions& given) {
@@ -80,6 +96,10 @@ int search_scenes(const SelftestOptions& given) {
                  seconds / static_cast<double>(count) * static_cast<double>(scenes - count));
   });
   std::printf("%s", summary_text(summary).c_str());
+  if (!given.record.empty())
+    if (const absl::Status status = append_record(given.record, record_line(summary, options));
+        !status.ok())
+      return report(status);
   return summary.failed().empty() && summary.spread().holds() &&
                  20 * summary.undecided() <= summary.scene.size()
              ? 0
@@ -92,10 +112,10 @@ int selftest(const SelftestOptions& given) {
   if (given.search) return search_scenes(given);
   const std::vector<HardCase> cases = matching(hard_cases(), given.filter);
   if (cases.empty())
-    return report(absl::InvalidArgumentError(
-        absl::StrCat("selftest: --filter \"", given.filter,
-                     "\" matches no case (groups: planck, geometry, "
-                     "materials, transport, sun_and_frames, atmosphere, sums, determinism)")));
+    return report(absl::InvalidArgumentError(absl::StrCat(
+        "selftest: --filter \"", given.filter,
+        "\" matches no case (groups: planck, geometry, "
+        "materials, transport, sun_and_frames, atmosphere, honesty, sums, determinism)")));
   if (!given.csv) std::printf("determinism class: %s\n", determinism_class().c_str());
   std::printf("%s\n", (given.csv ? csv_header() : table_header()).c_str());
   std::size_t failed = 0;
@@ -131,6 +151,8 @@ void add_selftest(CLI::App& app, int& exit_code) {
                       "--search: of each scene, so many of 8 changes that must change nothing");
   command->add_option("--failures", given->failures,
                       "--search: folder for scenes that fail, made smaller; empty: none");
+  command->add_option("--record", given->record,
+                      "--search: a CSV file to which the counts are added");
   command->add_flag("--no-shrink", given->no_shrink, "--search: they are written as they are");
   command->add_option("--threads", given->threads, "--search: at most so many")
       ->check(CLI::Range(1, 256));

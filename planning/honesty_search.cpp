@@ -455,9 +455,44 @@ std::string verdict_line(const SceneVerdict& verdict, double bound) {
   return out;
 }
 
+namespace {
+
+// Of |deviation|.
+constexpr std::array kEdges{0.5, 1.0, 2.0, 3.0, 5.0};
+using Histogram = std::array<std::size_t, kEdges.size() + 1>;
+
+Histogram histogram(const SearchSummary& summary, bool by_reference) {
+  Histogram count{};
+  for (const SceneVerdict& s : summary.scene)
+    for (const JudgedValue& v : s.value)
+      if (v.by_reference == by_reference)
+        ++count[static_cast<std::size_t>(
+            std::upper_bound(kEdges.begin(), kEdges.end(), std::abs(v.deviation())) -
+            kEdges.begin())];
+  return count;
+}
+
+}  // namespace
+
+std::string record_header() {
+  return "physics_version,grammar,families,first_seed,last_seed,scenes,undecided,failed,"
+         "reference_0_0.5,reference_0.5_1,reference_1_2,reference_2_3,reference_3_5,reference_5,"
+         "invariance_0_0.5,invariance_0.5_1,invariance_1_2,invariance_2_3,invariance_3_5,"
+         "invariance_5\n";
+}
+
+std::string record_line(const SearchSummary& summary, const SearchOptions& options) {
+  std::string out = absl::StrCat(physics_version(), ",", options.grammar.best_relative_error,
+                                 " to ", options.grammar.worst_relative_error, ",", options.family,
+                                 ",", options.first, ",", options.last, ",", summary.scene.size(),
+                                 ",", summary.undecided(), ",", summary.failed().size());
+  for (const bool by_reference : {true, false})
+    for (const std::size_t n : histogram(summary, by_reference)) absl::StrAppend(&out, ",", n);
+  return out + "\n";
+}
+
 std::string summary_text(const SearchSummary& summary) {
-  constexpr std::array kEdges{0.5, 1.0, 2.0, 3.0, 5.0};
-  std::array<std::size_t, 6> count{}, count_invariance{};
+  const Histogram count = histogram(summary, true), count_invariance = histogram(summary, false);
   std::size_t values = 0;
   std::string beyond;
   std::map<std::string, std::array<std::size_t, 3>> family;
@@ -467,12 +502,8 @@ std::string summary_text(const SearchSummary& summary) {
     of[1] += fails(s, summary.bound) ? 1 : 0;
     of[2] += s.undecided ? 1 : 0;
     for (const JudgedValue& v : s.value) {
-      const double d = std::abs(v.deviation());
-      const auto bin = static_cast<std::size_t>(std::upper_bound(kEdges.begin(), kEdges.end(), d) -
-                                                kEdges.begin());
-      ++(v.by_reference ? count : count_invariance)[bin];
       values += v.by_reference ? 1 : 0;
-      if (!(d <= kBeyond))
+      if (!(std::abs(v.deviation()) <= kBeyond))
         absl::StrAppend(&beyond, absl::StrFormat("  seed %d (%s) %s: %.4g errors%s\n", s.seed,
                                                  name_of(s.family), v.what, v.deviation(),
                                                  v.target_reached ? ", target_reached" : ""));

@@ -76,6 +76,14 @@ void carry_out(const EffectPlanner& planner, const ViewRequest& request, const T
   if (request.max_reflections == 0) without_allowed_reflections(plan.ledger);
 }
 
+// Of the silhouette, surely seen from behind.
+double backface_share_at_least(const Pass& pilot) {
+  const double share = pilot.backface_share();
+  const auto hits =
+      static_cast<double>(pilot.counts().silhouette_backface_hits + pilot.counts().target_paths);
+  return hits > 0 ? std::max(0.0, share - 4 * std::sqrt(share * (1 - share) / hits)) : 0;
+}
+
 // The samples that all rows of a pilot ask for, from its last two stages or, with n_before = 0,
 // from one alone: the error then falls as n^-0.5 at least.
 std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
@@ -358,6 +366,10 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     auto seen = surroundings->see(all.condition, plan.effects);
     if (!seen.ok()) return seen.status();
     view = prepared(*std::move(seen));
+    if (backface_share_at_least(*emission) > request.accepted_backface_share) {
+      plan.samples_per_replicate = emission_size;
+      return MadePlan{std::move(plan), std::move(view)};
+    }
     plan.samples_per_replicate = samples_for_goal(
         *emission, emission_size, accuracy.max_samples_per_replicate, plan.pilot_rays);
   } else {
@@ -377,6 +389,10 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
       rows = effect_bounds(scene, request, limits_of(pilot), unseen.get(), *surroundings);
       planner = EffectPlanner(rows, bands, request.effects);
       plan.ledger = planner.ledger();
+    }
+    if (backface_share_at_least(pilot) > request.accepted_backface_share) {
+      plan.samples_per_replicate = kFirstPilotSamples;
+      return MadePlan{std::move(plan), std::move(view)};
     }
     if (automatic && plan.effects.parts) leave_out_late_reflections(pilot, planner, plan);
     plan.samples_per_replicate = samples_for_goal(

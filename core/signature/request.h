@@ -37,6 +37,9 @@ struct ViewRequest {
   std::vector<std::uint32_t> selected_condition, selected_band;
   AccuracySpec accuracy;
   EffectChoice effects;
+  // A view of which a pilot sees more of the silhouette from behind gets no more samples: nobody
+  // waits for what is refused.
+  double accepted_backface_share = 1;
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
   std::uint32_t thumbnail_px = 0;

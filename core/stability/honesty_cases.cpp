@@ -186,7 +186,7 @@ absl::StatusOr<Finding> mirror_pair(Effort effort) {
       ViewRequest r = view_of(5, 1000, {290, 290, 290});
       put_sun(r.condition[0], sun);
       const absl::Status done =
-          judge(scene, r, effort == Effort::kFull ? 65536 : 16384,
+          judge(scene, r, effort == Effort::kFull ? 65536 : 4096,
                 absl::StrCat("slope ", slope, ", mirrors of ", 2 * half_m, " m"), worst);
       if (!done.ok()) return done;
     }

@@ -1,6 +1,8 @@
 // The cells of the matrix of effects that are made to deceive whoever leaves effects out.
+#include <cmath>
 #include <utility>
 
+#include "core/base/constants.h"
 #include "core/geo/frames.h"
 #include "core/study/effects_matrix.h"
 #include "core/study/matrix_bodies.h"
@@ -159,6 +161,60 @@ MatrixCell black_in_fog() {
   return c;
 }
 
+// Gloss seen at 85 deg towards the sun.
+absl::StatusOr<MatrixCell> grazing_gloss(double slope) {
+  auto metal = bare_aluminium(slope);
+  if (!metal.ok()) return metal.status();
+  MatrixCell c = cell(slope < 0.2 ? "grazing gloss" : "grazing rough gloss",
+                      "a metal deck seen at 84 to 88 deg, the sun opposite and low",
+                      shifted(block({5, 2, 0.1}), {0, 0, -4}), mid_wave_band(), open_sea(), {290});
+  all_of(c, *std::move(metal));
+  add_sun(c.condition, 180, 6);
+  c.viewpoint = grid_of({{0, 5}, {0, 2}, {3, 6}, {180, 5}}, 5 * kKm);
+  return c;
+}
+
+MatrixCell hole() {
+  MatrixCell c = cell("hot behind a hole", "700 K in a bay behind 4e-3 of the hull's flank",
+                      shifted(bay({8, 3, 3}, {6, 2, 2}, {0.3, 0, 0.3}), {0, 0, -4}),
+                      mid_wave_band(), open_sea(), {290, 700});
+  c.scene.material = {matt_paint(0.9)};
+  c.scene.part = {{"outside", {}, 0, false, false}, {"inside", {}, 0, false, true}};
+  c.viewpoint = grid_of({{90, 3}, {75, 20}, {120, 10}, {60, 40}}, 5 * kKm);
+  return c;
+}
+
+// A level mirror throws the sun up and to port, where another sends it back to starboard.
+absl::StatusOr<MatrixCell> two_mirrors() {
+  auto metal = bare_aluminium(0.02);
+  if (!metal.ok()) return metal.status();
+  const double sun_deg = 40, seen_deg = 10, aside_m = 6;
+  const double up_m = aside_m * std::tan(sun_deg * kRadPerDeg);
+  const Mesh mesh =
+      together(shifted(with_group(block({0.5, 0.5, 0.1}), "level"), {0, 0, -4}),
+               shifted(tilted(block_with_mirror({0.5, 0.1, 0.5}), 0.5 * (seen_deg - sun_deg)),
+                       {0, -aside_m, -4.1 - up_m}));
+  MatrixCell c = cell("two mirrors", "sunlight reaches one viewpoint by way of two mirrors", mesh,
+                      mid_wave_band(), open_sea(), {290, 290, 290});
+  c.scene.material = {matt_paint(0.9), *std::move(metal)};
+  c.scene.part = {{"body", {}, 0, false, false},
+                  {"mirror", {}, 1, false, false},
+                  {"level", {}, 1, false, false}};
+  add_sun(c.condition, 90, sun_deg);
+  c.viewpoint = grid_of({{90, seen_deg}, {91, seen_deg}, {90, 20}, {270, 30}}, 5 * kKm);
+  return c;
+}
+
+MatrixCell notch() {
+  MatrixCell c = cell("notch", "emissivity 0.1 within a tenth of the band's step, by day",
+                      shifted(drum(3, 16), {0, 0, -4}), mid_wave_band(), open_sea(), {300});
+  all_of(c, {"paint",
+             Lambert{{{2, 0.9}, {3.92, 0.9}, {3.921, 0.1}, {3.929, 0.1}, {3.93, 0.9}, {15, 0.9}}}});
+  add_sun(c.condition, 130, 35);
+  c.viewpoint = grid_of({{100, 5}, {75, 25}, {200, 10}, {320, 50}}, 5 * kKm);
+  return c;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<MatrixCell>> hard_cells() {
@@ -169,7 +225,8 @@ absl::StatusOr<std::vector<MatrixCell>> hard_cells() {
         faint_glint(), absl::StatusOr<MatrixCell>(deep_cavity()),
         absl::StatusOr<MatrixCell>(crossover()), low_sun(false), low_sun(true),
         absl::StatusOr<MatrixCell>(before_the_sky()), absl::StatusOr<MatrixCell>(outshines()),
-        absl::StatusOr<MatrixCell>(black_in_fog())}) {
+        absl::StatusOr<MatrixCell>(black_in_fog()), grazing_gloss(0.04), grazing_gloss(0.3),
+        absl::StatusOr<MatrixCell>(hole()), two_mirrors(), absl::StatusOr<MatrixCell>(notch())}) {
     if (!made.ok()) return made.status();
     out.push_back(*std::move(made));
   }

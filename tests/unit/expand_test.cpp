@@ -121,7 +121,7 @@ sun = false
 // Change it only on purpose.
 TEST(ExpandJobs, GoldenKey) {
   EXPECT_EQ(expand_jobs(golden_sweep(), 1)[1].job_key(),
-            "b06a0f7315a560db9c78391b91b35eaa2599c14d5626a18ad60b75eb1c353bc0");
+            "16f36785c56ff4c36a3dc460304e5f1b6bdb77f4c12224fe26b5fa4be3c35e87");
 }
 
 TEST(ExpandJobs, KeysDependOnThePhysicsVersion) {

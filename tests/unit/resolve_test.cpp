@@ -78,7 +78,7 @@ TEST(ResolveSweep, WritesEveryDefaultOut) {
   EXPECT_FALSE(sweep.part(0).hot());
   EXPECT_TRUE(sweep.part(0).has_two_sided());
   EXPECT_FALSE(sweep.part(0).two_sided());
-  EXPECT_EQ(sweep.transport().max_reflections(), 16U);
+  EXPECT_EQ(sweep.transport().max_reflections(), 64U);
   EXPECT_EQ(sweep.transport().job_size_vertices(), 2e9);
   EXPECT_EQ(sweep.accuracy().relative_error(), 0.01);
   EXPECT_EQ(sweep.accuracy().replicates(), 32U);
