@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <vector>
 
+#include "bridge/environment/sweep_environment.h"
+
 namespace irsig {
 namespace {
 
 // Measured as tests/system/memory_test.py does: a worker with the quickstart, and what of
 // it is private; the mesh with its ray
-// tracer (5000 and 200 000 triangles); a season's air and sky; what allocation and small tables add
-// to the large ones.
+// tracer (5000 and 200 000 triangles); a weather's air and sky; what allocation and small tables
+// add to the large ones.
 constexpr double kProgramBytes = 150e6, kSharedBytes = 80e6;
-constexpr double kBytesPerFacet = 300, kBytesPerSeason = 30e6;
+constexpr double kBytesPerFacet = 300, kBytesPerWeather = 30e6;
 constexpr double kAllocation = 1.2;
 constexpr double kNumber = sizeof(double);
 
@@ -41,10 +43,10 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   JobMemory memory;
   memory.bytes_per_condition = kAllocation * of_condition + row;
   memory.shared_bytes = kSharedBytes;
-  memory.fixed_bytes =
-      kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
-      (environment == nullptr ? 0 : kBytesPerSeason * sweep.sweep().season_size()) +
-      row * (parts + directions);
+  memory.fixed_bytes = kProgramBytes +
+                       kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
+                       (environment == nullptr ? 0 : kBytesPerWeather * weathers_of(sweep).count) +
+                       row * (parts + directions);
   return memory;
 }
 

@@ -89,6 +89,17 @@ void check_season_name(schema::ResolvedSweep& resolved, int s, Findings& finding
   }
 }
 
+// Where the time of a condition is written, and how.
+std::string time_path(const schema::Sweep& sweep, const schema::Condition& condition) {
+  const auto season = static_cast<int>(condition.season_index());
+  return sweep.season(season).has_time() ? absl::StrCat("season[", season, "].time")
+                                         : absl::StrCat("time[", condition.time_index(), "]");
+}
+std::string time_text(const schema::Sweep& sweep, const schema::Condition& condition) {
+  const schema::Season& season = sweep.season(static_cast<int>(condition.season_index()));
+  return season.has_time() ? season.time() : sweep.time(static_cast<int>(condition.time_index()));
+}
+
 void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Condition& condition,
                         double elevation_deg, Findings& findings) {
   const std::set<std::string> words = words_of(condition.season());
@@ -97,12 +108,11 @@ void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Con
   const bool day = words.contains("noon") || words.contains("midday") || words.contains("daytime");
   if (!(night && elevation_deg > 0) && !(day && elevation_deg < kSunriseDeg)) return;
   const std::string path = absl::StrCat("season[", condition.season_index(), "].name");
-  findings.add(path,
-               absl::StrCat(path, " = \"", condition.season(), "\" contradicts time[",
-                            condition.time_index(), "] = \"",
-                            resolved.sweep().time(static_cast<int>(condition.time_index())),
-                            "\": the sun is then ", std::abs(std::round(elevation_deg * 10) / 10),
-                            " deg ", elevation_deg > 0 ? "above" : "below", " the horizon"));
+  findings.add(path, absl::StrCat(path, " = \"", condition.season(), "\" contradicts ",
+                                  time_path(resolved.sweep(), condition), " = \"",
+                                  time_text(resolved.sweep(), condition), "\": the sun is then ",
+                                  std::abs(std::round(elevation_deg * 10) / 10), " deg ",
+                                  elevation_deg > 0 ? "above" : "below", " the horizon"));
 }
 
 // Waves that stand in the sun of others are left out; of the glitter below this their share is a
@@ -115,7 +125,7 @@ void check_low_sun(const schema::Sweep& sweep, schema::Condition& condition, dou
     return;
   if (elevation_deg < kSunriseDeg || elevation_deg > kGrazingGlitterDeg) return;
   condition.add_warning(absl::StrCat(
-      "time[", condition.time_index(), "] the sun stands at ", std::round(elevation_deg * 10) / 10,
+      time_path(sweep, condition), " the sun stands at ", std::round(elevation_deg * 10) / 10,
       " deg: its glitter lacks the shadows of waves; contrast_model_error_w_sr holds them"));
 }
 

@@ -36,6 +36,7 @@ constexpr std::string_view kReflections = "deeper paths than that carry nothing"
 constexpr std::string_view kZenith = "a grazing direction sees no surface";
 constexpr std::string_view kWind = "the slopes of Cox and Munk and the Navy's aerosol end there";
 constexpr std::string_view kVisibility = "dense fog to air without particles";
+constexpr std::string_view kHumidity = "dry to saturated, over water";
 constexpr std::string_view kStep = "the finest that 64 bits resolve, to the longest wavelength";
 constexpr std::string_view kShape = "far beyond any that fits a measured surface";
 constexpr std::string_view kWeight = "only the ratios of these numbers count";
@@ -96,12 +97,18 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Season.wind_speed_m_s", 0, 20, kWind},
     {"Season.wind_speed_24h_m_s", 0, 20, kWind},
     {"Season.visibility_m", 100, 100e3, kVisibility},
+    {"Vary.wind_speed_m_s", 0, 20, kWind},
+    {"Vary.visibility_m", 100, 100e3, kVisibility},
+    {"Vary.relative_humidity_percent", 0, 100, kHumidity},
+    {"Vary.air_temperature_k", 0, kHottestK, kTemperature},
+    {"Vary.sea_temperature_k", 0, kHottestK, kTemperature},
 
     {"Band.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
     {"Band.lambda_max_um", kShortestUm, kLongestUm, kWavelength},
     {"Band.step_um", 1e-9, kLongestUm, kStep},
 
     {"Viewpoints.range_m", 1e-3, 1e9, kRange},
+    {"Viewpoints.ranges_m", 1e-3, 1e9, kRange},
     {"Viewpoints.count", 1, kMostViewpoints, "more do not fit into memory: split the sweep"},
     {"Viewpoints.elevation_min_deg", -90, 90, kElevation},
     {"Viewpoints.elevation_max_deg", -90, 90, kElevation},

@@ -47,6 +47,10 @@ void write_air_defaults(schema::Air& air);
 [[nodiscard]] std::vector<schema::Surroundings> resolve_surroundings(const schema::Sweep& sweep,
                                                                      Findings& findings);
 
+// The sweep's own surroundings with what the season says in their place, field by field.
+[[nodiscard]] schema::Surroundings overridden(schema::Surroundings base,
+                                              const schema::Surroundings& season);
+
 // [viewpoints]: writes ResolvedSweep.viewpoint.
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 

@@ -187,7 +187,7 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
     return;
   }
   if (model == "vacuum" || model == "homogeneous")
-    check.only({"name", "date", "part_temperature_k", "surroundings", "sun_irradiance_w_m2",
+    check.only({"name", "date", "time", "part_temperature_k", "surroundings", "sun_irradiance_w_m2",
                 "air_temperature_k"},
                absl::StrCat("to air.model \"", model, "\""));
   if (model == "homogeneous")

@@ -45,10 +45,13 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
                  "[[season]] is missing, expected one or more seasons with name and date");
     return;
   }
-  (void)check_names(sweep.season(), "season", findings);
+  // Conditions of a table may share a name (condition_table.h).
+  if (!sweep.season(0).has_time()) (void)check_names(sweep.season(), "season", findings);
   for (int i = 0; i < sweep.season_size(); ++i) {
     const schema::Season& season = sweep.season(i);
     const SectionCheck check(season, absl::StrCat("season[", i, "]"), findings);
+    if (season.has_time() && !is_one_line(season.name()))
+      check.error("name", "has control characters, expected a plain name");
     check.require({"date"}, "expected a date: 2025-12-21");
     if (season.has_date() && !is_date(season.date())) {
       check.error("date", absl::StrCat("= \"", season.date(),
@@ -92,29 +95,36 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
     findings.add("time",
                  "time is missing, expected one or more times of day: time = [\"10:30+09:00\"]");
   }
-  for (int t = 0; t < sweep.time_size(); ++t) {
-    const std::string path = absl::StrCat("time[", t, "]");
-    const TimeOfDay time = time_of_day(sweep.time(t));
-    if (!time.wrong.empty()) {
-      findings.add(path, absl::StrCat(path, " = \"", sweep.time(t), "\" ", time.wrong));
-    }
-    for (int s = 0; s < sweep.season_size(); ++s) {
-      auto& row = instants[static_cast<std::size_t>(s)];
+  for (int t = 0; t < sweep.time_size() && sweep.season_size() == 0; ++t)
+    if (const TimeOfDay time = time_of_day(sweep.time(t)); !time.wrong.empty())
+      findings.add(absl::StrCat("time[", t, "]"),
+                   absl::StrCat("time[", t, "] = \"", sweep.time(t), "\" ", time.wrong));
+  for (int s = 0; s < sweep.season_size(); ++s) {
+    const schema::Season& season = sweep.season(s);
+    auto& row = instants[static_cast<std::size_t>(s)];
+    for (int t = 0; t < sweep.time_size(); ++t) {
       row.emplace_back();
-      if (!time.wrong.empty() || !is_date(sweep.season(s).date())) continue;
+      const std::string path =
+          season.has_time() ? absl::StrCat("season[", s, "].time") : absl::StrCat("time[", t, "]");
+      const std::string& written = season.has_time() ? season.time() : sweep.time(t);
+      const TimeOfDay time = time_of_day(written);
+      if (!time.wrong.empty()) {
+        findings.add(path, absl::StrCat(path, " = \"", written, "\" ", time.wrong));
+        continue;
+      }
+      if (!is_date(season.date())) continue;
       const absl::StatusOr<UtcTime> instant =
-          parse_rfc3339(absl::StrCat(sweep.season(s).date(), "T", time.text));
+          parse_rfc3339(absl::StrCat(season.date(), "T", time.text));
       if (!instant.ok()) {
-        findings.add(path, absl::StrCat(path, " = \"", sweep.time(t), "\" is no time on ",
-                                        sweep.season(s).date(), ": ", instant.status().message()));
+        findings.add(path, absl::StrCat(path, " = \"", written, "\" is no time on ", season.date(),
+                                        ": ", instant.status().message()));
         continue;
       }
       for (int earlier = 0; earlier < t; ++earlier) {
         const auto& other = row[static_cast<std::size_t>(earlier)];
         if (!other || format_rfc3339_utc(*other) != format_rfc3339_utc(*instant)) continue;
-        findings.add(path,
-                     absl::StrCat(path, " = \"", sweep.time(t), "\" is the same instant as time[",
-                                  earlier, "], expected different times"));
+        findings.add(path, absl::StrCat(path, " = \"", written, "\" is the same instant as time[",
+                                        earlier, "], expected different times"));
       }
       row.back() = *instant;
     }

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "jobs/check_weather.h"
+#include "jobs/condition_table.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/sweep_file.h"
@@ -127,8 +128,10 @@ void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings)
 
 }  // namespace
 
-absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
+absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
                                                     std::string_view model_bytes) {
+  SweepFile file = as_read;
+  if (const absl::Status status = expand_conditions(file); !status.ok()) return status;
   schema::ResolvedSweep resolved;
   *resolved.mutable_sweep() = file.sweep;
   Findings findings(file);

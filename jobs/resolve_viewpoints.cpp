@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -23,7 +24,9 @@ void check_aspects(const schema::Viewpoints& set, Findings& findings) {
     const SectionCheck check(aspect, absl::StrCat("viewpoints.aspect[", i, "]"), findings);
     check.require({"azimuth_deg"}, "expected degrees: 0 bow-on, 90 from starboard");
     check.require({"elevation_deg"}, "expected degrees above the horizon, -90 to 90");
-    if (!aspect.has_range_m() && !set.has_range_m()) {
+    if (aspect.has_range_m() && set.ranges_m_size() > 0)
+      check.error("range_m", "does not apply, expected ranges_m or a range of each aspect");
+    if (!aspect.has_range_m() && !set.has_range_m() && set.ranges_m_size() == 0) {
       check.error("range_m", "is missing, expected it here or in [viewpoints]");
     }
   }
@@ -31,10 +34,11 @@ void check_aspects(const schema::Viewpoints& set, Findings& findings) {
 
 // How many viewpoints the set has; its keys are checked on the way.
 double checked_count(const schema::Viewpoints& set, const SectionCheck& check, Findings& findings) {
-  if (set.kind() != "list")
+  (void)check.at_most_one({"range_m", "ranges_m"});
+  if (set.kind() != "list" && set.ranges_m_size() == 0)
     check.require({"range_m"}, "expected the distance to the target in metres");
   if (set.kind() == "fibonacci") {
-    check.only({"kind", "range_m", "count", "elevation_min_deg", "elevation_max_deg"},
+    check.only({"kind", "range_m", "ranges_m", "count", "elevation_min_deg", "elevation_max_deg"},
                "to kind \"fibonacci\"");
     check.require({"count"}, "expected how many viewpoints");
     const double least = set.has_elevation_min_deg() ? set.elevation_min_deg() : 0;
@@ -47,24 +51,24 @@ double checked_count(const schema::Viewpoints& set, const SectionCheck& check, F
     return set.count();
   }
   if (set.kind() == "ring") {
-    check.only({"kind", "range_m", "count", "elevation_deg"}, "to kind \"ring\"");
+    check.only({"kind", "range_m", "ranges_m", "count", "elevation_deg"}, "to kind \"ring\"");
     check.require({"count"}, "expected how many viewpoints");
     check.require({"elevation_deg"}, "expected the elevation of each ring");
     return static_cast<double>(set.count()) * set.elevation_deg_size();
   }
   if (set.kind() == "grid") {
-    check.only({"kind", "range_m", "azimuth_deg", "elevation_deg"}, "to kind \"grid\"");
+    check.only({"kind", "range_m", "ranges_m", "azimuth_deg", "elevation_deg"}, "to kind \"grid\"");
     check.require({"azimuth_deg"}, "expected the azimuths of the grid");
     check.require({"elevation_deg"}, "expected the elevations of the grid");
     return static_cast<double>(set.azimuth_deg_size()) * set.elevation_deg_size();
   }
-  check.only({"kind", "range_m", "aspect"}, "to kind \"list\"");
+  check.only({"kind", "range_m", "ranges_m", "aspect"}, "to kind \"list\"");
   check.require({"aspect"}, "expected one or more [[viewpoints.aspect]]");
   check_aspects(set, findings);
   return set.aspect_size();
 }
 
-std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
+std::vector<Viewpoint> at_one_range(const schema::Viewpoints& set) {
   if (set.kind() == "fibonacci") {
     return fibonacci_viewpoints(set.count(), set.range_m(), set.elevation_min_deg(),
                                 set.has_elevation_max_deg() ? set.elevation_max_deg() : 90);
@@ -80,6 +84,19 @@ std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
                     .range_m = aspect.has_range_m() ? aspect.range_m() : set.range_m()});
   }
   return list;
+}
+
+// Range by range.
+std::vector<Viewpoint> expanded(const schema::Viewpoints& set) {
+  if (set.ranges_m_size() == 0) return at_one_range(set);
+  std::vector<Viewpoint> all;
+  schema::Viewpoints one = set;
+  for (const double range_m : set.ranges_m()) {
+    one.set_range_m(range_m);
+    const std::vector<Viewpoint> here = at_one_range(one);
+    all.insert(all.end(), here.begin(), here.end());
+  }
+  return all;
 }
 
 // Whether some season has surroundings of this kind.
@@ -112,7 +129,7 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   const SectionCheck check(set, "viewpoints", findings);
   check.require({"kind"}, "expected \"fibonacci\", \"grid\", \"ring\" or \"list\"");
   if (!check.one_of("kind", {"fibonacci", "grid", "ring", "list"})) return;
-  const double count = checked_count(set, check, findings);
+  const double count = checked_count(set, check, findings) * std::max(1, set.ranges_m_size());
   if (count > kMostViewpoints) {
     findings.add("viewpoints", absl::StrCat("viewpoints has ", count,
                                             " viewpoints, expected at most ", kMostViewpoints));
@@ -127,7 +144,9 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
     view.aspect_azimuth_deg = normalized_azimuth_deg(view.aspect_azimuth_deg);
     view.aspect_elevation_deg += 0.0;  // no negative zero
     const std::string path =
-        set.kind() == "list" ? absl::StrCat("viewpoints.aspect[", i, "]") : "viewpoints";
+        set.kind() == "list" ? absl::StrCat("viewpoints.aspect[",
+                                            i % static_cast<std::size_t>(set.aspect_size()), "]")
+                             : "viewpoints";
     const std::string what =
         absl::StrCat("viewpoint ", i, " (azimuth ", view.aspect_azimuth_deg, ", elevation ",
                      view.aspect_elevation_deg, ", range ", view.range_m, " m)");

@@ -39,8 +39,12 @@ std::string list(const SectionCheck::Names& names) {
 }  // namespace
 
 void Findings::add(const std::string& path, const std::string& what) {
-  found_.emplace_back(path, one_line(what));
+  add_at(file_.location(path), what);
   at_.insert(path);
+}
+
+void Findings::add_at(const std::string& place, const std::string& what) {
+  found_.push_back({place, one_line(file_.as_written(what))});
 }
 
 bool Findings::any_at(const std::string& path) const {
@@ -55,9 +59,8 @@ bool Findings::any_at(const std::string& path) const {
 absl::Status Findings::status() const {
   if (found_.empty()) return absl::OkStatus();
   std::vector<std::tuple<std::pair<long, long>, std::size_t, std::string>> lines;
-  for (const auto& [path, what] : found_) {
-    const std::string location = file_.location(path);
-    lines.emplace_back(place_of(location), lines.size(), absl::StrCat(location, ": ", what));
+  for (const auto& [place, what] : found_) {
+    lines.emplace_back(place_of(place), lines.size(), absl::StrCat(place, ": ", what));
   }
   std::sort(lines.begin(), lines.end());
   std::string message;

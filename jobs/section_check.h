@@ -18,6 +18,8 @@ class Findings {
   explicit Findings(const SweepFile& file) : file_(file) {}
 
   void add(const std::string& path, const std::string& what);
+  // At "file:line:column", where that is no key's of the sweep file.
+  void add_at(const std::string& place, const std::string& what);
   [[nodiscard]] bool empty() const { return found_.empty(); }
   // Whether something was found at the path itself, or in the table that stands there.
   [[nodiscard]] bool any_at(const std::string& path) const;
@@ -27,8 +29,11 @@ class Findings {
 
  private:
   const SweepFile& file_;
-  std::vector<std::pair<std::string, std::string>> found_;  // path, what
-  std::set<std::string> at_;                                // the paths
+  struct Found {
+    std::string place, what;
+  };
+  std::vector<Found> found_;
+  std::set<std::string> at_;  // the paths
 };
 
 // The checks that every table of a sweep file needs, on one message and by field names. A value

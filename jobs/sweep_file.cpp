@@ -1,6 +1,7 @@
 #include "jobs/sweep_file.h"
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 
 namespace irsig {
 
@@ -13,6 +14,10 @@ std::string SweepFile::location(std::string_view path) const {
     place.resize(cut);
   }
   return absl::StrCat(file_name, ":1:1");
+}
+
+std::string SweepFile::as_written(const std::string& message) const {
+  return absl::StrReplaceAll(message, written_as);
 }
 
 }  // namespace irsig

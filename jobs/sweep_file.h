@@ -16,11 +16,14 @@ struct SweepFile {
   schema::Sweep sweep;
   std::map<std::string, std::string> where;
   std::string file_name;
+  // What messages call a season that stands for something else: "condition[3]" (condition_table.h).
+  std::map<std::string, std::string> written_as;
   // Text of the files that [air] and [[season]] name, by the path of the key (read_weather_files).
   std::map<std::string, std::string> content;
 
   // "file:line:column" of a path, or of its nearest enclosing table; line 1 if there is none.
   [[nodiscard]] std::string location(std::string_view path) const;
+  [[nodiscard]] std::string as_written(const std::string& message) const;
 };
 
 // TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each

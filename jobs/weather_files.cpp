@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/imported_path.h"
+#include "jobs/condition_table.h"
 #include "jobs/section_check.h"
 
 namespace irsig {
@@ -23,6 +24,8 @@ class Reader {
         parse_profile_csv(text, one_line(name), afgl_profile(AfglProfile::kUsStandard1976));
     if (!parsed.ok()) add(std::string(parsed.status().message()));
   }
+
+  void text(const std::string& path, const std::string& name) { (void)take(path, name); }
 
   void paths(const std::string& path, const std::string& name) {
     if (!take(path, name)) return;
@@ -67,6 +70,11 @@ class Reader {
 
 absl::Status read_weather_files(SweepFile& file, const FileReader& read) {
   Reader reader(file, read);
+  if (file.sweep.has_condition_file()) {
+    reader.text("condition_file", file.sweep.condition_file());
+    if (!reader.status().ok()) return reader.status();
+  }
+  if (const absl::Status status = expand_conditions(file); !status.ok()) return status;
   if (file.sweep.air().has_profile_file())
     reader.profile("air.profile_file", file.sweep.air().profile_file());
   for (int i = 0; i < file.sweep.season_size(); ++i) {

@@ -22,7 +22,7 @@ absl::Status locate(const SweepFile& file, const absl::Status& status) {
     const bool is_path = path.find(' ') == std::string::npos && path.size() < text.size();
     absl::StrAppend(&located, located.empty() ? "" : "\n",
                     file.location(is_path ? std::string_view(path) : std::string_view()), ": ",
-                    text);
+                    file.as_written(text));
   }
   return absl::InvalidArgumentError(located);
 }
@@ -32,8 +32,9 @@ std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
   std::vector<std::string> lines;
   for (const schema::Condition& condition : loaded.resolved.condition()) {
     for (const std::string& warning : condition.warning()) {
-      const std::string line = absl::StrCat(
-          loaded.file.location(warning.substr(0, warning.find(' '))), ": warning: ", warning);
+      const std::string line =
+          absl::StrCat(loaded.file.location(warning.substr(0, warning.find(' '))),
+                       ": warning: ", loaded.file.as_written(warning));
       if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
     }
   }

@@ -1,6 +1,8 @@
 #include "bridge/environment/sweep_environment.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -8,28 +10,42 @@
 
 namespace irsig {
 
+SweepWeathers weathers_of(const schema::ResolvedSweep& sweep) {
+  SweepWeathers out;
+  std::map<std::string, std::uint32_t> known;
+  for (const schema::Condition& c : sweep.condition()) {
+    schema::Condition weather;
+    *weather.mutable_weather() = c.weather();
+    *weather.mutable_surroundings() = c.surroundings();
+    const auto [at, is_new] = known.try_emplace(weather.SerializeAsString(), out.count);
+    if (is_new) ++out.count;
+    out.of_condition.push_back(at->second);
+  }
+  return out;
+}
+
 absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const schema::ResolvedSweep& resolved, std::span<const double> node_um) {
   const schema::Sweep& sweep = resolved.sweep();
-  std::vector<WeatherSpec> weathers(static_cast<std::size_t>(sweep.season_size()));
-  std::vector<bool> known(weathers.size());
+  const SweepWeathers of = weathers_of(resolved);
+  std::vector<WeatherSpec> weathers;
   std::vector<ConditionEnvironment> conditions;
   for (const schema::Condition& c : resolved.condition()) {
-    const std::size_t season = c.season_index();
-    if (season >= weathers.size() || !c.has_weather()) {
+    if (!c.has_weather()) {
       return absl::InvalidArgumentError("a condition has no weather: the sweep is not resolved");
     }
-    if (!known[season]) {
+    const std::uint32_t number = of.of_condition[conditions.size()];
+    if (number == weathers.size()) {
       auto weather = weather_from_message(c.weather(), c.surroundings());
       if (!weather.ok()) {
-        return absl::Status(weather.status().code(),
-                            absl::StrCat("season[", season, "]: ", weather.status().message()));
+        return absl::Status(
+            weather.status().code(),
+            absl::StrCat("season[", c.season_index(), "]: ", weather.status().message()));
       }
-      weathers[season] = *std::move(weather);
-      known[season] = true;
+      weathers.push_back(*std::move(weather));
     }
     ConditionEnvironment& condition = conditions.emplace_back();
-    condition.weather = c.season_index();
+    condition.weather = number;
     if (!sweep.transport().sun()) continue;
     const auto time = parse_rfc3339(c.time_utc());
     if (!time.ok()) return time.status();

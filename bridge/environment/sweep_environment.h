@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -15,7 +16,14 @@ namespace irsig {
 // of sight of a stored sweep anew (another range, a printed sky). Pure: a resolved sweep names no
 // file. For sweeps that has_atmosphere() is true of (weather_from_message.h).
 
-// All conditions of the sweep, in its order; seasons are the environment's weathers.
+// [condition]: the number of its weather, of as many as differ.
+struct SweepWeathers {
+  std::vector<std::uint32_t> of_condition;
+  std::uint32_t count = 0;
+};
+[[nodiscard]] SweepWeathers weathers_of(const schema::ResolvedSweep& sweep);
+
+// All conditions of the sweep, in its order; those of one weather share it.
 //   node_um  the wavelengths: OUT_OF_RANGE outside the atmosphere's table
 [[nodiscard]] absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const schema::ResolvedSweep& sweep, std::span<const double> node_um);
