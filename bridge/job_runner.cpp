@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/check_numbers.h"
+#include "bridge/model_warnings.h"
 #include "bridge/profile_rows.h"
 #include "bridge/result_to_proto.h"
 #include "bridge/spec_to_request.h"
@@ -115,33 +116,6 @@ class CoreJobRunner final : public JobRunner {
   std::vector<std::string> warnings_;
 };
 
-// Sheets are mostly meant to have two sides: not where the sweep says what share of the silhouette
-// may be back faces.
-std::vector<std::string> open_parts(const SceneSpec& scene) {
-  std::vector<std::uint64_t> facets(scene.part.size(), 0);
-  for (const OpenGroup& open : open_groups(scene.mesh))
-    for (std::size_t p = 0; p < scene.part.size(); ++p) {
-      std::vector<std::string> patterns = scene.part[p].match;
-      if (patterns.empty()) patterns.push_back(scene.part[p].name);
-      if (std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-            return group_matches(open.group, pattern);
-          }))
-        facets[p] += open.facets;
-    }
-  std::vector<std::string> out;
-  for (std::size_t p = 0; p < facets.size(); ++p)
-    if (facets[p] > 0 && !scene.part[p].two_sided)
-      out.push_back(absl::StrCat("part[", p, "]: ", facets[p], " facets of \"", scene.part[p].name,
-                                 "\" belong to open shells of the model, and send nothing from "
-                                 "behind: two_sided = true if they are sheets; `irsig model check` "
-                                 "lists the holes if they are not"));
-  return out;
-}
-
-bool proposes_two_sides(const schema::Model& model) {
-  return model.has_file() && !model.has_accepted_backface_share();
-}
-
 // There the sensor's place is rounded to 1e-7 of the target; at 1e12 the intensity of a disk was
 // 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
 constexpr double kMostRangeInSizes = 1e9;
@@ -179,9 +153,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  return std::make_unique<CoreJobRunner>(
-      sweep, *std::move(simulator), *std::move(environment), std::move(encoder),
-      proposes_two_sides(sweep.sweep().model()) ? open_parts(*scene) : std::vector<std::string>());
+  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
+                                         std::move(encoder), model_warnings(sweep, *scene));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

@@ -35,8 +35,7 @@ class JobRunner {
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
-  // Of a model from a file, for people: one-sided parts with facets of open shells, each as
-  // "part[2]: ...". None where the sweep states model.accepted_backface_share.
+  // For people, each as "part[2]: ..." or "model.file: ..." (model_warnings.h).
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
   // Of a worker with this runner; nothing for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }

@@ -20,7 +20,8 @@ absl::Status at(const std::string& path, const absl::Status& status) {
   return {status.code(), absl::StrCat(path, ": ", status.message())};
 }
 
-absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+absl::StatusOr<Mesh> mesh_as_it_is(const schema::ResolvedSweep& sweep,
+                                   std::string_view model_bytes) {
   const schema::Model& model = sweep.sweep().model();
   if (model.has_generate()) {
     MeshGenerator generator;
@@ -41,6 +42,18 @@ absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_vie
   how.reference = model.reference();
   auto mesh = import_mesh(model_bytes, how);
   return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
+}
+
+absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+  auto mesh = mesh_as_it_is(sweep, model_bytes);
+  if (!mesh.ok()) return mesh;
+  const schema::Model& model = sweep.sweep().model();
+  MeshPlacement where;
+  if (model.has_draft_m()) where.draft_m = model.draft_m();
+  if (model.offset_m_size() == 3)
+    where.offset_m = {model.offset_m(0), model.offset_m(1), -model.offset_m(2)};
+  if (model.has_draft_m() || model.offset_m_size() > 0) place(*mesh, where);
+  return mesh;
 }
 
 absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
@@ -106,6 +119,7 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
     part.match.assign(p.match().begin(), p.match().end());
     part.two_sided = p.two_sided();
     part.hot = p.hot();
+    part.rest = p.rest();
     bool found = false;
     for (int m = 0; m < sweep.material_size(); ++m)
       if (sweep.material(m).name() == p.material()) {

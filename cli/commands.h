@@ -17,6 +17,7 @@ void add_model_particles(CLI::App& model, int& exit_code);  // irsig model parti
 void add_model_check(CLI::App& model, int& exit_code);      // irsig model check
 void add_material(CLI::App& app, int& exit_code);
 void add_goniometer(CLI::App& app, int& exit_code);
+void add_init(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);

@@ -11,6 +11,7 @@ namespace {
 constexpr const char* kAbout =
     "irsig - infrared signature databases.\n"
     "\n"
+    "  irsig init --model FILE        a sweep file to begin with, for a model of your own\n"
     "  irsig run SWEEP --db FILE      compute every season, time, band and viewpoint of a sweep "
     "file\n"
     "  irsig plan SWEEP               what that will take, for every accuracy\n"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return "irsig: " + irsig::printable(error.what()) + " (--help lists what there is)\n";
   });
+  irsig::add_init(app, exit_code);
   irsig::add_run(app, exit_code);
   irsig::add_plan(app, exit_code);
   irsig::add_report(app, exit_code);

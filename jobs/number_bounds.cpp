@@ -23,6 +23,7 @@ constexpr std::string_view kWavelength =
 constexpr std::string_view kRange =
     "nearer is inside any target; farther, double precision no longer tells its sides apart";
 constexpr std::string_view kFarField = "farther is the far field: leave the key out";
+constexpr std::string_view kPlacement = "the size of the largest model";
 constexpr std::string_view kSize = "what rays in single precision are tested for";
 constexpr std::string_view kFraction = "a part of a whole";
 constexpr std::string_view kAzimuth = "one turn to either side";
@@ -53,6 +54,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Model.length_m", 1e-3, 1e5, kSize},
     {"Model.width_m", 1e-3, 1e5, kSize},
     {"Model.height_m", 1e-3, 1e5, kSize},
+    {"Model.draft_m", -1e6, 1e6, kPlacement},
+    {"Model.offset_m", -1e6, 1e6, kPlacement},
     {"Model.accepted_backface_share", 0, 1, "a share of the silhouette"},
     {"Place.latitude_deg", -90, 90, "pole to pole"},
     {"Place.longitude_deg", -180, 180, "half a turn to either side"},

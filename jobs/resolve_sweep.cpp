@@ -53,7 +53,7 @@ void write_defaults(schema::Sweep& sweep) {
     if (surface == "prisse" && !material.has_printed()) material.set_printed(false);
   }
   for (schema::Part& part : *sweep.mutable_part()) {
-    if (part.match_size() == 0) part.add_match(part.name());
+    if (part.match_size() == 0 && !part.rest()) part.add_match(part.name());
     if (!part.has_two_sided()) part.set_two_sided(false);
   }
 

@@ -19,8 +19,9 @@ std::string base_name(const std::string& path) { return path.substr(path.find_la
 
 void check_model_file(const schema::Model& model, std::string_view model_bytes,
                       schema::ResolvedSweep& resolved, const SectionCheck& check) {
-  check.only({"file", "unit_m", "forward_axis", "up_axis", "reference", kBackfaces},
-             "to a model from a file");
+  check.only(
+      {"file", "unit_m", "forward_axis", "up_axis", "reference", "draft_m", "offset_m", kBackfaces},
+      "to a model from a file");
   const std::string name = absl::AsciiStrToLower(base_name(model.file()));
   const auto ends = [&](const char* ending) { return absl::EndsWith(name, ending); };
   if (!(ends(".obj") || ends(".ply") || ends(".stl") || ends(".gltf") || ends(".glb"))) {
@@ -54,14 +55,17 @@ void check_generated_model(const schema::Model& model, const SectionCheck& check
     return;
   const std::string why = absl::StrCat("to a generated ", kind);
   if (kind == "disk" || kind == "sphere") {
-    check.only({"generate", "triangles", "radius_m", kBackfaces}, why);
+    check.only({"generate", "triangles", "radius_m", "draft_m", "offset_m", kBackfaces}, why);
   } else if (kind == "cylinder" || kind == "cone") {
-    check.only({"generate", "triangles", "radius_m", "length_m", kBackfaces}, why);
+    check.only({"generate", "triangles", "radius_m", "length_m", "draft_m", "offset_m", kBackfaces},
+               why);
   } else if (kind == "cooling_tower") {
     check.only({"generate", "triangles", "radius_m", "length_m", "width_m", "height_m", kBackfaces},
                why);
   } else {
-    check.only({"generate", "triangles", "length_m", "width_m", "height_m", kBackfaces}, why);
+    check.only({"generate", "triangles", "length_m", "width_m", "height_m", "draft_m", "offset_m",
+                kBackfaces},
+               why);
   }
   check.require({"triangles"}, "expected about how many triangles to make");
 }
@@ -83,6 +87,9 @@ void check_model(std::string_view model_bytes, schema::ResolvedSweep& resolved,
   } else {
     check_generated_model(model, check);
   }
+  if (model.offset_m_size() != 0 && model.offset_m_size() != 3)
+    check.error("offset_m", absl::StrCat("has ", model.offset_m_size(),
+                                         " numbers, expected three: forward, to starboard, up"));
 }
 
 // Every part has a temperature in every season: its own, or the season's.
@@ -115,6 +122,8 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
     if (part.has_material())
       resolve_part_material(part.material(), check, materials, sweep, findings);
     check_part_temperature(part, check, sweep);
+    if (part.rest() && part.match_size() > 0)
+      check.error("match", "does not apply to the part that takes the rest");
     for (int j = 0; j < part.match_size(); ++j) {
       if (!part.match(j).empty()) continue;
       const std::string path = absl::StrCat(element("part", i), ".match[", j, "]");

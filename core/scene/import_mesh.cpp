@@ -149,6 +149,16 @@ absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how) 
   return mesh;
 }
 
+void place(Mesh& mesh, const MeshPlacement& where) {
+  Vec<Body> by = where.offset_m;
+  if (where.draft_m) {
+    double lowest = -std::numeric_limits<double>::infinity();
+    for (const Vec<Body>& v : mesh.vertex) lowest = std::max(lowest, v.z);
+    by.z += *where.draft_m - lowest;
+  }
+  for (Vec<Body>& v : mesh.vertex) v = v + by;
+}
+
 bool group_matches(std::string_view group, std::string_view pattern) {
   const auto fits = [pattern](std::string_view name) {
     std::size_t at = 0, p = 0, star = pattern.npos, star_at = 0;

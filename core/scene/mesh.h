@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,13 @@ struct MeshImport {
 // float32 form whose coordinate spacing exceeds a hundredth of the smallest facet edge, a mesh
 // further from its reference point than 10 times its size (the diagonal of its box).
 [[nodiscard]] absl::StatusOr<Mesh> import_mesh(std::string_view bytes, const MeshImport& how);
+
+// Where a mesh lies in the body frame, after MeshImport::reference.
+struct MeshPlacement {
+  std::optional<double> draft_m;  // the lowest point is so far below z = 0
+  Vec<Body> offset_m{};           // then it is moved
+};
+void place(Mesh& mesh, const MeshPlacement& where);
 
 // A parametric model: disk | sphere | box | cylinder | cone | frigate | cooling_tower, about
 // `triangles` triangles (how closely: generate_solids.cpp, frigate.cpp). Dimensions of 0 mean the

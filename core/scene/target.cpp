@@ -9,15 +9,20 @@
 
 namespace irsig {
 
-namespace {
-
-// Which part each mesh group belongs to.
-absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
-                                                         const std::vector<PartSpec>& parts) {
+absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
+                                                          const std::vector<PartSpec>& parts) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> part_of_group(mesh.group.size(), kNone);
   std::vector<std::string> errors;
+  std::uint32_t rest = kNone;
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].rest) {
+      if (rest != kNone)
+        errors.push_back(absl::StrCat("part[", i, "].rest: part \"", parts[rest].name,
+                                      "\" takes the rest already"));
+      rest = i;
+      continue;
+    }
     std::vector<std::string> patterns = parts[i].match;
     if (patterns.empty()) patterns.push_back(parts[i].name);
     for (std::size_t k = 0; k < patterns.size(); ++k) {
@@ -40,6 +45,14 @@ absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
   }
   std::vector<bool> used(mesh.group.size(), false);
   for (const std::uint32_t g : mesh.triangle_group) used[g] = true;
+  bool any_left = false;
+  for (std::size_t g = 0; g < mesh.group.size() && rest != kNone; ++g)
+    if (part_of_group[g] == kNone) {
+      part_of_group[g] = rest;
+      any_left = any_left || used[g];
+    }
+  if (rest != kNone && !any_left)
+    errors.push_back(absl::StrCat("part[", rest, "].rest: no group of the model is left for it"));
   for (std::size_t g = 0; g < mesh.group.size(); ++g)
     if (used[g] && part_of_group[g] == kNone)
       errors.push_back(absl::StrCat("part: no part matches group \"", mesh.group[g],
@@ -47,6 +60,8 @@ absl::StatusOr<std::vector<std::uint32_t>> assign_groups(const Mesh& mesh,
   if (!errors.empty()) return absl::InvalidArgumentError(absl::StrJoin(errors, "\n"));
   return part_of_group;
 }
+
+namespace {
 
 // Whether no vertex lies above a facet's plane by more than half of what rays start above it (on
 // neither side of a facet that is seen from both).
@@ -75,7 +90,7 @@ bool is_convex(const Target& target) {
 
 absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts, TracerIsa isa,
                                    TracerOptions options) {
-  auto part_of_group = assign_groups(mesh, parts);
+  auto part_of_group = part_of_groups(mesh, parts);
   if (!part_of_group.ok()) return part_of_group.status();
 
   Target target;

@@ -18,7 +18,8 @@ struct PartSpec {
   std::vector<std::string> match;  // patterns of group_matches(); empty: the part's own name
   std::uint32_t material = 0;      // index into the scene's materials
   bool two_sided = false;
-  bool hot = false;  // its primary rays form a stratum of their own
+  bool hot = false;   // its primary rays form a stratum of their own
+  bool rest = false;  // instead of `match`: all groups that no other part takes; one part at most
 };
 
 // The target, ready to be traced: float coordinates relative to the centre of its bounding sphere,
@@ -44,6 +45,10 @@ struct Target {
   [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }
   std::shared_ptr<const Tracer> tracer;
 };
+
+// [group] The part that each group of a mesh belongs to. Errors as make_target has them.
+[[nodiscard]] absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(
+    const Mesh& mesh, const std::vector<PartSpec>& parts);
 
 // Errors (INVALID_ARGUMENT) name the part ("part[2].match: ..."): a part that matches no group, a
 // group that no part or more than one part matches.

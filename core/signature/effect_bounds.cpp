@@ -260,14 +260,16 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
       at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = times(q0, thermal);
       if (dark(light.thermal))
         at(row, Effect::kSkyReflected) = at(row, Effect::kLowerReflected) = {true, 0, 0, 0};
-      if (!convex) at(row, Effect::kInterReflection) = row.reflected;
-
+      // Without light from the target itself sunlight that comes by way of it is gone too.
+      RowBounds::Bound sun_by_parts{};
       if (!at(row, Effect::kDirectSun).absent) {
-        double per_irradiance =
+        const double first =
             lit != nullptr ? std::min(facets.first.sum(), area_m2 * facets.first.brightest())
                            : area_m2 * surface.matt_per_sr;
-        if (!convex) per_irradiance += q0 * facets.brightest_per_sr;
-        at(row, Effect::kDirectSun) = times(per_irradiance, sunlight(light.sun));
+        const double later =
+            convex ? 0 : q0 * (lit != nullptr ? facets.brightest_per_sr : surface.matt_per_sr);
+        at(row, Effect::kDirectSun) = times(first + later, sunlight(light.sun));
+        sun_by_parts = times(later, sunlight(light.sun));
       }
       const auto from_around = [&](Effect effect, const std::vector<double>& radiance,
                                    const std::vector<double>& irradiance) {
@@ -285,9 +287,11 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
         bound = smaller(all, together(together(times(shown, sunlight(irradiance)),
                                                times(edge_on, sunlight(radiance))),
                                       later));
+        sun_by_parts = together(sun_by_parts, later);
       };
       from_around(Effect::kDiffuseSun, light.diffuse_sun, light.diffuse_sun_w_m2_um);
       from_around(Effect::kMirroredSun, light.mirrored_sun, light.mirrored_sun_w_m2_um);
+      if (!convex) at(row, Effect::kInterReflection) = together(row.reflected, sun_by_parts);
       if (RowBounds::Bound& bound = at(row, Effect::kJoinedLines); !bound.absent) {
         // Transmittances lie between 0 and 1: all of it, until the rings are known.
         const double all =

@@ -1,0 +1,122 @@
+#include "bridge/model_warnings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/scene/mesh_lint.h"
+#include "core/scene/target.h"
+
+namespace irsig {
+namespace {
+
+// Sheets are mostly meant to have two sides.
+void see_open_parts(const SceneSpec& scene, std::vector<std::string>& out) {
+  const auto part_of_group = part_of_groups(scene.mesh, scene.part);
+  if (!part_of_group.ok()) return;  // said elsewhere
+  std::vector<std::uint64_t> facets(scene.part.size(), 0);
+  for (const OpenGroup& open : open_groups(scene.mesh))
+    for (std::size_t g = 0; g < scene.mesh.group.size(); ++g)
+      if (scene.mesh.group[g] == open.group) facets[(*part_of_group)[g]] += open.facets;
+  for (std::size_t p = 0; p < facets.size(); ++p)
+    if (facets[p] > 0 && !scene.part[p].two_sided)
+      out.push_back(absl::StrCat("part[", p, "]: ", facets[p], " facets of \"", scene.part[p].name,
+                                 "\" belong to open shells of the model, and send nothing from "
+                                 "behind: two_sided = true if they are sheets; `irsig model check` "
+                                 "lists the holes if they are not"));
+}
+
+struct Box {
+  Vec<Body> low, high;
+};
+Box box_of(const Mesh& mesh) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+  for (const auto& triangle : mesh.triangle)
+    for (const std::uint32_t i : triangle) {
+      const Vec<Body>& v = mesh.vertex[i];
+      box.low = {std::min(box.low.x, v.x), std::min(box.low.y, v.y), std::min(box.low.z, v.z)};
+      box.high = {std::max(box.high.x, v.x), std::max(box.high.y, v.y), std::max(box.high.z, v.z)};
+    }
+  return box;
+}
+
+// Of the facets' area, what lies below z = 0 (body z is down), by their middles.
+double share_below(const Mesh& mesh) {
+  double below = 0, all = 0;
+  for (const auto& t : mesh.triangle) {
+    const Vec<Body> a = mesh.vertex[t[0]], b = mesh.vertex[t[1]], c = mesh.vertex[t[2]];
+    const double area = length(cross(b - a, c - a));
+    all += area;
+    if (a.z + b.z + c.z > 0) below += area;
+  }
+  return all > 0 ? below / all : 0;
+}
+
+void see_placement(const schema::ResolvedSweep& sweep, const Mesh& mesh,
+                   std::vector<std::string>& out) {
+  const schema::Model& model = sweep.sweep().model();
+  const Box box = box_of(mesh);
+  const Vec<Body> size = box.high - box.low, middle = 0.5 * (box.high + box.low);
+  const double longest = std::max({size.x, size.y, size.z});
+  const std::string is = absl::StrFormat("the model is %.6g m long, %.6g m wide and %.6g m high",
+                                         size.x, size.y, size.z);
+  const auto say = [&](const char* path, const std::string& what) {
+    out.push_back(absl::StrCat(path, ": ", what));
+  };
+  // Ships are up to 460 m long.
+  if (longest > 1000 || longest < 0.05)
+    say("model.unit_m", absl::StrCat(is, ": is unit_m = ", model.unit_m(), " right?"));
+  if (size.z > 2 * std::max(size.x, size.y))
+    say("model.up_axis", absl::StrCat(is,
+                                      ": does it stand on end? up_axis is the file's axis that "
+                                      "points up"));
+  else if (size.y > 1.5 * size.x && size.y > size.z)
+    say("model.forward_axis", absl::StrCat(is,
+                                           ": is it turned? forward_axis is the file's axis that "
+                                           "points to the bow"));
+  const double aside = std::hypot(middle.x, middle.y);
+  if (aside > longest)
+    say("model.file",
+        absl::StrFormat("the model's middle is %.6g m away from the reference point, around which "
+                        "the sensor moves: reference = \"bbox_bottom_center\" puts it there",
+                        aside));
+  if (sweep.condition_size() == 0) return;
+  const std::string& kind = sweep.condition(0).surroundings().kind();
+  if (kind != "sea" && kind != "ground") return;
+  const double above_m = -box.high.z;  // of the lowest point
+  const bool placed = model.has_draft_m() || model.offset_m_size() > 0;
+  if (const double below = share_below(mesh); below > 0.7 || (kind == "ground" && below > 0.02)) {
+    say("model.file",
+        absl::StrFormat("%.0f %% of the model's area lie below the %s, where nothing is seen: %s",
+                        100 * below, kind == "sea" ? "waterline" : "ground",
+                        kind == "sea" ? "draft_m says how deep it floats"
+                                      : "draft_m = 0 puts it on the ground"));
+  } else if (above_m > 0.02 * longest && above_m < longest && !placed) {
+    say("model.file",
+        absl::StrFormat("the model's lowest point is %.6g m above the %s: draft_m lowers it, "
+                        "offset_m = [0, 0, 0] says that it is meant",
+                        above_m, kind == "sea" ? "sea" : "ground"));
+  } else if (kind == "sea" && std::abs(above_m) <= 1e-3 * longest && !placed) {
+    say("model.file",
+        "the model stands on the sea with its lowest point at the waterline: draft_m says how deep "
+        "a hull with a keel floats; draft_m = 0 that it ends there");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
+                                        const SceneSpec& scene) {
+  std::vector<std::string> out;
+  const schema::Model& model = sweep.sweep().model();
+  if (!model.has_file()) return out;
+  if (!model.has_accepted_backface_share()) see_open_parts(scene, out);
+  see_placement(sweep, scene.mesh, out);
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,117 @@
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_split.h"
+#include "cli/commands.h"
+#include "core/base/user_file.h"
+#include "fmt/format.h"
+#include "planning/load_sweep.h"
+#include "planning/sweep_template.h"
+#include "view/atomic_file.h"
+#include "view/print.h"
+
+namespace irsig {
+namespace {
+
+struct InitCommand {
+  TemplateAsked asked;
+  std::string model, place, out;
+  bool force = false;
+
+  [[nodiscard]] absl::Status run() {
+    namespace fs = std::filesystem;
+    const auto bytes = read_user_file(model, kMostModelBytes);
+    if (!bytes.ok())
+      return absl::InvalidArgumentError(
+          fmt::format("--model {}: {}", model, std::string(bytes.status().message())));
+    asked.how.file_name = model;
+    auto mesh = import_mesh(*bytes, asked.how);
+    if (!mesh.ok() && asked.how.reference == "origin") {
+      // Maps and digital twins stand far from their origin.
+      MeshImport around = asked.how;
+      around.reference = "bbox_bottom_center";
+      if (auto again = import_mesh(*bytes, around); again.ok()) {
+        asked.how = around;
+        mesh = std::move(again);
+      }
+    }
+    if (!mesh.ok()) return mesh.status();
+    if (!place.empty()) {
+      const std::vector<std::string> numbers = absl::StrSplit(place, ',');
+      if (numbers.size() != 2 || !absl::SimpleAtod(numbers[0], &asked.latitude_deg) ||
+          !absl::SimpleAtod(numbers[1], &asked.longitude_deg))
+        return absl::InvalidArgumentError(
+            fmt::format("--place {}: expected LAT,LON in degrees, e.g. 54.3,10.1", place));
+      asked.place_given = true;
+    }
+    const std::string stem = fs::path(model).stem().string();
+    const bool to_stdout = out == "-";
+    const fs::path file = out.empty() ? fs::path(stem + ".toml") : fs::path(out);
+    asked.name = to_stdout ? stem : file.stem().string();
+    std::error_code error;
+    const fs::path folder =
+        to_stdout || !file.has_parent_path() ? fs::path(".") : file.parent_path();
+    const fs::path beside = fs::proximate(model, folder, error);
+    asked.model_file = error ? fs::absolute(model).string() : beside.generic_string();
+    auto text = sweep_template(asked, *mesh);
+    if (!text.ok()) return text.status();
+    if (to_stdout) {
+      print_plain(stdout, *text);
+      return absl::OkStatus();
+    }
+    if (!force && fs::exists(file, error))
+      return absl::InvalidArgumentError(
+          fmt::format("--out {}: the file exists, expected a new one or --force", file.string()));
+    if (auto status = replace_file(file.string(), *text); !status.ok()) return status;
+    // What is odd about the model is said at once; a file that does not run would be a bug.
+    auto loaded = load_sweep(file.string(), {});
+    if (!loaded.ok()) return loaded.status();
+    for (const std::string& line : loaded->warnings) print_note("{}\n", line);
+    print_text(
+        "{}: {} facets, {} parts, {} viewpoints\n\n  irsig plan {}\n  irsig run {} --db {}\n",
+        file.string(), mesh->triangle.size(), loaded->resolved.sweep().part_size(),
+        loaded->resolved.viewpoint_size(), file.string(), file.string(), asked.name + ".sigdb");
+    return absl::OkStatus();
+  }
+};
+
+}  // namespace
+
+void add_init(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "init", "Write a commented sweep file for a model of your own, which runs as it is");
+  const auto given = std::make_shared<InitCommand>();
+  command->add_option("--model", given->model, "OBJ, PLY, STL, glTF or GLB")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--unit-m", given->asked.how.unit_m, "Metres in the file's unit (1)")
+      ->type_name("M");
+  command
+      ->add_option("--forward-axis", given->asked.how.forward_axis,
+                   "The file's axis that points to the bow: +x (default), -x, ... -z")
+      ->type_name("AXIS");
+  command
+      ->add_option("--up-axis", given->asked.how.up_axis,
+                   "The file's axis that points up: +z (default), ...")
+      ->type_name("AXIS");
+  command->add_option("--place", given->place, "Latitude and longitude [deg], e.g. 54.3,10.1")
+      ->type_name("LAT,LON");
+  command->add_option("--season", given->asked.season, "winter, spring, summer (default) or autumn")
+      ->type_name("NAME");
+  command
+      ->add_option("--surroundings", given->asked.surroundings,
+                   "What it stands on: sea (default) or ground")
+      ->check(CLI::IsMember({"sea", "ground"}))
+      ->type_name("KIND");
+  command
+      ->add_option("--out", given->out,
+                   "Sweep file to write (the model's name, .toml, here); - is standard output")
+      ->type_name("FILE");
+  command->add_flag("--force", given->force, "Replace the file if it exists");
+  command->callback([given, &exit_code] { exit_code = report(given->run()); });
+}
+
+}  // namespace irsig

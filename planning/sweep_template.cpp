@@ -1,0 +1,178 @@
+#include "planning/sweep_template.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "core/base/printable.h"
+#include "core/scene/mesh_lint.h"
+
+namespace irsig {
+namespace {
+
+// More are not typed one by one.
+constexpr std::size_t kMostParts = 12, kMostListed = 80;
+
+// Mid-latitude weather of the sea in the middle of a season, rounded.
+struct SeasonWeather {
+  std::string_view name, date, date_south;
+  double air_k, humidity_percent, sea_k, ground_k;
+};
+constexpr std::array<SeasonWeather, 4> kSeasons = {{
+    {"winter", "2025-01-15", "2025-07-15", 280, 80, 284, 278},
+    {"spring", "2025-04-15", "2025-10-15", 285, 75, 285, 288},
+    {"summer", "2025-07-15", "2025-01-15", 292, 70, 291, 298},
+    {"autumn", "2025-10-15", "2025-04-15", 287, 75, 289, 288},
+}};
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+struct Group {
+  std::string name;
+  std::size_t facets = 0;
+  bool open = false;
+};
+
+std::vector<Group> groups_of(const Mesh& mesh) {
+  std::vector<Group> all;
+  for (const std::string& name : mesh.group) all.push_back({name, 0, false});
+  for (const std::uint32_t g : mesh.triangle_group) ++all[g].facets;
+  for (const OpenGroup& open : open_groups(mesh))
+    for (Group& g : all)
+      if (g.name == open.group) g.open = true;
+  std::erase_if(all, [](const Group& g) { return g.facets == 0; });
+  return all;
+}
+
+std::string part(const std::string& name, const std::string& match, bool rest, bool open,
+                 double temperature_k) {
+  std::string out = absl::StrCat("\n[[part]]\nname = ", quoted(name), "\n");
+  if (!match.empty()) absl::StrAppend(&out, "match = [", quoted(match), "]\n");
+  if (rest) out += "rest = true                  # every group that no other part takes\n";
+  absl::StrAppend(&out, "material = \"generic_grey_paint\"   # irsig material list\n",
+                  "temperature_k = ", temperature_k, "\n");
+  if (open)
+    out +=
+        "two_sided = true             # open shells: sheets, or a body with holes (irsig model "
+        "check)\n";
+  return out;
+}
+
+std::string parts(const std::vector<Group>& groups, double temperature_k) {
+  std::string out;
+  if (groups.size() > kMostParts) {
+    absl::StrAppend(
+        &out, "\n# The model has ", groups.size(),
+        " groups. Give those that are hot, or of another material, parts of their own "
+        "before this one:\n# match = [\"name\", \"eng*\"] takes groups by their names.\n");
+    for (std::size_t i = 0; i < std::min(groups.size(), kMostListed); ++i)
+      absl::StrAppend(&out, "#   ", printable(groups[i].name), " (", groups[i].facets, " facets",
+                      groups[i].open ? ", open" : "", ")\n");
+    if (groups.size() > kMostListed)
+      absl::StrAppend(&out, "#   and ", groups.size() - kMostListed, " more\n");
+    const bool open =
+        std::any_of(groups.begin(), groups.end(), [](const Group& g) { return g.open; });
+    return out + part("target", "", true, open, temperature_k);
+  }
+  out += "\n# One part for each group of the model; funnels and engines are hotter than this.\n";
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const std::string& group = groups[i].name;
+    const bool plain = is_one_line(group) && group.front() != ' ' && group.back() != ' ' &&
+                       group.find_first_of("*?") == std::string::npos;
+    const std::string name = plain ? group : absl::StrCat("part ", i + 1);
+    out += part(name, plain ? "" : group, false, groups[i].open, temperature_k);
+  }
+  return out;
+}
+
+// Of 1, 2, 5, 10 ...: the next at or above.
+double round_up(double x) {
+  const double decade = std::pow(10, std::floor(std::log10(x)));
+  for (const double f : {1.0, 2.0, 5.0})
+    if (f * decade >= x) return f * decade;
+  return 10 * decade;
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mesh& mesh) {
+  const auto* weather = std::find_if(kSeasons.begin(), kSeasons.end(), [&](const SeasonWeather& s) {
+    return s.name == asked.season;
+  });
+  if (weather == kSeasons.end())
+    return absl::InvalidArgumentError(absl::StrCat("--season ", one_line(asked.season),
+                                                   ": expected winter, spring, summer or autumn"));
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Vec<Body> low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+  for (const Vec<Body>& v : mesh.vertex) {
+    low = {std::min(low.x, v.x), std::min(low.y, v.y), std::min(low.z, v.z)};
+    high = {std::max(high.x, v.x), std::max(high.y, v.y), std::max(high.z, v.z)};
+  }
+  const Vec<Body> size = high - low;
+  const double longest = std::max({size.x, size.y, size.z});
+  const bool sea = asked.surroundings == "sea";
+  const int hours = static_cast<int>(std::lround(asked.longitude_deg / 15));
+  const std::string offset = absl::StrFormat("%c%02d:00", hours < 0 ? '-' : '+', std::abs(hours));
+  std::string out = absl::StrCat(
+      "# A sweep to begin with:\n#\n#   irsig plan ", asked.name, ".toml\n#   irsig run ",
+      asked.name, ".toml --db ", asked.name,
+      ".sigdb\n#\n# Every key: docs/sweep-file.md.\nname = ", quoted(asked.name),
+      "\ntime = [\"12:00", offset, "\"]      # of the day, with the offset from UTC\n");
+  absl::StrAppend(
+      &out, "\n# ", mesh.triangle.size(), " facets, ",
+      absl::StrFormat("%.6g m long, %.6g m wide, %.6g m high; from %.6g m to %.6g m above the "
+                      "waterline z = 0.\n",
+                      size.x, size.y, size.z, -high.z + 0.0, -low.z + 0.0),
+      "[model]\nfile = ", quoted(asked.model_file), "\nunit_m = ", asked.how.unit_m,
+      "                   # metres in one unit of the file\nforward_axis = ",
+      quoted(asked.how.forward_axis),
+      "          # the file's axis that points to the bow\nup_axis = ", quoted(asked.how.up_axis),
+      "\nreference = ", quoted(asked.how.reference), "\n");
+  if (sea)
+    out +=
+        "# draft_m = 5                # how deep it floats, if the file does not say: its lowest "
+        "point below the water\n";
+  absl::StrAppend(&out, "\n[place]", asked.place_given ? "" : "                      # assumed",
+                  "\nlatitude_deg = ", asked.latitude_deg,
+                  "\nlongitude_deg = ", asked.longitude_deg,
+                  "\nheading_deg = 0              # where the bow points, clockwise from north\n");
+  out += parts(groups_of(mesh), weather->air_k + 5);
+  absl::StrAppend(
+      &out, "\n[[season]]\nname = \"", std::string(weather->name),
+      "\"\ndate = ", std::string(asked.latitude_deg < 0 ? weather->date_south : weather->date),
+      "\n\n# Assumed, for all seasons; hours of their own: [[condition]] or condition_file.\n"
+      "[weather]\nair_temperature_k = ",
+      weather->air_k, "\nrelative_humidity_percent = ", weather->humidity_percent,
+      "\npressure_pa = 101300\n", sea ? "wind_speed_m_s = 5\n" : "", "\n[surroundings]\nkind = \"",
+      sea ? "sea" : "ground", "\"\n",
+      sea ? absl::StrCat("sea_temperature_k = ", weather->sea_k, "\n")
+          : absl::StrCat("ground_temperature_k = ", weather->ground_k,
+                         "\nground_emissivity = 0.95\n"),
+      "\n[air]\nmodel = \"atmosphere\"\naerosol = \"", sea ? "maritime" : "rural",
+      "\"\nvisibility_m = 23000\n\n[transport]\nsun = true\n");
+  absl::StrAppend(
+      &out,
+      "\n[[band]]\nname = \"mwir\"\nlambda_min_um = 3\nlambda_max_um = 5\nstep_um = 0.1\n\n"
+      "[[band]]\nname = \"lwir\"\nlambda_min_um = 8\nlambda_max_um = 12\nstep_um = 0.1\n\n"
+      "# All around, near the horizon and from above; ranges_m = [1000, 5000] has several ranges.\n"
+      "[viewpoints]\nkind = \"ring\"\ncount = 12\nelevation_deg = [5, 30]\nrange_m = ",
+      round_up(std::max(1000.0, 20 * longest)),
+      "\n\n[accuracy]\nrelative_error = 0.01        # of every in-band intensity\n");
+  return out;
+}
+
+}  // namespace irsig

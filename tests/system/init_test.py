@@ -1,0 +1,136 @@
+"""From a mesh to a result: the sweep file that `irsig init` writes, and where the target floats.
+
+usage: init_test.py <irsig>
+"""
+import pathlib, sqlite3, subprocess, sys, tempfile, unittest
+
+IRSIG = pathlib.Path(sys.argv[1]).resolve()
+LENGTH, BEAM, DEPTH = 150, 18, 12
+
+
+def hull(groups_of_deck=58):
+    """A closed hull with its keel at z = 0, of two flanks, a deck of many groups and a funnel above it."""
+    stations = 58
+    vertices, groups = [], {}
+
+    def half_width(x, z):
+        return BEAM / 2 * max(1 - (2 * x / LENGTH) ** 4, 0) * (z / DEPTH)
+
+    index = {}
+    for side in (-1, 1):
+        for i in range(stations + 1):
+            for z in (0, DEPTH / 2, DEPTH):
+                x = -LENGTH / 2 + LENGTH * i / stations
+                index[side, i, z] = len(vertices) + 1
+                vertices.append((x, side * half_width(x, z), z))
+    for i in range(stations):
+        for side in (-1, 1):
+            for low, high in ((0, DEPTH / 2), (DEPTH / 2, DEPTH)):
+                quad = [index[side, i, low], index[side, i + 1, low], index[side, i + 1, high], index[side, i, high]]
+                groups.setdefault("port" if side > 0 else "starboard", []).append(quad if side < 0 else quad[::-1])
+        groups.setdefault(f"deck{i % groups_of_deck}", []).append(
+            [index[-1, i, DEPTH], index[-1, i + 1, DEPTH], index[1, i + 1, DEPTH], index[1, i, DEPTH]])
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+    for name, quads in groups.items():
+        lines.append(f"o {name}")
+        lines += ["f " + " ".join(map(str, quad)) for quad in quads]
+    return "\n".join(lines) + "\n"
+
+
+class Init(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+        (self.path / "ship.obj").write_text(hull())
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def irsig(self, *arguments, exit_code=0):
+        done = subprocess.run([IRSIG, *map(str, arguments)], cwd=self.path, capture_output=True, text=True, timeout=600)
+        self.assertEqual(done.returncode, exit_code, done.stdout + done.stderr)
+        return done.stdout + done.stderr
+
+    def area_m2(self, text, name):
+        """Projected area from starboard at half a degree."""
+        text = text.replace("elevation_deg = [5, 30]", "elevation_deg = [0.5]").replace("count = 12", "count = 4")
+        (self.path / f"{name}.toml").write_text(text)
+        said = self.irsig("run", f"{name}.toml", "--db", f"{name}.sigdb")
+        db = sqlite3.connect(self.path / f"{name}.sigdb")
+        rows = db.execute("SELECT projected_area_m2 FROM signature_view WHERE abs(aspect_azimuth_deg - 90) < 1").fetchall()
+        db.close()
+        return rows[0][0], said
+
+    def test_the_file_runs_as_it_is(self):
+        said = self.irsig("init", "--model", "ship.obj", "--place", "54.3,10.1")
+        self.assertIn("stands on the sea with its lowest point at the waterline: draft_m", said)
+        text = (self.path / "ship.toml").read_text()
+        self.assertIn("The model has 60 groups", text)
+        self.assertIn("rest = true", text)
+        keel, said = self.area_m2(text, "keel")
+        self.assertIn("draft_m", said)
+        floating, said = self.area_m2(text.replace("# draft_m = 5 ", "draft_m = 5.5 "), "floating")
+        self.assertNotIn("warning: model", said)
+        # Seen from the side: a rectangle, of which the draft is under water.
+        self.assertAlmostEqual(keel / (LENGTH * DEPTH), 1, delta=0.03)
+        self.assertAlmostEqual(floating / (LENGTH * (DEPTH - 5.5)), 1, delta=0.05)
+        # Moved up again by as much.
+        moved, _ = self.area_m2(text.replace("# draft_m = 5 ", "draft_m = 5.5\noffset_m = [0, 0, 5.5]  "), "moved")
+        self.assertAlmostEqual(moved / keel, 1, delta=1e-3)
+
+    def test_parts_by_group(self):
+        (self.path / "two.obj").write_text(hull(1))
+        self.irsig("init", "--model", "two.obj", "--season", "winter", "--out", "two.toml")
+        text = (self.path / "two.toml").read_text()
+        for name in ("port", "starboard", "deck0"):
+            self.assertIn(f'name = "{name}"', text)
+        self.assertNotIn("rest = true", text)
+        # One of them by name, the others as the rest.
+        rest = text[:text.index("[[part]]")] + ('[[part]]\nname = "deck"\nmatch = ["deck*"]\nmaterial = "aluminium"\n'
+                                                'temperature_k = 300\n[[part]]\nname = "flanks"\nrest = true\n'
+                                                'material = "generic_grey_paint"\ntemperature_k = 290\n\n'
+                                                ) + text[text.index("[[season]]"):]
+        (self.path / "rest.toml").write_text(rest)
+        self.irsig("plan", "rest.toml")
+
+    def test_what_is_odd_about_a_model_is_said(self):
+        text = self.irsig("init", "--model", "ship.obj", "--out", "-")
+        for change, said in (
+                (("unit_m = 1 ", "unit_m = 1000 "), "is unit_m = 1000 right?"),
+                (("unit_m = 1 ", "unit_m = 0.0001 "), "is unit_m = 0.0001 right?"),
+                (('forward_axis = "+x"', 'forward_axis = "+y"'), "is it turned? forward_axis"),
+                (('forward_axis = "+x"          # the file\'s axis that points to the bow\nup_axis = "+z"',
+                  'forward_axis = "+z"\nup_axis = "+x"'), "does it stand on end? up_axis"),
+                (("# draft_m = 5 ", "draft_m = 12.5 "), "% of the model's area lie below the waterline"),
+                (("# draft_m = 5 ", "# "), "stands on the sea"),
+                (('reference = "origin"', 'reference = "origin"\noffset_m = [400, 0, 0]'),
+                 "400 m away from the reference point")):
+            self.assertIn(change[0], text)
+            (self.path / "odd.toml").write_text(text.replace(*change).replace("range_m = 5000", "range_m = 500000"))
+            plan = subprocess.run([IRSIG, "plan", "odd.toml"], cwd=self.path, capture_output=True, text=True, timeout=600)
+            self.assertIn(said, plan.stderr + plan.stdout, change)
+
+    def test_wrong_inputs(self):
+        self.irsig("init", "--model", "ship.obj")
+        text = (self.path / "ship.toml").read_text()
+        for arguments, said in (
+                (("init", "--model", "ship.obj"), "the file exists, expected a new one or --force"),
+                (("init", "--model", "none.obj"), "none.obj"),
+                (("init", "--model", "ship.obj", "--place", "54N", "--force"), "expected LAT,LON in degrees"),
+                (("init", "--model", "ship.obj", "--season", "monsoon", "--force"), "winter, spring, summer or autumn"),
+                (("init", "--model", "ship.obj", "--up-axis", "+x", "--force"), "perpendicular"),
+                (("init",), "--model is required")):
+            self.assertIn(said, self.irsig(*arguments, exit_code=2), arguments)
+        for change, said in (
+                (("rest = true", 'rest = true\nmatch = ["deck*"]'), "does not apply to the part that takes the rest"),
+                (("# draft_m = 5 ", "offset_m = [1, 2]  # "), "has 2 numbers, expected three: forward, to starboard, up"),
+                (("[[season]]", '[[part]]\nname = "more"\nrest = true\nmaterial = "blackbody"\ntemperature_k = 300\n\n'
+                                "[[season]]"), 'part "target" takes the rest already'),
+                (("# draft_m = 5 ", "draft_m = 1e9  # "), "model.draft_m = 1e+09, expected a number")):
+            self.assertIn(change[0], text)
+            (self.path / "wrong.toml").write_text(text.replace(*change))
+            self.assertIn(said, self.irsig("plan", "wrong.toml", exit_code=2), change)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
