@@ -263,9 +263,9 @@ std::vector<RowBounds> effect_bounds(const PreparedScene& scene, const ViewReque
       // Without light from the target itself sunlight that comes by way of it is gone too.
       RowBounds::Bound sun_by_parts{};
       if (!at(row, Effect::kDirectSun).absent) {
-        const double first =
-            lit != nullptr ? std::min(facets.first.sum(), area_m2 * facets.first.brightest())
-                           : area_m2 * surface.matt_per_sr;
+        const double first = lit != nullptr
+                                 ? std::min(facets.first.sum(), area_m2 * facets.first.brightest())
+                                 : area_m2 * surface.matt_per_sr;
         const double later =
             convex ? 0 : q0 * (lit != nullptr ? facets.brightest_per_sr : surface.matt_per_sr);
         at(row, Effect::kDirectSun) = times(first + later, sunlight(light.sun));
