@@ -74,7 +74,7 @@ void see_placement(const schema::ResolvedSweep& sweep, const Mesh& mesh,
     say("model.up_axis", absl::StrCat(is,
                                       ": does it stand on end? up_axis is the file's axis that "
                                       "points up"));
-  else if (size.y > 1.5 * size.x && size.y > size.z)
+  else if (size.y > 1.5 * size.x && size.y > size.z && size.x > 0.1 * size.y)
     say("model.forward_axis", absl::StrCat(is,
                                            ": is it turned? forward_axis is the file's axis that "
                                            "points to the bow"));

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "core/base/printable.h"
+#include "jobs/nearest_name.h"
 #include "view/print.h"
 
 namespace {
@@ -20,6 +23,48 @@ constexpr const char* kAbout =
     "\n"
     "Exit code: 0 done, 2 the input is wrong, 1 anything else failed.";
 
+// The names that a command knows: its options, or its subcommands.
+std::vector<std::string> names_of(const CLI::App& app, bool options) {
+  std::vector<std::string> out;
+  if (options) {
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& name : option->get_lnames()) out.push_back("--" + name);
+  } else {
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+      out.push_back(command->get_name());
+  }
+  return out;
+}
+
+// What is wrong, and the nearest name of each that nobody knows.
+std::string failure(const CLI::App* app, const CLI::Error& error) {
+  const std::vector<std::string> extras = app->remaining(true);
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
+  std::string text = "irsig: " + irsig::printable(error.what());
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
+    for (const std::string& extra : extras) {
+      const bool option = extra.starts_with("--");
+      const std::vector<std::string> known = names_of(*app, option);
+      if (!known.empty() && (option || !extra.starts_with("-")))
+        text += "\n       " + irsig::printable(extra) + ": " + irsig::suggestion(extra, known);
+    }
+  return text + " (--help lists what there is)\n";
+}
+
+// The first word that names a command, if it names none.
+std::string unknown_command(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const std::vector<std::string> known = names_of(*at, false);
+    if (known.empty()) break;
+    if (std::find(known.begin(), known.end(), argv[i]) == known.end())
+      return "unknown command \"" + irsig::printable(argv[i]) + "\", " +
+             irsig::suggestion(argv[i], known);
+    at = at->get_subcommand(argv[i]);
+  }
+  return "";
+}
+
 std::string version() {
   return "irsig " IRSIG_VERSION " (build " + irsig::build_id() + ", physics version " +
          std::to_string(irsig::physics_version()) + ")";
@@ -33,9 +78,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version);
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return "irsig: " + irsig::printable(error.what()) + " (--help lists what there is)\n";
-  });
+  app.failure_message(failure);
   irsig::add_init(app, exit_code);
   irsig::add_run(app, exit_code);
   irsig::add_plan(app, exit_code);
@@ -56,6 +99,10 @@ int main(int argc, char** argv) {
   irsig::add_accuracy(app, exit_code);
   irsig::add_verify_effects(app, exit_code);
   irsig::add_selftest(app, exit_code);
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    irsig::print_note("irsig: {}\n", unknown);
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -12,6 +12,13 @@
 namespace irsig {
 namespace {
 
+// Numbers that people think of in degrees Celsius.
+std::string perhaps_celsius(double k) {
+  return k >= -60 && k <= 100
+             ? absl::StrCat(" (is it in degrees Celsius? ", k, " C are ", k + 273.15, " K)")
+             : "";
+}
+
 // One season of a sweep with the embedded atmosphere.
 class SeasonGate {
  public:
@@ -27,6 +34,7 @@ class SeasonGate {
   void check() {
     check_profile();
     check_pressure();
+    check_humidity();
     check_aerosol();
     if (condition_.surroundings().kind() == "sea") check_sea();
     if (condition_.surroundings().kind() == "ground") check_ground();
@@ -126,6 +134,14 @@ class SeasonGate {
     }
   }
 
+  void check_humidity() {
+    const double percent = weather_.relative_humidity_percent();
+    if (weather_.surface_stated() && percent > 0 && percent <= 1)
+      odd(of_season("relative_humidity_percent"),
+          absl::StrCat("= ", percent, " is drier than any desert: is it a fraction? ",
+                       100 * percent, " % are relative_humidity_percent = ", 100 * percent));
+  }
+
   void check_aerosol() {
     const bool fog = weather_.aerosol() == "advection_fog" || weather_.aerosol() == "radiation_fog";
     const std::string visibility =
@@ -162,7 +178,8 @@ class SeasonGate {
     if (sea_k < 271.3) {
       contradiction(path, absl::StrCat("= ", sea_k,
                                        " is ice, expected 271.3 K, where sea water "
-                                       "freezes, or more"));
+                                       "freezes, or more",
+                                       perhaps_celsius(sea_k)));
     } else if (sea_k > 308) {
       contradiction(path, absl::StrCat("= ", sea_k,
                                        " is warmer than any sea, expected at most "
@@ -181,7 +198,8 @@ class SeasonGate {
     const std::string path =
         of_surroundings("ground_temperature_k", season_.surroundings().has_ground_temperature_k());
     if (!(ground_k >= 180 && ground_k <= 370)) {
-      contradiction(path, absl::StrCat("= ", ground_k, ", expected 180 to 370 K"));
+      contradiction(
+          path, absl::StrCat("= ", ground_k, ", expected 180 to 370 K", perhaps_celsius(ground_k)));
     } else {
       check_step(path, ground_k, 30, 60);
     }
@@ -197,9 +215,9 @@ class SeasonGate {
                                        : absl::StrCat("part[", p, "].temperature_k");
     const double coldest_sky_k = 0.0552 * std::pow(weather_.air_temperature_k(), 1.5) - 20;
     if (part_k < coldest_sky_k) {
-      odd(path,
-          absl::StrCat("= ", part_k, " is colder than any sky above ", air_text(), " in season \"",
-                       season_.name(), "\" (", std::round(coldest_sky_k), " K)"));
+      odd(path, absl::StrCat("= ", part_k, " is colder than any sky above ", air_text(),
+                             " in season \"", season_.name(), "\" (", std::round(coldest_sky_k),
+                             " K)", perhaps_celsius(part_k)));
     } else if (part_k < weather_.air_temperature_k() - 20) {
       odd(path, absl::StrCat("= ", part_k, " is more than 20 K colder than ", air_text(),
                              " in season \"", season_.name(), "\""));

@@ -240,9 +240,23 @@ bool inside(const NumberBounds& bounds, double value) {
   return value >= bounds.least && value <= bounds.most;
 }
 
+// Numbers that are right in another unit.
+std::string other_unit(std::string_view key, double value, const NumberBounds& bounds) {
+  const auto if_inside = [&](double converted, const char* unit, const char* of_key) {
+    return inside(bounds, converted)
+               ? absl::StrCat("; is it in ", unit, "? ", number_text(value), " ", unit, " are ",
+                              number_text(converted), " ", of_key)
+               : "";
+  };
+  if (key.ends_with("temperature_k") && value > -100 && value < 0)
+    return if_inside(value + 273.15, "C", "K");
+  if (key.ends_with("_um") && value > bounds.most) return if_inside(1e-3 * value, "nm", "um");
+  return "";
+}
+
 std::string refusal(std::string_view name, double value, const NumberBounds& bounds) {
   return absl::StrCat(std::string(name), " = ", number_text(value), ", expected a number ",
-                      text_of(bounds));
+                      text_of(bounds), other_unit(bounds.key, value, bounds));
 }
 
 void check_map(const Message& message, const FieldDescriptor& field, const std::string& path,

@@ -68,10 +68,33 @@ std::vector<std::string> keys_of(const Descriptor& table) {
   return keys;
 }
 
+// Every table of the grammar that has a key, as it is written: "[air]", "[[season]]".
+void find_homes(const std::string& key, const Descriptor& table, const std::string& path,
+                bool repeated, std::vector<std::string>& out) {
+  if (table.FindFieldByName(key) != nullptr)
+    out.push_back(path.empty() ? "the top level"
+                  : repeated   ? absl::StrCat("[[", path, "]]")
+                               : absl::StrCat("[", path, "]"));
+  for (int i = 0; i < table.field_count(); ++i) {
+    const FieldDescriptor& field = *table.field(i);
+    if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE || field.is_map()) continue;
+    find_homes(key, *field.message_type(),
+               path.empty() ? field.name() : absl::StrCat(path, ".", field.name()),
+               field.is_repeated(), out);
+  }
+}
+std::vector<std::string> homes_of(const std::string& key, const Descriptor& root) {
+  std::vector<std::string> out;
+  find_homes(key, root, "", false, out);
+  return out;
+}
+
 // Walks a TOML table and the message of the same shape together.
 class Filler {
  public:
-  Filler(SweepFile& file, Findings& findings) : file_(file), findings_(findings) {}
+  // root: the grammar.
+  Filler(SweepFile& file, Findings& findings, const Descriptor& root)
+      : file_(file), findings_(findings), root_(&root) {}
 
   void fill_table(const toml::table& table, const std::string& path, Message& message) {
     for (const auto& [toml_key, node] : table) {
@@ -81,7 +104,7 @@ class Filler {
       const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(key);
       if (field == nullptr) {
         findings_.add(key_path, absl::StrCat("unknown key \"", key, "\"", home_of(path), ", ",
-                                             suggestion(key, keys_of(*message.GetDescriptor()))));
+                                             what_was_meant(key, *message.GetDescriptor())));
       } else if (field->is_map()) {
         fill_map(node, key_path, *field, message);
       } else if (field->is_repeated()) {
@@ -96,6 +119,17 @@ class Filler {
   void remember(const std::string& path, const toml::source_region& source) {
     file_.where[path] =
         absl::StrCat(file_.file_name, ":", source.begin.line, ":", source.begin.column);
+  }
+
+  // A key of this table that is like it, else the tables that have it.
+  [[nodiscard]] std::string what_was_meant(const std::string& key, const Descriptor& table) const {
+    std::string like = suggestion(key, keys_of(table));
+    if (like.starts_with("did you mean")) return like;
+    std::vector<std::string> homes = homes_of(key, *root_);
+    if (homes.empty()) return like;
+    constexpr std::size_t kMost = 4;
+    if (homes.size() > kMost) homes.resize(kMost);
+    return absl::StrCat("it is a key of ", absl::StrJoin(homes, ", "));
   }
 
   static std::string home_of(const std::string& path) {
@@ -258,6 +292,7 @@ class Filler {
 
   SweepFile& file_;
   Findings& findings_;
+  const Descriptor* root_;
 };
 
 }  // namespace
@@ -276,7 +311,7 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
                                                    one_line(std::string(error.description()))));
   }
   Findings findings(file);
-  Filler(file, findings).fill_table(table, "", message);
+  Filler(file, findings, *message.GetDescriptor()).fill_table(table, "", message);
   return findings.status();
 }
 

@@ -103,6 +103,8 @@ class Init(unittest.TestCase):
                   'forward_axis = "+z"\nup_axis = "+x"'), "does it stand on end? up_axis"),
                 (("# draft_m = 5 ", "draft_m = 12.5 "), "% of the model's area lie below the waterline"),
                 (("# draft_m = 5 ", "# "), "stands on the sea"),
+                (("relative_humidity_percent = 70", "relative_humidity_percent = 0.7"), "is it a fraction? 70 %"),
+                (("temperature_k = 297", "temperature_k = 24"), "is it in degrees Celsius? 24 C are 297.15 K"),
                 (('reference = "origin"', 'reference = "origin"\noffset_m = [400, 0, 0]'),
                  "400 m away from the reference point")):
             self.assertIn(change[0], text)
@@ -119,14 +121,25 @@ class Init(unittest.TestCase):
                 (("init", "--model", "ship.obj", "--place", "54N", "--force"), "expected LAT,LON in degrees"),
                 (("init", "--model", "ship.obj", "--season", "monsoon", "--force"), "winter, spring, summer or autumn"),
                 (("init", "--model", "ship.obj", "--up-axis", "+x", "--force"), "perpendicular"),
-                (("init",), "--model is required")):
+                (("init",), "--model is required"),
+                (("qurey", "x.sigdb"), 'unknown command "qurey", did you mean "query"?'),
+                (("nosuch", "--help"), 'unknown command "nosuch", expected one of "init", "run"'),
+                (("material", "lst"), 'unknown command "lst", did you mean "list"?'),
+                (("query", "x.sigdb", "--formt", "csv"), '--formt: did you mean "--format"?')):
             self.assertIn(said, self.irsig(*arguments, exit_code=2), arguments)
         for change, said in (
                 (("rest = true", 'rest = true\nmatch = ["deck*"]'), "does not apply to the part that takes the rest"),
                 (("# draft_m = 5 ", "offset_m = [1, 2]  # "), "has 2 numbers, expected three: forward, to starboard, up"),
                 (("[[season]]", '[[part]]\nname = "more"\nrest = true\nmaterial = "blackbody"\ntemperature_k = 300\n\n'
                                 "[[season]]"), 'part "target" takes the rest already'),
-                (("# draft_m = 5 ", "draft_m = 1e9  # "), "model.draft_m = 1e+09, expected a number")):
+                (("# draft_m = 5 ", "draft_m = 1e9  # "), "model.draft_m = 1e+09, expected a number"),
+                (("[transport]", "[transport]\nvisibility_m = 5000"),
+                 'unknown key "visibility_m" in transport, it is a key of [[season]], [air]'),
+                (("sun = true", "sun = true\nsea_temperature_k = 290"), "it is a key of [season.surroundings]"),
+                (("sea_temperature_k = 291", "sea_temperature_k = 18"), "is it in degrees Celsius? 18 C are 291.15 K"),
+                (("temperature_k = 297", "temperature_k = -3"), "is it in C? -3 C are 270.15 K"),
+                (("lambda_max_um = 5\n", "lambda_max_um = 5000\n"), "is it in nm? 5000 nm are 5 um"),
+                (("date = 2025-07-15", 'date = "2025/07/15"'), "expected a date of the calendar: 2025-12-21")):
             self.assertIn(change[0], text)
             (self.path / "wrong.toml").write_text(text.replace(*change))
             self.assertIn(said, self.irsig("plan", "wrong.toml", exit_code=2), change)
