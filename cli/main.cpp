@@ -56,7 +56,10 @@ std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
   for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
     const std::vector<std::string> known = names_of(*at, false);
-    if (known.empty()) break;
+    // `irsig model frigate`: a word of its own.
+    const bool takes_words =
+        !at->get_options([](const CLI::Option* o) { return o->get_positional(); }).empty();
+    if (known.empty() || takes_words) break;
     if (std::find(known.begin(), known.end(), argv[i]) == known.end())
       return "unknown command \"" + irsig::printable(argv[i]) + "\", " +
              irsig::suggestion(argv[i], known);
