@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Remakes the pictures and tables of docs/accuracy.md, in about seven minutes; nothing else should run on
+# Remakes the pictures and tables of docs/accuracy.md, in about twenty minutes; nothing else should run on
 # the machine meanwhile.
 #
 # usage: ops/accuracy-page.sh [path of the irsig executable]      (default: built by ops/build.sh)

@@ -39,8 +39,10 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
                                                   view_->aimed->frame);
   for (const SunDirection& sun : sources_.geometry().sun)
     glitter_.push_back(brightest_glitter(sun));
-  for (std::size_t row = 0; row < this->rows(); ++row)
+  for (std::size_t row = 0; row < this->rows(); ++row) {
     brightest_.push_back(find_brightest_w_m2_sr(row, request));
+    in_band_light_.push_back(in_band_light(row));
+  }
 }
 
 PathSettings Pass::path_settings(std::uint64_t samples, std::uint64_t stage) const {
@@ -407,31 +409,46 @@ double Pass::sample_m2(std::uint32_t stratum) const {
          (static_cast<double>(stratum_samples(stratum, samples_)) * accuracy_.replicates);
 }
 
+Pass::InBandLight Pass::in_band_light(std::size_t row) const {
+  const ConditionSources& light = this->light(row);
+  const BandOnAxis band = axis_band(row);
+  const SourceLayout& layout = sources_.layout();
+  const auto of = [&](SourceId id) {
+    return InBandLight::Radiance{in_band(light.radiance(id), band),
+                                 in_band(light.apparent(id), band)};
+  };
+  const auto raise = [](InBandLight::Radiance& most, const InBandLight::Radiance& one) {
+    most = {std::max(most.here, one.here), std::max(most.seen, one.seen)};
+  };
+  InBandLight out;
+  for (const SourceId id : layout.behind()) out.behind = std::max(out.behind, of(id).seen);
+  for (std::uint32_t e = 0; e < layout.emitters(); ++e) {
+    out.emitter.push_back(of(layout.seen(e)));
+    raise(out.part, out.emitter.back());
+  }
+  for (const SourceRange range : {layout.sky(), layout.lower()})
+    for (const SourceId id : range) raise(out.around, of(id));
+  return out;
+}
+
 // What the scatter of samples cannot know, met or not. (docs/methods.md)
 Pass::Unseen Pass::unseen(std::size_t row) const {
   const ConditionSources& light = this->light(row);
   const BandOnAxis band = axis_band(row);
-  const auto seen = [&](SourceId id) { return in_band(light.apparent(id), band); };
+  const InBandLight& known = in_band_light_[row];
   double source = 0, apparent = 0, contrast = 0;  // variances
   Unseen out;
   const auto square = [](double x) { return x * x; };
   // What the sensor sees of the parts themselves, and of what stands behind them.
-  double behind = 0;
-  for (const SourceId id : sources_.layout().behind()) behind = std::max(behind, seen(id));
   double most_m2 = 0, emitted = 0, emitted_seen = 0, emitted_contrast = 0;
   const Emitters& emitters = sources_.geometry().emitters;
-  double part = 0, part_seen = 0;
   for (std::uint32_t e = 0; e < sources_.layout().emitters(); ++e) {
-    const std::uint32_t p = emitters.part_of(e);
-    const double m2 = sample_m2(view_->aimed->stratum_of_part[p]);
-    const SourceId id = sources_.layout().seen(e);
-    const double here = in_band(light.radiance(id), band), there = seen(id);
+    const double m2 = sample_m2(view_->aimed->stratum_of_part[emitters.part_of(e)]);
+    const InBandLight::Radiance& one = known.emitter[e];
     most_m2 = std::max(most_m2, m2);
-    emitted = std::max(emitted, m2 * here);
-    emitted_seen = std::max(emitted_seen, m2 * there);
-    emitted_contrast = std::max(emitted_contrast, m2 * std::max(there, behind));
-    part = std::max(part, here);
-    part_seen = std::max(part_seen, there);
+    emitted = std::max(emitted, m2 * one.here);
+    emitted_seen = std::max(emitted_seen, m2 * one.seen);
+    emitted_contrast = std::max(emitted_contrast, m2 * std::max(one.seen, known.behind));
   }
   source += square(2 * emitted);
   apparent += square(2 * emitted_seen);
@@ -439,12 +456,8 @@ Pass::Unseen Pass::unseen(std::size_t row) const {
   if (plan_.effects.max_reflections > 0) {
     // Whatever may be reflected: parts, sky, sea, glitter. Then suns.
     const bool parts = plan_.effects.parts && !plan_.effects.no_second_hit;
-    double around = parts ? part : 0, around_seen = parts ? part_seen : 0;
-    for (const SourceRange range : {sources_.layout().sky(), sources_.layout().lower()})
-      for (const SourceId id : range) {
-        around = std::max(around, in_band(light.radiance(id), band));
-        around_seen = std::max(around_seen, seen(id));
-      }
+    const double around = std::max(parts ? known.part.here : 0, known.around.here),
+                 around_seen = std::max(parts ? known.part.seen : 0, known.around.seen);
     const auto add = [&](const RareLight& rare, bool estimate, double radiance,
                          double radiance_seen) {
       RareLight::Allowance a = rare.allowance(most_m2);

@@ -123,6 +123,17 @@ class Pass {
     double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
   };
   [[nodiscard]] Unseen unseen(std::size_t row) const;
+  // In-band radiances that unseen() asks for again and again: of a row's emitters, and the largest
+  // of what is around the target and of what stands behind it, at the target and at the sensor.
+  struct InBandLight {
+    struct Radiance {
+      double here = 0, seen = 0;
+    };
+    std::vector<Radiance> emitter;
+    Radiance part, around;
+    double behind = 0;
+  };
+  [[nodiscard]] InBandLight in_band_light(std::size_t row) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
@@ -139,6 +150,7 @@ class Pass {
   std::shared_ptr<const UnseenLight> unseen_;
   std::vector<std::vector<SeaGlint>> glitter_;  // [sun of the geometry]
   std::vector<double> brightest_;               // [row]
+  std::vector<InBandLight> in_band_light_;      // [row]
   std::vector<SourceTable> in_band_;            // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;                                // [row]: paths of the last order alone
