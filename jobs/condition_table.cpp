@@ -72,7 +72,9 @@ class CsvConditions {
  public:
   CsvConditions(std::string name, absl::string_view text, const schema::Sweep& sweep,
                 Findings& findings)
-      : name_(std::move(name)), text_(text), sweep_(sweep), findings_(findings) {}
+      : name_(std::move(name)), text_(text), sweep_(sweep), findings_(findings) {
+    (void)absl::ConsumePrefix(&text_, "\xef\xbb\xbf");  // a byte order mark
+  }
 
   std::vector<Written> read() {
     std::vector<Written> out;
@@ -123,7 +125,9 @@ class CsvConditions {
     for (const absl::string_view piece : absl::StrSplit(row, ',')) {
       const absl::string_view text = absl::StripAsciiWhitespace(piece);
       const auto lead = static_cast<std::size_t>(text.empty() ? 0 : text.data() - piece.data());
-      out.push_back({std::string(text), at + lead + 1});
+      // Spreadsheets quote texts; no name of a key has a comma.
+      const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+      out.push_back({std::string(quoted ? text.substr(1, text.size() - 2) : text), at + lead + 1});
       at += piece.size() + 1;
     }
     return out;

@@ -142,8 +142,8 @@ TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
 TEST(ConditionTable, ACsvFileHasAColumnForEachKey) {
   const auto sweep =
       with_csv(absl::StrCat("name = \"t\"\ncondition_file = \"c.csv\"", kTarget, kWeather),
-               "# made by hand\r\n"
-               "time, air_temperature_k, sea_temperature_k, part_temperature_k.box\r\n"
+               "\xef\xbb\xbf# made by hand\r\n"
+               "\"time\", air_temperature_k, sea_temperature_k, part_temperature_k.box\r\n"
                "2025-06-21T06:00:00Z, 288.5, 289, 290\r\n"
                "\r\n"
                "2025-06-21T12:00:00Z,      , 290, 305\r\n");
