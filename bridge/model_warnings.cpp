@@ -100,6 +100,13 @@ void see_placement(const schema::ResolvedSweep& sweep, const Mesh& mesh,
         absl::StrFormat("the model's lowest point is %.6g m above the %s: draft_m lowers it, "
                         "offset_m = [0, 0, 0] says that it is meant",
                         above_m, kind == "sea" ? "sea" : "ground"));
+  } else if (above_m > 50 && !placed && sweep.sweep().air().model() == "atmosphere") {
+    say("model.file",
+        absl::StrFormat(
+            "the model's lowest point is %.6g m up, but air and sky are taken 5 m above "
+            "the surface: lower it (draft_m = 0) and raise it with offset_m, which they "
+            "follow",
+            above_m));
   } else if (kind == "sea" && std::abs(above_m) <= 1e-3 * longest && !placed) {
     say("model.file",
         "the model stands on the sea with its lowest point at the waterline: draft_m says how deep "

@@ -284,7 +284,6 @@ class Expansion {
       rows = CsvConditions(sweep_.condition_file(), text->second, sweep_, findings_).read();
     }
     std::vector<Written> out;
-    std::map<std::pair<std::string, std::string>, std::string> seen;
     for (Written& row : rows) {
       split_time(row.season);
       const std::optional<Written> base = base_of(row, seasons);
@@ -298,12 +297,6 @@ class Expansion {
         add(whole, ".date", ".date is missing, expected a date, here or in its season: 2025-12-21");
       if (!season.has_name()) season.set_name(season.date());
       season.clear_season();
-      const auto [other, is_new] =
-          seen.try_emplace({season.name(), season.date() + season.time()}, whole.as);
-      if (!is_new && season.has_time())
-        add(whole, ".name",
-            absl::StrCat(" is \"", season.name(), "\" at the same time as ", other->second,
-                         ", expected a name of its own"));
     }
     return out;
   }

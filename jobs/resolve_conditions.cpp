@@ -1,5 +1,6 @@
 #include <cctype>
 #include <cstdlib>
+#include <map>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -91,6 +92,8 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
                                                              Findings& findings) {
   std::vector<std::vector<std::optional<UtcTime>>> instants(
       static_cast<std::size_t>(sweep.season_size()));
+  // Of a table's conditions, which may share a name.
+  std::map<std::pair<std::string, std::string>, int> seen;
   if (sweep.time_size() == 0) {
     findings.add("time",
                  "time is missing, expected one or more times of day: time = [\"10:30+09:00\"]");
@@ -127,6 +130,13 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
                                         earlier, "], expected different times"));
       }
       row.back() = *instant;
+      const auto [other, is_new] =
+          seen.try_emplace({season.name(), format_rfc3339_utc(*instant)}, s);
+      if (!is_new && season.has_time())
+        findings.add(
+            absl::StrCat("season[", s, "].name"),
+            absl::StrCat("season[", s, "] is \"", season.name(), "\" at the same time as season[",
+                         other->second, "], expected a name of its own"));
     }
   }
   return instants;

@@ -51,10 +51,11 @@ bool is_rough_sea(const schema::Surroundings& surroundings) {
 double target_height_m(const schema::ResolvedSweep& sweep) {
   constexpr double kModelFromFileM = 5;
   const schema::Model& model = sweep.sweep().model();
-  if (!model.has_generate()) return kModelFromFileM;
+  const double raised_m = model.offset_m_size() == 3 ? std::max(0.0, model.offset_m(2)) : 0;
+  if (!model.has_generate()) return kModelFromFileM + raised_m;
   // The frigate's mast rises as high above its deck as that above the water, and more.
   const bool ship = model.generate() == "frigate";
-  return std::max(1.0, ship ? model.height_m() : model.height_m() / 2);
+  return std::max(1.0, ship ? model.height_m() : model.height_m() / 2) + raised_m;
 }
 
 absl::StatusOr<Air> air_from_message(const schema::Air& message) {

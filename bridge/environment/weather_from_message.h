@@ -20,7 +20,8 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<Air> air_from_message(const schema::Air& message);
 
 // Height of the point that stands for the target, above the sea or ground: half the height of a
-// generated model, 5 m for one from a file, at least 1 m. A function of the resolved sweep alone,
+// generated model, 5 m for one from a file, at least 1 m; and as much more as model.offset_m raises
+// it. A function of the resolved sweep alone,
 // so that whoever evaluates a stored sweep anew finds the same air. 10 m more or less change the
 // amounts of a path that stays below 2 km by 0.5 % at most (water vapour halves in 1.5-2 km).
 [[nodiscard]] double target_height_m(const schema::ResolvedSweep& sweep);

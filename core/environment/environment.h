@@ -77,7 +77,7 @@ struct ViewEnvironment {
   std::vector<Spectrum> behind_interpolation, behind_model_error;
 
   // Of what the nodes give at the target: the most by which straight lines between a node and those
-  // beside it were found to err, between the rings and at ten places of each cell of a sunlit sky.
+  // beside it were found to err, half way between rings, and of sunlight at 25 places of each cell.
   // Summed with the weights of paths it bounds what narrow lobes see. Empty: none.
   std::vector<Spectrum> node_interpolation;
   // Relative interpolation error of the nodes' radiance between them: mean over the side's solid

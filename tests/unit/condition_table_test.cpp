@@ -224,6 +224,11 @@ TEST(ConditionTable, ErrorsStandWhereTheyWereWritten) {
                 "[[condition]]\ntime = \"12:00Z\"\n[[condition]]\ntime = \"12:00Z\"\n",
             "",
             {"condition[1] is \"summer\" at the same time as condition[0]"}},
+           {"the same instant in another zone",
+            top + target + kSummer +
+                "[[condition]]\ntime = \"12:00Z\"\n[[condition]]\ntime = \"14:00+02:00\"\n",
+            "",
+            {"condition[1] is \"summer\" at the same time as condition[0]"}},
            {"an unknown column",
             file + target + kSummer,
             "time,wind\n12:00Z,4\n",

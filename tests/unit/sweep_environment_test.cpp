@@ -57,6 +57,11 @@ TEST(SweepEnvironment, EveryAerosolHasItsName) {
 TEST(SweepEnvironment, SeesThroughTheAirOfEachSeason) {
   const schema::ResolvedSweep sweep = frigate(false);
   EXPECT_EQ(target_height_m(sweep), 6.4);
+  // Air and sky follow what is raised.
+  schema::ResolvedSweep raised = sweep;
+  for (const double m : {0.0, 0.0, 1000.0})
+    raised.mutable_sweep()->mutable_model()->add_offset_m(m);
+  EXPECT_EQ(target_height_m(raised), 1006.4);
   const auto environment = environment_of(sweep, std::vector<double>{4.0, 10.0});
   ASSERT_TRUE(environment.ok()) << environment.status();
   EXPECT_EQ((*environment)->conditions(), 3U);
