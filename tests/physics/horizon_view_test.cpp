@@ -5,6 +5,7 @@
 // one step; half of the sun's disk where its centre is on the apparent horizon. Source: h = (D -
 // sqrt(2 R' h_s))^2 / (2 R'), R' = R / (1 - k), k = -R dn/dh of the lowest air, for straight rays
 // above a sphere of radius R', to (h / R)^2 and the change of k over the heights met.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -180,6 +181,55 @@ TEST(HorizonView, TheSunsDiskIsCutByTheApparentHorizon) {
     const double lifted_deg = std::asin(-last_z) / kRadPerDeg - horizon_deg - 20 * kRadiusDeg;
     EXPECT_NEAR(lifted_deg, refraction ? 0.15 : 0, refraction ? 0.05 : 1e-9);
   }
+}
+
+// A level mirror beside the sun sees one direction of the sky: turned with sun and sensor, the
+// world is the same, and the nodes between which the sky is interpolated are not.
+TEST(HorizonView, AMirrorsSkyIsWithinItsErrorHoweverTheWorldIsTurned) {
+  CookTorrance mirror;
+  mirror.constants = {{2, 1.5, 7}, {15, 1.5, 7}};
+  mirror.roughness = 0.01;
+  Mesh plate;
+  plate.group = {"plate"};
+  plate.vertex = {{-1, -1, -2}, {1, -1, -2}, {1, 1, -2}, {-1, 1, -2}};
+  plate.triangle = {{0, 2, 1}, {0, 3, 2}};
+  plate.triangle_group = {0, 0};
+  SceneSpec scene = scene_of(plate, {"m", mirror}, {"MWIR", 3.5, 4.1, 0.3, {}});
+  scene.part[0].two_sided = true;
+  scene.spectral_breaks_um = air_band_edges_um(3.2, 4.4);
+  const auto simulator = simulator_of(scene);
+  std::vector<double> value, error;
+  for (const double turn_deg : {0.0, 3.0, 7.5}) {
+    const double z = 41.5 * kRadPerDeg, a = (100 + turn_deg) * kRadPerDeg;
+    const Vec<Body> sun{std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)};
+    ViewRequest r = request(*simulator, std::fmod(290 + turn_deg, 360), 40, 1000, {290});
+    r.accuracy.samples_per_replicate = 4096;
+    const WeatherSpec w{{air(), {AerosolKind::kMaritime, 23e3}},
+                        true,
+                        {LowerSpec::Kind::kRoughSea, 290, 1, 5},
+                        nullptr};
+    auto made = Environment::make({w}, {{0, true, sun, 1}}, 5, simulator->band_grids()[0].node_um);
+    ASSERT_TRUE(made.ok()) << made.status();
+    r.environment = *std::move(made);
+    ConditionSpec& c = r.condition[0];
+    c.surroundings.kind = SurroundingsKind::kSea;
+    c.sea_wind_m_s = 5;
+    c.sun = true;
+    c.sun_direction = r.environment->sun_seen(0).direction;
+    c.sun_cos_zenith = -c.sun_direction.z;
+    c.sun_horizon_z = r.environment->sun_seen(0).horizon_z;
+    c.sun_angular_radius_deg = 0.266;
+    c.sun_scale = 1;
+    r.max_reflections = 1;
+    const SignatureResult row = only_row(*simulator, r);
+    value.push_back(row.intensity_w_sr.value);
+    error.push_back(row.numerical_error_w_sr);
+  }
+  const auto [low, high] = std::minmax_element(value.begin(), value.end());
+  const double most = *std::max_element(error.begin(), error.end());
+  EXPECT_GT(*high - *low, 0.01 * *low) << "the nodes matter";
+  EXPECT_LT(*high - *low, 2 * most);
+  EXPECT_LT(most, 0.2 * *low);
 }
 
 // A wall that faces the setting sun: half of the disk gives half of the light.
