@@ -142,6 +142,25 @@ TEST(EffectsCheck, WhatMattersIsSeenToMatterAndBounded) {
   }
 }
 
+// What reaches the sensor by way of the target is not only what the target sends out itself.
+TEST(EffectsCheck, SunByWayOfTheTargetIsInTheBoundOfInterReflection) {
+  auto cells = hard_cells();
+  ASSERT_TRUE(cells.ok()) << cells.status();
+  for (MatrixCell& cell : *cells) {
+    if (cell.name != "two mirrors") continue;
+    cell.viewpoint.resize(1);
+    MatrixOptions options;
+    options.reference_paths = 0;
+    options.without = Effect::kInterReflection;
+    const auto checked = check_cell(cell, options, no_clock);
+    ASSERT_TRUE(checked.ok()) << checked.status();
+    EXPECT_GT(checked->summary.values, 0u);
+    EXPECT_EQ(checked->summary.out_of_bound, 0u);
+    return;
+  }
+  FAIL() << "there is no such cell";
+}
+
 TEST(EffectsCheck, AutomaticIsInsideItsBoundsAndNearTheReference) {
   for (const char* name :
        {"night lwir matt convex hot sea 0.5 km", "day mwir mirror cavity cold land 5 km",

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "core/scene/mesh_measure.h"
+#include "core/scene/target.h"
 #include "tests/unit/float32_files.h"
 
 namespace irsig {
@@ -280,6 +281,29 @@ TEST(Reference, BoxCentreAndBottomIgnoreUnusedVertices) {
   EXPECT_THAT(refusal("a.obj", text, how), HasSubstr("reference \"middle\""));
   EXPECT_THAT(refusal("a.obj", "v 100 0 0\nv 101 0 0\nv 100 1 0\nf 1 2 3\n"),
               HasSubstr("say reference = \"bbox_center\""));
+}
+
+TEST(Groups, OnePartTakesTheRest) {
+  Mesh mesh;
+  mesh.group = {"deck", "hull/port", "mast", "unused"};
+  mesh.triangle_group = {0, 1, 2};
+  PartSpec deck, rest;
+  deck.name = "deck";
+  rest.name = "others";
+  rest.rest = true;
+  for (const bool first : {false, true}) {
+    const std::uint32_t d = first ? 1 : 0, r = first ? 0 : 1;
+    const auto parts = first ? std::vector{rest, deck} : std::vector{deck, rest};
+    const auto of = part_of_groups(mesh, parts);
+    ASSERT_TRUE(of.ok()) << of.status();
+    EXPECT_THAT(*of, testing::ElementsAre(d, r, r, r));
+  }
+  EXPECT_THAT(std::string(part_of_groups(mesh, {deck, rest, rest}).status().message()),
+              testing::HasSubstr("part[2].rest: part \"others\" takes the rest already"));
+  PartSpec all = deck;
+  all.match = {"*"};
+  EXPECT_THAT(std::string(part_of_groups(mesh, {all, rest}).status().message()),
+              testing::HasSubstr("no group of the model is left for it"));
 }
 
 TEST(Groups, MatchWholeOrAnyOfTheirNames) {
