@@ -139,12 +139,12 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
       !status.ok())
     return status;
   const Target& target = (*simulator)->target();
-  const double reach = length(target.centre) + target.radius_m;
   for (const schema::Viewpoint& v : sweep.viewpoint()) {
-    if (!(v.range_m() > reach))
-      return absl::InvalidArgumentError(absl::StrCat(
-          "viewpoints.range_m: a sensor at ", v.range_m(),
-          " m is inside the target, which reaches ", reach, " m from its reference point"));
+    if (auto status = check_outside(target, {.aspect_azimuth_deg = v.aspect_azimuth_deg(),
+                                             .aspect_elevation_deg = v.aspect_elevation_deg(),
+                                             .range_m = v.range_m()});
+        !status.ok())
+      return status;
     if (v.range_m() > kMostRangeInSizes * target.radius_m)
       return absl::InvalidArgumentError(
           absl::StrCat("viewpoints.range_m: a sensor at ", v.range_m(), " m is more than ",

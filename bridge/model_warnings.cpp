@@ -44,8 +44,9 @@ Box box_of(const Mesh& mesh) {
   return box;
 }
 
-// Of the facets' area, what lies below z = 0 (body z is down), by their middles.
-double share_below(const Mesh& mesh) {
+}  // namespace
+
+double share_below_surface(const Mesh& mesh) {
   double below = 0, all = 0;
   for (const auto& t : mesh.triangle) {
     const Vec<Body> a = mesh.vertex[t[0]], b = mesh.vertex[t[1]], c = mesh.vertex[t[2]];
@@ -56,20 +57,38 @@ double share_below(const Mesh& mesh) {
   return all > 0 ? below / all : 0;
 }
 
-void see_placement(const schema::ResolvedSweep& sweep, const Mesh& mesh,
-                   std::vector<std::string>& out) {
-  const schema::Model& model = sweep.sweep().model();
+namespace {
+
+// Viewpoints so near that the target reaches past the sensor.
+void see_near_sensors(const schema::ResolvedSweep& sweep, const Mesh& mesh,
+                      std::vector<std::string>& out) {
+  double reach_m = 0;
+  for (const Vec<Body>& v : mesh.vertex) reach_m = std::max(reach_m, length(v));
+  const auto near =
+      std::count_if(sweep.viewpoint().begin(), sweep.viewpoint().end(),
+                    [&](const schema::Viewpoint& v) { return v.range_m() < reach_m; });
+  if (near > 0)
+    out.push_back(absl::StrFormat(
+        "viewpoints.range_m: %d of %d viewpoints are nearer than the target reaches (%.6g m): "
+        "their "
+        "intensities are range^2 times radiance times solid angle, and what stands behind the "
+        "target is taken at the azimuth of the reference point",
+        near, sweep.viewpoint_size(), reach_m));
+}
+
+}  // namespace
+
+std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& placement) {
+  std::vector<PlacementNote> out;
   const Box box = box_of(mesh);
   const Vec<Body> size = box.high - box.low, middle = 0.5 * (box.high + box.low);
   const double longest = std::max({size.x, size.y, size.z});
   const std::string is = absl::StrFormat("the model is %.6g m long, %.6g m wide and %.6g m high",
                                          size.x, size.y, size.z);
-  const auto say = [&](const char* path, const std::string& what) {
-    out.push_back(absl::StrCat(path, ": ", what));
-  };
+  const auto say = [&](const char* key, const std::string& what) { out.push_back({key, what}); };
   // Ships are up to 460 m long.
   if (longest > 1000 || longest < 0.05)
-    say("model.unit_m", absl::StrCat(is, ": is unit_m = ", model.unit_m(), " right?"));
+    say("model.unit_m", absl::StrCat(is, ": is unit_m = ", placement.unit_m, " right?"));
   if (size.z > 2 * std::max(size.x, size.y))
     say("model.up_axis", absl::StrCat(is,
                                       ": does it stand on end? up_axis is the file's axis that "
@@ -84,45 +103,51 @@ void see_placement(const schema::ResolvedSweep& sweep, const Mesh& mesh,
         absl::StrFormat("the model's middle is %.6g m away from the reference point, around which "
                         "the sensor moves: reference = \"bbox_bottom_center\" puts it there",
                         aside));
-  if (sweep.condition_size() == 0) return;
-  const std::string& kind = sweep.condition(0).surroundings().kind();
-  if (kind != "sea" && kind != "ground") return;
+  const std::string& kind = placement.surroundings;
+  if (kind != "sea" && kind != "ground") return out;
   const double above_m = -box.high.z;  // of the lowest point
-  const bool placed = model.has_draft_m() || model.offset_m_size() > 0;
-  if (const double below = share_below(mesh); below > 0.7 || (kind == "ground" && below > 0.02)) {
+  if (const double below = share_below_surface(mesh);
+      below > 0.7 || (kind == "ground" && below > 0.02)) {
     say("model.file",
         absl::StrFormat("%.0f %% of the model's area lie below the %s, where nothing is seen: %s",
                         100 * below, kind == "sea" ? "waterline" : "ground",
                         kind == "sea" ? "draft_m says how deep it floats"
                                       : "draft_m = 0 puts it on the ground"));
-  } else if (above_m > 0.02 * longest && above_m < longest && !placed) {
+  } else if (above_m > 0.02 * longest && above_m < longest && !placement.placed) {
     say("model.file",
         absl::StrFormat("the model's lowest point is %.6g m above the %s: draft_m lowers it, "
                         "offset_m = [0, 0, 0] says that it is meant",
                         above_m, kind == "sea" ? "sea" : "ground"));
-  } else if (above_m > 50 && !placed && sweep.sweep().air().model() == "atmosphere") {
+  } else if (above_m > 50 && !placement.placed && placement.atmosphere) {
     say("model.file",
         absl::StrFormat(
             "the model's lowest point is %.6g m up, but air and sky are taken 5 m above "
             "the surface: lower it (draft_m = 0) and raise it with offset_m, which they "
             "follow",
             above_m));
-  } else if (kind == "sea" && std::abs(above_m) <= 1e-3 * longest && !placed) {
+  } else if (kind == "sea" && std::abs(above_m) <= 1e-3 * longest && !placement.placed) {
     say("model.file",
         "the model stands on the sea with its lowest point at the waterline: draft_m says how deep "
         "a hull with a keel floats; draft_m = 0 that it ends there");
   }
+  return out;
 }
-
-}  // namespace
 
 std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
                                         const SceneSpec& scene) {
   std::vector<std::string> out;
+  see_near_sensors(sweep, scene.mesh, out);
   const schema::Model& model = sweep.sweep().model();
   if (!model.has_file()) return out;
   if (!model.has_accepted_backface_share()) see_open_parts(scene, out);
-  see_placement(sweep, scene.mesh, out);
+  Placement placement{.unit_m = model.unit_m(),
+                      .placed = model.has_draft_m() || model.offset_m_size() > 0,
+                      .surroundings = sweep.condition_size() > 0
+                                          ? sweep.condition(0).surroundings().kind()
+                                          : std::string(),
+                      .atmosphere = sweep.sweep().air().model() == "atmosphere"};
+  for (const PlacementNote& note : placement_notes(scene.mesh, placement))
+    out.push_back(absl::StrCat(note.key, ": ", note.text));
   return out;
 }
 

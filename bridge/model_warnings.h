@@ -8,9 +8,29 @@
 
 namespace irsig {
 
+// Where a model is to stand, as far as a sweep or a user says.
+struct Placement {
+  double unit_m = 1;
+  bool placed = false;       // draft_m or offset_m is stated
+  std::string surroundings;  // "sea", "ground"; else nothing is said about where it stands
+  bool atmosphere = false;   // real air, whose properties change with height
+};
+struct PlacementNote {
+  std::string key;  // of the sweep file: "model.unit_m"
+  std::string text;
+};
+// Size, axes, and over a sea or ground where it floats or stands: what suggests that a key is
+// wrong.
+[[nodiscard]] std::vector<PlacementNote> placement_notes(const Mesh& mesh,
+                                                         const Placement& placement);
+
+// Of the facets' area, what lies below z = 0, by their middles: 0 to 1.
+[[nodiscard]] double share_below_surface(const Mesh& mesh);
+
 // What is odd about a model from a file, for people, each as "<path>: <what>". One-sided parts with
 // facets of open shells (not where the sweep states model.accepted_backface_share); a size that
-// suggests another unit; axes that suggest others; over a sea or ground, where it floats or stands.
+// suggests another unit; axes that suggest others; over a sea or ground, where it floats or stands;
+// sensors nearer than the target reaches (of generated models too).
 [[nodiscard]] std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
                                                       const SceneSpec& scene);
 

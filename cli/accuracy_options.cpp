@@ -13,6 +13,13 @@ void add_accuracy_options(CLI::App& command, AccuracyAsked& accuracy, std::uint3
                   "wall time to spend, instead of the sweep file's [accuracy]")
       ->excludes(error);
   add_effects_option(command, accuracy);
+  add_size_option(command, accuracy);
+}
+
+void add_size_option(CLI::App& command, AccuracyAsked& accuracy) {
+  accuracy.any_size = false;
+  command.add_flag("--yes", accuracy.any_size,
+                   "go on though the sweep is larger than irsig takes unasked");
 }
 
 void add_effects_option(CLI::App& command, AccuracyAsked& accuracy) {

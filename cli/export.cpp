@@ -5,21 +5,30 @@
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
+#include "cli/output_options.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {
 
 struct ExportCommand {
-  explicit ExportCommand(CLI::App& command) : filter(command) {}
+  explicit ExportCommand(CLI::App& command) : filter(command), output(command, {"csv", "netcdf"}) {
+    output.out_option()->required();
+  }
   FilterOptions filter;
-  std::string format, out;
+  OutputOptions output;
 
   [[nodiscard]] absl::Status run() const {
     auto query = filter.query();
     if (!query.ok()) return query.status();
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
-    return export_file(**reader, *query, format, out);
+    const auto format = output.format();
+    if (!format.ok()) return format.status();
+    if (output.out() != "-") return export_file(**reader, *query, *format, output.out());
+    if (*format != "csv")
+      return absl::InvalidArgumentError("--out -: netcdf needs a file, only csv can be streamed");
+    return export_csv(**reader, *query, data_output());
   }
 };
 
@@ -31,13 +40,6 @@ void add_export(CLI::App& app, int& exit_code) {
       "Write signatures to a file: csv (one line each) or netcdf (netCDF-4 with CF "
       "attributes: scalars, causes, parts and spectra)");
   const auto options = std::make_shared<ExportCommand>(*command);
-  command->add_option("--format", options->format, "csv or netcdf")
-      ->required()
-      ->type_name("FORMAT")
-      ->check(CLI::IsMember({"csv", "netcdf"}));
-  command->add_option("--out", options->out, "File to write, replaced when complete")
-      ->required()
-      ->type_name("FILE");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

@@ -54,7 +54,10 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
 // The first word that names a command, if it names none.
 std::string unknown_command(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
-  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "-h" || word == "--help") continue;  // of a command that there is
+    if (word.starts_with("-")) break;
     const std::vector<std::string> known = names_of(*at, false);
     // `irsig model frigate`: a word of its own.
     const bool takes_words =

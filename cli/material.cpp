@@ -11,10 +11,9 @@
 #include "cli/choose_material.h"
 #include "cli/commands.h"
 #include "cli/material_plot.h"
+#include "cli/output_options.h"
 #include "core/materials/material_check.h"
 #include "core/materials/optical/angular_table.h"
-#include "view/atomic_file.h"
-#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -24,18 +23,16 @@ std::string range_text(const WavelengthRange& range) {
   return range.everywhere ? "any" : fmt::format("{:g} to {:g}", range.min_um, range.max_um);
 }
 
-absl::StatusOr<std::unique_ptr<TableWriter>> writer(bool csv, const std::vector<Column>& columns) {
-  return make_table_writer(csv ? "csv" : "table", columns, data_output());
-}
-
-absl::Status list(bool csv) {
-  const auto table = writer(csv, {{"name"},
-                                  {"kind"},
-                                  {"lambda_um"},
-                                  {"description"},
-                                  {"source", csv},
-                                  {"licence", csv},
-                                  {"provenance", csv}});
+absl::Status list(std::string_view format, std::ostream& out) {
+  const auto table = make_table_writer(format,
+                                       {{"name"},
+                                        {"kind"},
+                                        {"lambda_um"},
+                                        {"description"},
+                                        {"source", false},
+                                        {"licence", false},
+                                        {"provenance", false}},
+                                       out);
   if (!table.ok()) return table.status();
   for (const LibraryEntry& e : material_library())
     (*table)->row({e.spec.name, model_kind(e.spec), range_text(wavelength_range(e.spec)),
@@ -56,39 +53,42 @@ absl::Status list(bool csv) {
 }
 
 struct ShowOptions {
+  explicit ShowOptions(CLI::App& command) : output(command, {"text", "csv", "json"}) {}
+  OutputOptions output;
   std::string name;
   std::vector<double> lambda_um;
   std::vector<double> theta_i_deg = {0, 15, 30, 45, 60, 70, 75, 80, 85, 89};
-  bool csv = false;
 };
 
-absl::Status print_long(const AngularTable& table, bool csv) {
-  const auto out = writer(csv, {{"lambda_um"}, {"theta_i_deg"}, {"dhr"}, {"emissivity"}});
-  if (!out.ok()) return out.status();
+absl::Status write_long(const AngularTable& table, std::string_view format, std::ostream& out) {
+  const auto writer =
+      make_table_writer(format, {{"lambda_um"}, {"theta_i_deg"}, {"dhr"}, {"emissivity"}}, out);
+  if (!writer.ok()) return writer.status();
   for (const AngularValue& v : table.value)
-    (*out)->row({v.lambda_um, v.theta_i_deg, v.dhr, v.emissivity});
-  return (*out)->finish();
+    (*writer)->row({v.lambda_um, v.theta_i_deg, v.dhr, v.emissivity});
+  return (*writer)->finish();
 }
 
 // For people: one line an angle, two columns a wavelength.
-absl::Status print_wide(const AngularTable& table, std::size_t wavelengths, std::size_t angles) {
+absl::Status write_wide(const AngularTable& table, std::size_t wavelengths, std::size_t angles,
+                        std::ostream& out) {
   std::vector<Column> columns = {{"theta_i_deg"}};
   for (std::size_t i = 0; i < wavelengths; ++i) {
     const double um = table.value[i * angles].lambda_um;
     columns.push_back({fmt::format("dhr {:g} um", um)});
     columns.push_back({fmt::format("emissivity {:g} um", um)});
   }
-  const auto out = writer(false, columns);
-  if (!out.ok()) return out.status();
+  const auto writer = make_table_writer("text", columns, out);
+  if (!writer.ok()) return writer.status();
   for (std::size_t t = 0; t < angles; ++t) {
     std::vector<Cell> cells = {table.value[t].theta_i_deg};
     for (std::size_t i = 0; i < wavelengths; ++i) {
       cells.emplace_back(table.value[i * angles + t].dhr);
       cells.emplace_back(table.value[i * angles + t].emissivity);
     }
-    (*out)->row(cells);
+    (*writer)->row(cells);
   }
-  return (*out)->finish();
+  return (*writer)->finish();
 }
 
 absl::Status show(const ShowOptions& asked) {
@@ -98,22 +98,26 @@ absl::Status show(const ShowOptions& asked) {
   const auto table = angular_table(material->spec, lambda_um, asked.theta_i_deg);
   if (!table.ok())
     return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", table.status().message()));
-  if (asked.csv) return print_long(*table, true);
-  print_text("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
-             range_text(wavelength_range(material->spec)));
-  const LibraryEntry& e = material->entry;
-  if (!e.description.empty())
-    print_text("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
-               e.provenance);
-  if (table->creates_energy)
-    print_text("It creates energy: dhr + emissivity is above 1 somewhere.\n");
-  print_text("\n");
-  std::fflush(stdout);
-  return print_wide(*table, lambda_um.size(), asked.theta_i_deg.size());
+  return asked.output.write([&](std::string_view format, std::ostream& out) {
+    if (format != "text") return write_long(*table, format, out);
+    out << fmt::format("{}: {}, known at {} um\n", material->spec.name, model_kind(material->spec),
+                       range_text(wavelength_range(material->spec)));
+    const LibraryEntry& e = material->entry;
+    if (!e.description.empty())
+      out << fmt::format("{}\nsource: {}\nlicence: {}\n{}\n", e.description, e.source, e.licence,
+                         e.provenance);
+    if (table->creates_energy) out << "It creates energy: dhr + emissivity is above 1 somewhere.\n";
+    out << "\n";
+    return write_wide(*table, lambda_um.size(), asked.theta_i_deg.size(), out);
+  });
 }
 
 struct PlotOptions {
-  std::string name, out;
+  explicit PlotOptions(CLI::App& command) : output(command, {"svg"}) {
+    output.out_option()->required();
+  }
+  OutputOptions output;
+  std::string name;
   std::vector<double> lambda_um;
   double min_um = 0, max_um = 0;
 };
@@ -131,7 +135,7 @@ absl::Status plot(const PlotOptions& asked) {
   const auto svg = plot_material(*material);
   if (!svg.ok())
     return absl::InvalidArgumentError(absl::StrCat(asked.name, ": ", svg.status().message()));
-  return replace_file(asked.out, *svg);
+  return asked.output.write(*svg);
 }
 
 // The ends of where it is known, and the usual wavelengths between them.
@@ -145,7 +149,12 @@ std::vector<double> checked_um(const ChosenMaterial& material) {
   return out;
 }
 
-absl::Status check(const std::string& name, const std::string& sweep, bool csv) {
+struct CheckCount {
+  std::size_t rows = 0, failed = 0;
+};
+
+absl::Status check(const std::string& name, const std::string& sweep, std::string_view format,
+                   std::ostream& to, CheckCount& count) {
   std::vector<ChosenMaterial> materials;
   if (!sweep.empty()) {
     auto all = materials_of_sweep(sweep);
@@ -158,25 +167,21 @@ absl::Status check(const std::string& name, const std::string& sweep, bool csv) 
     if (!one.ok()) return one.status();
     materials.push_back(*std::move(one));
   }
-  const auto out =
-      writer(csv, {{"material"}, {"check"}, {"worst"}, {"bound"}, {"passed"}, {"where"}});
+  const auto out = make_table_writer(
+      format, {{"material"}, {"check"}, {"worst"}, {"bound"}, {"passed"}, {"where"}}, to);
   if (!out.ok()) return out.status();
-  std::size_t rows = 0, failed = 0;
   for (const ChosenMaterial& material : materials) {
     const auto found = check_material(material.spec, checked_um(material));
     if (!found.ok())
       return absl::InvalidArgumentError(
           absl::StrCat(material.spec.name, ": ", found.status().message()));
     for (const MaterialCheckRow& row : *found) {
-      ++rows;
-      failed += row.passed ? 0 : 1;
+      ++count.rows;
+      count.failed += row.passed ? 0 : 1;
       (*out)->row({material.spec.name, row.check, row.worst, row.bound, row.passed, row.where});
     }
   }
-  if (const absl::Status status = (*out)->finish(); !status.ok()) return status;
-  if (failed > 0)
-    return absl::FailedPreconditionError(absl::StrCat(failed, " of ", rows, " checks failed"));
-  return absl::OkStatus();
+  return (*out)->finish();
 }
 
 constexpr const char* kNameHelp = "A name that `list` prints, or SWEEP.toml:MATERIAL";
@@ -188,35 +193,36 @@ void add_material(CLI::App& app, int& exit_code) {
       "material", "The material library, and what any material reflects and emits");
   material->require_subcommand(1);
 
-  const auto list_csv = std::make_shared<bool>(false);
   CLI::App* list_command =
       material->add_subcommand("list", "Materials that come with irsig, and where they are from");
-  list_command->add_flag("--csv", *list_csv, "As CSV, with sources, licences and provenance");
-  list_command->callback([list_csv, &exit_code] { exit_code = report(list(*list_csv)); });
+  const auto listed = std::make_shared<OutputOptions>(
+      *list_command, std::vector<std::string>{"text", "csv", "json"});
+  list_command->footer("csv and json also have sources, licences and provenance.");
+  list_command->callback([listed, &exit_code] { exit_code = report(listed->write(list)); });
 
-  const auto shown = std::make_shared<ShowOptions>();
   CLI::App* show_command = material->add_subcommand(
       "show", "Reflectance (DHR) and emissivity against angle and wavelength");
-  show_command->add_option("material", shown->name, kNameHelp)->required()->type_name("NAME");
-  show_command->add_option("--lambda-um", shown->lambda_um, "Wavelengths")
+  const auto shown = std::make_shared<ShowOptions>(*show_command);
+  show_command->add_option("MATERIAL", shown->name, kNameHelp)->required()->type_name("NAME");
+  show_command->add_option("--lambda-um", shown->lambda_um, "Wavelengths, separated by commas")
       ->type_name("UM")
+      ->delimiter(',')
       ->check(CLI::PositiveNumber);
   show_command->add_option("--theta-i-deg", shown->theta_i_deg, "Angles from the normal, 0 to 90")
       ->type_name("DEG")
+      ->delimiter(',')
       ->check(CLI::Range(0.0, 90.0));
-  show_command->add_flag("--csv", shown->csv, "One line an angle and wavelength, every digit");
+  show_command->footer("csv and json have one line for each angle and wavelength.");
   show_command->callback([shown, &exit_code] { exit_code = report(show(*shown)); });
 
-  const auto plotted = std::make_shared<PlotOptions>();
   CLI::App* plot_command =
       material->add_subcommand("plot", "Both against angle and against wavelength, as SVG");
-  plot_command->add_option("material", plotted->name, kNameHelp)->required()->type_name("NAME");
-  plot_command->add_option("--out", plotted->out, "File to write, replaced when complete")
-      ->required()
-      ->type_name("FILE.svg");
+  const auto plotted = std::make_shared<PlotOptions>(*plot_command);
+  plot_command->add_option("MATERIAL", plotted->name, kNameHelp)->required()->type_name("NAME");
   plot_command
       ->add_option("--lambda-um", plotted->lambda_um, "Wavelengths of the curves over angle")
       ->type_name("UM")
+      ->delimiter(',')
       ->check(CLI::PositiveNumber);
   plot_command
       ->add_option("--lambda-min-um", plotted->min_um, "Shortest of the curves over wavelength")
@@ -229,25 +235,32 @@ void add_material(CLI::App& app, int& exit_code) {
   plot_command->callback([plotted, &exit_code] { exit_code = report(plot(*plotted)); });
 
   struct CheckOptions {
+    explicit CheckOptions(CLI::App& command) : output(command, {"text", "csv", "json"}) {}
+    OutputOptions output;
     std::string name, sweep;
-    bool csv = false;
+
+    [[nodiscard]] absl::Status run() const {
+      if (name.empty() && sweep.empty())
+        return absl::InvalidArgumentError("material check: name one, or --sweep FILE");
+      CheckCount count;
+      const absl::Status status = output.write([&](std::string_view format, std::ostream& out) {
+        return check(name, sweep, format, out, count);
+      });
+      if (!status.ok() || count.failed == 0) return status;
+      return absl::FailedPreconditionError(
+          absl::StrCat(count.failed, " of ", count.rows, " checks failed"));
+    }
   };
-  const auto checked = std::make_shared<CheckOptions>();
   CLI::App* check_command = material->add_subcommand(
       "check", "Reciprocity, energy, emissivity + DHR = 1, sampling; exit code 1 if one fails");
+  const auto checked = std::make_shared<CheckOptions>(*check_command);
   CLI::Option* name =
-      check_command->add_option("material", checked->name, kNameHelp)->type_name("NAME");
+      check_command->add_option("MATERIAL", checked->name, kNameHelp)->type_name("NAME");
   CLI::Option* sweep =
       check_command->add_option("--sweep", checked->sweep, "Every material of a sweep file")
           ->type_name("FILE");
   name->excludes(sweep);
-  check_command->add_flag("--csv", checked->csv, "As CSV");
-  check_command->callback([checked, &exit_code] {
-    exit_code =
-        checked->name.empty() && checked->sweep.empty()
-            ? report(absl::InvalidArgumentError("material check: name one, or --sweep FILE"))
-            : report(check(checked->name, checked->sweep, checked->csv));
-  });
+  check_command->callback([checked, &exit_code] { exit_code = report(checked->run()); });
 }
 
 }  // namespace irsig

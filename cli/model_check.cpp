@@ -1,10 +1,15 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
 
+#include "bridge/model_warnings.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
+#include "core/base/printable.h"
 #include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
+#include "core/scene/mesh_measure.h"
 #include "fmt/format.h"
 #include "view/atomic_file.h"
 #include "view/print.h"
@@ -13,7 +18,69 @@
 namespace irsig {
 namespace {
 
-std::string as_json(const std::string& file, const LintReport& report) {
+// What is said of a model beside its faults.
+struct ModelFacts {
+  MeshMeasure measure;
+  std::vector<std::string> group;
+  std::vector<std::uint64_t> facets;  // of the groups
+  double below_share = 0;             // of the area, below z = 0
+  std::vector<PlacementNote> note;
+};
+
+ModelFacts facts_of(const Mesh& mesh, const Placement& placement) {
+  ModelFacts facts{
+      measure(mesh), mesh.group, {}, share_below_surface(mesh), placement_notes(mesh, placement)};
+  facts.facets.assign(mesh.group.size(), 0);
+  for (const std::uint32_t g : mesh.triangle_group) ++facts.facets[g];
+  return facts;
+}
+
+// Heights are up, mesh coordinates down.
+struct Bound {
+  const char* axis;
+  double least, most;
+};
+std::vector<Bound> bounds_of(const MeshMeasure& m) {
+  return {{"forward", m.box_min.x, m.box_max.x},
+          {"starboard", m.box_min.y, m.box_max.y},
+          {"height", 0.0 - m.box_max.z, 0.0 - m.box_min.z}};
+}
+
+std::string as_json(const ModelFacts& facts) {
+  std::string out = fmt::format("\"area_m2\": {:.9g}, \"bounds_m\": {{", facts.measure.area_m2);
+  for (const Bound& b : bounds_of(facts.measure))
+    out += fmt::format("{}\"{}\": [{:.9g}, {:.9g}]", b.axis == std::string("forward") ? "" : ", ",
+                       b.axis, b.least, b.most);
+  out += fmt::format("}}, \"below_waterline_share\": {:.6g}, \"groups\": [", facts.below_share);
+  for (std::size_t g = 0; g < facts.group.size(); ++g)
+    out += fmt::format("{}\n {{\"group\": {}, \"facets\": {}, \"area_m2\": {:.9g}}}",
+                       g == 0 ? "" : ",", json_string(facts.group[g]), facts.facets[g],
+                       facts.measure.group_area_m2[g]);
+  out += "], \"notes\": [";
+  for (const PlacementNote& note : facts.note)
+    out +=
+        fmt::format("{}\n {{\"key\": {}, \"text\": {}}}", &note == &facts.note.front() ? "" : ",",
+                    json_string(note.key), json_string(note.text));
+  return out + "]";
+}
+
+std::string as_text(const ModelFacts& facts) {
+  std::string out;
+  for (const Bound& b : bounds_of(facts.measure))
+    out += fmt::format("{:<10}{:>12.6g} to {:<12.6g} m\n", b.axis, b.least, b.most);
+  out += fmt::format("waterline  height 0: {:.3g} % of {:.6g} m2 lie below it\n",
+                     100 * facts.below_share, facts.measure.area_m2);
+  constexpr std::size_t kListed = 100;
+  out += fmt::format("{} group{}\n", facts.group.size(), facts.group.size() == 1 ? "" : "s");
+  for (std::size_t g = 0; g < std::min(kListed, facts.group.size()); ++g)
+    out += fmt::format("          {}: {} facets, {:.6g} m2\n", one_line(facts.group[g]),
+                       facts.facets[g], facts.measure.group_area_m2[g]);
+  if (facts.group.size() > kListed)
+    out += fmt::format("          and {} more\n", facts.group.size() - kListed);
+  return out;
+}
+
+std::string as_json(const std::string& file, const LintReport& report, const ModelFacts& facts) {
   std::string out = fmt::format(
       "{{\"file\": {}, \"facets\": {}, \"vertices\": {}, \"shells\": {}, \"closed_shells\": {}, "
       "\"size_m\": [{:.9g}, {:.9g}, {:.9g}], \"errors\": {}, \"findings\": [",
@@ -34,14 +101,15 @@ std::string as_json(const std::string& file, const LintReport& report) {
     out +=
         fmt::format("{}{{\"group\": {}, \"facets\": {}}}",
                     &g == &report.open_group.front() ? "" : ", ", json_string(g.group), g.facets);
-  return out + "]}\n";
+  return out + "], " + as_json(facts) + "}\n";
 }
 
-std::string as_text(const std::string& file, const LintReport& report) {
+std::string as_text(const std::string& file, const LintReport& report, const ModelFacts& facts) {
   std::string out =
       fmt::format("{}: {} facets, {} vertices, {} shells ({} closed), {:.6g} x {:.6g} x {:.6g} m\n",
                   file, report.facets, report.vertices, report.shells, report.closed_shells,
                   report.size_m.x, report.size_m.y, report.size_m.z);
+  out += as_text(facts);
   for (const LintFinding& f : report.finding) {
     out += fmt::format("{} {}: {}{}{}\n", f.is_error ? "error  " : "warning", fault_name(f.fault),
                        f.count, f.note.empty() ? "" : "  ", f.note);
@@ -52,6 +120,16 @@ std::string as_text(const std::string& file, const LintReport& report) {
                          p.number + 1, p.at.x, p.at.y, p.at.z);
   }
   if (report.finding.empty()) out += "nothing found\n";
+  for (const PlacementNote& note : facts.note)
+    out += fmt::format("sweep file: {}: {}\n", note.key, note.text);
+  const bool repairable =
+      std::any_of(report.finding.begin(), report.finding.end(), [](const LintFinding& f) {
+        return f.fault == MeshFault::kInconsistentFacet || f.fault == MeshFault::kInsideOut ||
+               f.fault == MeshFault::kDuplicateFacet || f.fault == MeshFault::kZeroArea ||
+               f.fault == MeshFault::kUnusedVertex || f.fault == MeshFault::kDuplicateVertex;
+      });
+  if (repairable)
+    out += "proposed: --repair OUT.obj mends windings, duplicates and what has no area\n";
   if (report.open_group.empty()) return out;
   out +=
       "proposed in the sweep file, if these are sheets and not bodies with holes: two_sided = true "
@@ -81,10 +159,11 @@ std::string as_text(const RepairLog& log, const std::string& file) {
 }
 
 struct CheckCommand {
+  explicit CheckCommand(CLI::App& command) : output(command, {"text", "json"}) {}
+  OutputOptions output;
   MeshImport how;
   LintOptions options;
-  bool json = false;
-  std::string repaired;
+  std::string repaired, surroundings = "sea";
 
   // The exit code, when nothing failed: 2 when the model has errors.
   [[nodiscard]] absl::StatusOr<int> run() const {
@@ -95,6 +174,8 @@ struct CheckCommand {
     const absl::StatusOr<Mesh> mesh = import_mesh(*bytes, how);
     if (!mesh.ok()) return mesh.status();
     LintReport found = lint(*mesh, options);
+    const Placement placement{how.unit_m, false, surroundings, false};
+    ModelFacts facts = facts_of(*mesh, placement);
     if (!repaired.empty()) {
       const RepairedMesh result = repair(*mesh);
       if (result.mesh.triangle.empty())
@@ -104,9 +185,15 @@ struct CheckCommand {
       // Standard output belongs to the report on what was written.
       print_plain(stderr, as_text(result.log, repaired));
       found = lint(result.mesh, options);
+      facts = facts_of(result.mesh, placement);
     }
     const std::string& of = repaired.empty() ? how.file_name : repaired;
-    print_plain(stdout, json ? as_json(of, found) : as_text(of, found));
+    const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
+      out << (format == "json" ? as_json(of, found, facts) : as_text(of, found, facts))
+          << std::flush;
+      return absl::OkStatus();
+    });
+    if (!written.ok()) return written;
     return found.has_errors() ? 2 : 0;
   }
 };
@@ -118,8 +205,8 @@ void add_model_check(CLI::App& model, int& exit_code) {
       "check",
       "What is wrong with a model file: holes, facets inside out, duplicates, needles, "
       "intersections, its unit. Exit code 2 when there are errors");
-  const auto options = std::make_shared<CheckCommand>();
-  command->add_option("file", options->how.file_name, "OBJ, PLY, STL, glTF or GLB")
+  const auto options = std::make_shared<CheckCommand>(*command);
+  command->add_option("MODEL", options->how.file_name, "OBJ, PLY, STL, glTF or GLB")
       ->required()
       ->type_name("FILE");
   command->add_option("--unit-m", options->how.unit_m, "Metres in the file's unit")->type_name("M");
@@ -130,11 +217,15 @@ void add_model_check(CLI::App& model, int& exit_code) {
       ->add_option("--reference", options->how.reference,
                    "origin (default), bbox_center or bbox_bottom_center")
       ->type_name("NAME");
+  command
+      ->add_option("--surroundings", options->surroundings,
+                   "What it is to stand on: sea (default), ground or none")
+      ->check(CLI::IsMember({"sea", "ground", "none"}))
+      ->type_name("KIND");
   command->add_option("--places", options->options.places, "Places to list of each fault (5)")
       ->type_name("N");
   command->add_flag("--open-surfaces", options->options.open_surfaces,
                     "Sheets are meant: open edges are no error");
-  command->add_flag("--json", options->json, "The report as JSON");
   command
       ->add_option("--repair", options->repaired,
                    "Write a repaired copy as OBJ (metres, body axes) and report on that")

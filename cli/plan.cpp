@@ -4,20 +4,27 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "fmt/format.h"
+#include "fmt/ostream.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
 #include "view/print.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
 
 struct PlanAsked {
+  explicit PlanAsked(CLI::App& command) : output(command, {"text", "csv", "json"}) {}
   std::string sweep_path, db_path;
   std::uint32_t workers = 0;
   AccuracyAsked accuracy;
+  OutputOptions output;
 };
+
+constexpr double kTablePercent[] = {10, 3, 1, 0.3, 0.1, 0.03};
 
 std::string accuracy_text(const schema::Accuracy& accuracy) {
   if (accuracy.has_target_paths())
@@ -46,30 +53,32 @@ std::string what_keeps(const SweepCost& cost, std::uint64_t max_samples, double 
   return text;
 }
 
-void print_table(const SweepPilot& pilot, std::uint32_t workers, double floor_k) {
+void print_table(std::ostream& out, const SweepPilot& pilot, std::uint32_t workers,
+                 double floor_k) {
   if (pilot.rule.relative_error <= 0) {
-    print_text("\nFor the table of time against error, ask with --relative-error.\n");
+    fmt::print(out, "\nFor the table of time against error, ask with --relative-error.\n");
     return;
   }
-  print_text(
-      "\nrelative error -> median samples a replicate, CPU time, wall time on {} worker{}, "
-      "rows that reach it\n",
-      workers, workers == 1 ? "" : "s");
-  for (const double percent : {10.0, 3.0, 1.0, 0.3, 0.1, 0.03}) {
+  fmt::print(out,
+             "\nrelative error -> median samples a replicate, CPU time, wall time on {} worker{}, "
+             "rows that reach it\n",
+             workers, workers == 1 ? "" : "s");
+  for (const double percent : kTablePercent) {
     CountRule rule = pilot.rule;
     rule.relative_error = percent / 100;
     const SweepCost cost = sweep_cost(view_costs(pilot, rule), pilot.views, pilot.jobs_per_view,
                                       workers, pilot.start_s);
-    print_text("{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
+    fmt::print(out, "{:>6g} % {:>10.0f} {:>10} {:>10} {:>6.3g} %{}\n", percent, cost.median_samples,
                seconds_text(cost.cpu_s), seconds_text(cost.wall_s), 100 * cost.reached_share,
                what_keeps(cost, rule.max_samples_per_replicate, floor_k));
   }
 }
 
 // The pilot's rows have the effects that the asked accuracy calls for.
-void print_effects(const SweepPilot& pilot) {
+void print_effects(std::ostream& out, const SweepPilot& pilot) {
   const auto summary = summarize_effects(pilot.ledger);
-  print_text(
+  fmt::print(
+      out,
       "\neffects in the pilot's {} rows, for the accuracy asked; bounds relative to the intensity; "
       "times of its\n{} view{}, estimated\n{}",
       pilot.ledger.size(), pilot.view.size(), pilot.view.size() == 1 ? "" : "s",
@@ -79,56 +88,114 @@ void print_effects(const SweepPilot& pilot) {
     if (!std::isnan(effect.saved_s)) saved_s += effect.saved_s;
   const double views = static_cast<double>(pilot.views) / static_cast<double>(pilot.view.size());
   if (saved_s > 0)
-    print_text(
-        "what is off saves an estimated {} of CPU time or more in all {} views, at the "
-        "pilot's samples\n",
-        seconds_text(views * saved_s), pilot.views);
+    fmt::print(out,
+               "what is off saves an estimated {} of CPU time or more in all {} views, at the "
+               "pilot's samples\n",
+               seconds_text(views * saved_s), pilot.views);
 }
 
-absl::Status plan_sweep(PlanAsked asked) {
+void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& pilot,
+                const StoredPrediction& p) {
+  const schema::ResolvedSweep& sweep = loaded.resolved;
+  const double floor_k = sweep.sweep().accuracy().absolute_error_k();
+  const auto workers = static_cast<std::uint32_t>(p.workers);
+  const SweepCost cost = sweep_cost(view_costs(pilot, pilot.rule), pilot.views, pilot.jobs_per_view,
+                                    workers, pilot.start_s);
+  fmt::print(out, "{}: {} viewpoints x {} conditions x {} bands = {} rows, in {} jobs\n",
+             sweep.sweep().name(), pilot.views, sweep.condition_size(), sweep.sweep().band_size(),
+             loaded.size.rows(), p.jobs);
+  fmt::print(out, "asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
+  fmt::print(
+      out, "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",
+      seconds_text(p.job_cpu_median_s), seconds_text(p.job_cpu_quartile1_s),
+      seconds_text(p.job_cpu_quartile3_s), cost.median_samples);
+  fmt::print(out, "CPU time   {}\n", seconds_text(p.cpu_s));
+  fmt::print(out, "wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
+             p.workers == 1 ? "" : "s");
+  fmt::print(out, "memory     {}\n", memory_text(loaded.memory, loaded.size.conditions, workers));
+  fmt::print(out, "database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
+  if (pilot.rule.relative_error > 0)
+    fmt::print(out, "rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
+               what_keeps(cost, pilot.rule.max_samples_per_replicate, floor_k));
+  fmt::print(out, "pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
+             p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
+  print_table(out, pilot, workers, floor_k);
+  print_effects(out, pilot);
+}
+
+// For programs: a line for what is asked, and one for each error of the table.
+absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
+                        const StoredPrediction& p, std::string_view format, std::ostream& out) {
+  const std::vector<Column> heads = {{"sweep"},
+                                     {"asked"},
+                                     {"relative_error"},
+                                     {"viewpoints"},
+                                     {"conditions"},
+                                     {"bands"},
+                                     {"rows"},
+                                     {"jobs"},
+                                     {"workers"},
+                                     {"samples_median"},
+                                     {"job_cpu_median_s"},
+                                     {"cpu_s"},
+                                     {"wall_s"},
+                                     {"memory_bytes"},
+                                     {"database_bytes"},
+                                     {"reached_share"},
+                                     {"at_floor_share"},
+                                     {"kept_by_bias_share"},
+                                     {"kept_by_limit_share"}};
+  auto writer = make_table_writer(format, heads, out);
+  if (!writer.ok()) return writer.status();
+  const auto workers = static_cast<std::uint32_t>(p.workers);
+  const SweepSize& size = loaded.size;
+  const auto line = [&](const CountRule& rule, bool asked) {
+    const SweepCost cost = sweep_cost(view_costs(pilot, rule), pilot.views, pilot.jobs_per_view,
+                                      workers, pilot.start_s);
+    const bool by_error = rule.relative_error > 0;
+    const auto share = [&](double value) { return by_error ? Cell(value) : Cell(); };
+    (*writer)->row({loaded.resolved.sweep().name(), asked, share(rule.relative_error),
+                    size.viewpoints, size.conditions, size.bands, size.rows(), p.jobs, p.workers,
+                    cost.median_samples, cost.job_cpu_median_s, cost.cpu_s, cost.wall_s,
+                    loaded.memory.bytes(size.conditions, workers), p.database_bytes,
+                    share(cost.reached_share), share(cost.at_floor_share),
+                    share(cost.kept_by_bias_share), share(cost.kept_by_limit_share)});
+  };
+  line(pilot.rule, true);
+  if (pilot.rule.relative_error > 0)
+    for (const double percent : kTablePercent) {
+      CountRule rule = pilot.rule;
+      rule.relative_error = percent / 100;
+      line(rule, false);
+    }
+  return (*writer)->finish();
+}
+
+absl::Status plan_sweep(const PlanAsked& asked) {
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
-  if (asked.workers == 0) asked.workers = usable_cores();
-  const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
-  if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
-                               usable_memory_bytes(asked.workers));
+  print_note("irsig: {}\n", size_text(loaded->size));
+  const std::uint32_t workers = asked.workers > 0 ? asked.workers : usable_cores();
+  if (auto fits = check_memory(loaded->memory, loaded->size.conditions, workers,
+                               usable_memory_bytes(workers));
       !fits.ok())
     return fits;
   if (has_time_budget(loaded->resolved)) {
-    const auto spent = spend_time_budget(*loaded, asked.workers);
+    const auto spent = spend_time_budget(*loaded, workers);
     if (!spent.ok()) return spent.status();
     print_note("irsig: {}\n", *spent);
   }
   const auto pilot = pilot_sweep(*loaded);
   if (!pilot.ok()) return pilot.status();
-  const schema::ResolvedSweep& sweep = loaded->resolved;
-  const double floor_k = sweep.sweep().accuracy().absolute_error_k();
-  const StoredPrediction p = prediction_of(*pilot, sweep, asked.workers);
-  const SweepCost cost = sweep_cost(view_costs(*pilot, pilot->rule), pilot->views,
-                                    pilot->jobs_per_view, asked.workers, pilot->start_s);
-  const auto rows = pilot->views * static_cast<std::uint64_t>(sweep.condition_size()) *
-                    static_cast<std::uint64_t>(sweep.sweep().band_size());
-  print_text("{}: {} viewpoints x {} conditions x {} bands = {} rows, in {} jobs\n",
-             sweep.sweep().name(), pilot->views, sweep.condition_size(), sweep.sweep().band_size(),
-             rows, p.jobs);
-  print_text("asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
-  print_text(
-      "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",
-      seconds_text(p.job_cpu_median_s), seconds_text(p.job_cpu_quartile1_s),
-      seconds_text(p.job_cpu_quartile3_s), cost.median_samples);
-  print_text("CPU time   {}\n", seconds_text(p.cpu_s));
-  print_text("wall time  {} on {} worker{}\n", seconds_text(p.wall_s), p.workers,
-             p.workers == 1 ? "" : "s");
-  print_text("memory     {}\n", memory_text(loaded->memory, conditions, asked.workers));
-  print_text("database   {}\n", bytes_text(static_cast<double>(p.database_bytes)));
-  if (pilot->rule.relative_error > 0)
-    print_text("rows that reach the error asked for: {:.3g} %{}\n", 100 * cost.reached_share,
-               what_keeps(cost, pilot->rule.max_samples_per_replicate, floor_k));
-  print_text("pilot      {} viewpoint{}, {} of CPU time\n", p.pilot_viewpoints,
-             p.pilot_viewpoints == 1 ? "" : "s", seconds_text(p.pilot_cpu_s));
-  print_table(*pilot, asked.workers, floor_k);
-  print_effects(*pilot);
+  const StoredPrediction p = prediction_of(*pilot, loaded->resolved, workers);
+  const absl::Status written =
+      asked.output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
+        if (format != "text") return write_rows(*loaded, *pilot, p, format, out);
+        print_plan(out, *loaded, *pilot, p);
+        return absl::OkStatus();
+      });
+  if (!written.ok()) return written;
   if (asked.db_path.empty()) return absl::OkStatus();
   const auto stored = store_in(asked.db_path, p);
   if (!stored.ok()) return stored.status();
@@ -141,7 +208,7 @@ absl::Status plan_sweep(PlanAsked asked) {
 void add_plan(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
       "plan", "before a run: jobs, rows, database size, CPU and wall time, and time against error");
-  auto asked = std::make_shared<PlanAsked>();
+  auto asked = std::make_shared<PlanAsked>(*command);
   command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
   add_accuracy_options(*command, asked->accuracy, asked->workers);
   command->add_option("--db", asked->db_path,

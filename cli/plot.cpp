@@ -6,21 +6,25 @@
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
-#include "view/atomic_file.h"
+#include "cli/output_options.h"
 
 namespace irsig {
 namespace {
 
 struct PlotCommand {
-  explicit PlotCommand(CLI::App& command) : filter(command) {}
+  explicit PlotCommand(CLI::App& command) : filter(command), output(command, {"svg"}) {
+    output.out_option()->required();
+  }
   FilterOptions filter;
-  std::string kind, out;
+  OutputOptions output;
+  std::string kind;
   std::optional<double> elevation_deg;
 
   [[nodiscard]] absl::Status run() const {
     if (elevation_deg && kind != "polar") {
       return absl::InvalidArgumentError("--elevation belongs to --kind polar");
     }
+    if (const auto format = output.format(); !format.ok()) return format.status();
     auto query = filter.query();
     if (!query.ok()) return query.status();
     auto reader = StoreReader::open(filter.database());
@@ -30,7 +34,7 @@ struct PlotCommand {
                : kind == "transmittance" ? plot_transmittance(**reader, *query)
                                          : plot_map(**reader, *query);
     if (!svg.ok()) return svg.status();
-    return replace_file(out, *svg);
+    return output.write(*svg);
   }
 };
 
@@ -47,9 +51,6 @@ void add_plot(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("KIND")
       ->check(CLI::IsMember({"polar", "spectrum", "map", "transmittance"}));
-  command->add_option("--out", options->out, "SVG file to write, replaced when complete")
-      ->required()
-      ->type_name("FILE");
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")

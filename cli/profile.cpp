@@ -1,47 +1,56 @@
 #include "view/profile.h"
 
 #include <cstdio>
-#include <iostream>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <string>
 
 #include "cli/commands.h"
-#include "view/atomic_file.h"
+#include "cli/output_options.h"
 #include "view/print.h"
 
 namespace irsig {
 namespace {
 
 struct ProfileCommand {
-  std::string database, format, out;
-  bool csv = false, svg = false;
+  explicit ProfileCommand(CLI::App& command) : output(command, {"text", "csv", "json", "svg"}) {}
+  OutputOptions output;
+  std::string database;
   ProfileQuery query;
   std::uint64_t row = 0;
 
-  [[nodiscard]] absl::StatusOr<std::string> text() const {
+  [[nodiscard]] absl::StatusOr<std::string> text(std::string_view format) const {
     ProfileQuery asked = query;
     if (row > 0) asked.row = row;
     auto reader = StoreReader::open(database);
     if (!reader.ok()) return reader.status();
     const auto rows = find_profiles(**reader, asked);
     if (!rows.ok()) return rows.status();
+    std::set<std::string> sweeps;
+    for (const StoredProfileRow& r : *rows) sweeps.insert(r.sweep);
+    for (const std::string& name : sweeps) {
+      const auto sweep = (*reader)->sweep(name);
+      if (!sweep.ok()) return sweep.status();
+      for (const std::string& note : profile_notes(*rows, sweep->resolved.sweep()))
+        print_note("irsig: note: {}\n", note);
+    }
     const auto published = (*reader)->published(asked.filter.sweep);
     if (!published.ok()) return published.status();
-    if (svg) return plot_profile(*rows, *published);
-    if (!csv && format.empty()) return profile_summary(*rows, *published);
+    if (format == "svg") return plot_profile(*rows, *published);
+    if (format == "text") return profile_summary(*rows, *published);
     std::ostringstream text;
-    if (auto status = write_profiles(*rows, csv ? "csv" : format, text); !status.ok())
-      return status;
+    if (auto status = write_profiles(*rows, format, text); !status.ok()) return status;
     return text.str();
   }
 
   [[nodiscard]] absl::Status run() const {
-    const auto made = text();
-    if (!made.ok()) return made.status();
-    if (!out.empty()) return replace_file(out, *made);
-    data_output() << *made;
-    return absl::OkStatus();
+    return output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
+      const auto made = text(format);
+      if (!made.ok()) return made.status();
+      out << *made << std::flush;
+      return absl::OkStatus();
+    });
   }
 };
 
@@ -52,7 +61,7 @@ void add_profile(CLI::App& app, int& exit_code) {
       "profile",
       "Print the radiance profiles of a database: apparent temperature against the number of "
       "reflections, beside what is published; or every row as CSV, or a picture");
-  const auto options = std::make_shared<ProfileCommand>();
+  const auto options = std::make_shared<ProfileCommand>(*command);
   command->add_option("DB", options->database, "Signature database (.sigdb)")->required();
   constexpr const char* kGroup = "Choose (all that match every option given)";
   const auto add = [&](const char* name, auto& value, const char* what, const char* type) {
@@ -63,19 +72,10 @@ void add_profile(CLI::App& app, int& exit_code) {
   add("--season", options->query.filter.season, "Name of the season", "NAME");
   add("--band", options->query.filter.band, "Name of the band", "NAME");
   add("--row", options->row, "Row number of the viewpoint's signature", "K");
-  CLI::Option* csv =
-      command->add_flag("--csv", options->csv, "Every row, every column, every digit");
-  CLI::Option* svg = command->add_flag(
-      "--svg", options->svg,
-      "A picture of the first profile along a line, or of all points over reflections");
-  csv->excludes(svg);
-  command->add_option("--format", options->format, "Every row as table (for people), csv or json")
-      ->type_name("FORMAT")
-      ->check(CLI::IsMember({"table", "csv", "json"}))
-      ->excludes(csv)
-      ->excludes(svg);
-  command->add_option("--out", options->out, "File to write instead, replaced when complete")
-      ->type_name("FILE");
+  command->footer(
+      "csv and json have every row, column and digit; svg draws the first profile along a line, "
+      "or\n"
+      "all points over reflections.");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

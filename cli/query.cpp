@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
-#include <cstdio>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,7 +12,12 @@
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "cli/filter_options.h"
+#include "cli/output_options.h"
+#include "coordinator/client/child_process.h"
+#include "coordinator/client/local_farm.h"
+#include "coordinator/client/scratch_folder.h"
 #include "jobs/number_bounds.h"
+#include "view/atomic_file.h"
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/query_table.h"
@@ -25,11 +33,40 @@ absl::StatusOr<TargetExtent> extent_of(const StoredSweep& sweep) {
   return target_extent(scene->mesh.vertex);
 }
 
+// By a program that has OpenImageIO, which is slow to load.
+absl::StatusOr<std::string> paint_png(const std::string& exr, const std::string& scale,
+                                      const NextExr& others) {
+  const auto made = ScratchFolder::make();
+  if (!made.ok()) return made.status();
+  const ScratchFolder* folder = made->get();
+  const std::string at = folder->path() + "/images", png = folder->path() + "/picture.png";
+  std::error_code error;
+  if (!std::filesystem::create_directory(at, error))
+    return absl::UnavailableError(fmt::format("cannot make {}: {}", at, error.message()));
+  if (auto status = replace_file(at + "/picture.exr", exr); !status.ok()) return status;
+  for (std::size_t i = 0;; ++i) {
+    const auto other = others();
+    if (!other.ok()) return other.status();
+    if (other->empty()) break;
+    if (auto status = replace_file(fmt::format("{}/{}.exr", at, i), *other); !status.ok())
+      return status;
+  }
+  auto painter = ChildProcess::start({beside_this_executable("irsig-picture"), png, scale, at},
+                                     folder->path() + "/log", SIGKILL);
+  if (!painter.ok()) return painter.status();
+  if (!painter->wait(600) || !painter->succeeded())
+    return absl::InternalError(fmt::format("irsig-picture: {}", painter->last_words()));
+  std::ifstream file(png, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
 struct QueryCommand {
-  explicit QueryCommand(CLI::App& command) : filter(command) {}
+  explicit QueryCommand(CLI::App& command)
+      : filter(command), output(command, {"text", "csv", "json"}) {}
   FilterOptions filter;
+  OutputOptions output;
   QueryContent content;
-  std::string format = "table", thumbnail, sort;
+  std::string thumbnail, thumbnail_scale, sort;
   bool descending = false;
   std::optional<double> range_m;
 
@@ -43,7 +80,8 @@ struct QueryCommand {
     if (!reader.ok()) return reader.status();
     auto rows = run_query(**reader, *query, extent_of);
     if (!rows.ok()) return rows.status();
-    if (!thumbnail.empty()) return write_thumbnail(**reader, *rows, thumbnail);
+    if (!thumbnail.empty())
+      return write_thumbnail(**reader, *rows, thumbnail, thumbnail_scale, paint_png);
     if (!sort.empty())
       if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
     if (rows->empty()) print_note("irsig: no signature matches\n");
@@ -53,7 +91,9 @@ struct QueryCommand {
     for (const std::string& note : *floors) print_note("irsig: note: {}\n", note);
     QueryContent shown = content;
     shown.quantity = query->quantity;
-    return write_rows(**reader, *rows, shown, format, data_output());
+    return output.write([&](std::string_view format, std::ostream& out) {
+      return write_rows(**reader, *rows, shown, format, out);
+    });
   }
 };
 
@@ -88,11 +128,13 @@ void add_query(CLI::App& app, int& exit_code) {
                    "in-band radiance) instead of printing it")
       ->type_name("FILE");
   command
-      ->add_option("--format", options->format,
-                   "table (for people), csv or json (every column, every digit)")
-      ->type_name("FORMAT")
-      ->check(CLI::IsMember({"table", "csv", "json"}))
-      ->capture_default_str();
+      ->add_option("--thumbnail-scale", options->thumbnail_scale,
+                   "  black and white of the .png: common (0 to the hottest pixel of the sweep's "
+                   "images in this band) or BLACK,WHITE in W/(m2 sr); default: 0 to its own "
+                   "hottest pixel")
+      ->type_name("SCALE")
+      ->needs("--thumbnail");
+  command->footer("csv and json have every column and every digit; text has what people read.");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

@@ -6,33 +6,37 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_join.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
+#include "fmt/ostream.h"
 #include "planning/prediction.h"
 #include "view/measured_row.h"
 #include "view/outcome.h"
 #include "view/print.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
 
 // One line of the comparison; the ratio is predicted / real.
-void print_line(const char* what, const std::optional<double>& predicted, double real,
-                std::string (*text)(double)) {
+void print_line(std::ostream& out, const char* what, const std::optional<double>& predicted,
+                double real, std::string (*text)(double)) {
   if (!predicted) {
-    print_text("  {:<24} {:>12} {:>12}\n", what, "-", text(real));
+    fmt::print(out, "  {:<24} {:>12} {:>12}\n", what, "-", text(real));
     return;
   }
-  print_text("  {:<24} {:>12} {:>12} {:>7.2f}\n", what, text(*predicted), text(real),
+  fmt::print(out, "  {:<24} {:>12} {:>12} {:>7.2f}\n", what, text(*predicted), text(real),
              real > 0 ? *predicted / real : NAN);
 }
 
 std::string whole(double count) { return fmt::format("{:.0f}", count); }
 
-void print_cost(const std::vector<StoredJobCost>& jobs, const std::optional<StoredPrediction>& p,
-                double bytes, std::size_t sweeps) {
+void print_cost(std::ostream& out, const std::vector<StoredJobCost>& jobs,
+                const std::optional<StoredPrediction>& p, double bytes, std::size_t sweeps) {
   std::vector<double> cpu_s;
   double total_s = 0, first_s = INFINITY, last_s = 0;
   for (const StoredJobCost& job : jobs) {
@@ -44,20 +48,21 @@ void print_cost(const std::vector<StoredJobCost>& jobs, const std::optional<Stor
   const auto of = [&](auto member) {
     return p ? std::optional<double>(static_cast<double>((*p).*member)) : std::nullopt;
   };
-  print_text("  {:<24} {:>12} {:>12} {:>7}\n", "", p ? "predicted" : "no prediction", "real",
+  fmt::print(out, "  {:<24} {:>12} {:>12} {:>7}\n", "", p ? "predicted" : "no prediction", "real",
              p ? "ratio" : "");
-  print_line("jobs", of(&StoredPrediction::jobs), static_cast<double>(jobs.size()), whole);
-  print_line("median job, CPU time", of(&StoredPrediction::job_cpu_median_s), quantile(cpu_s, 0.5),
-             seconds_text);
-  print_line("  first quartile", of(&StoredPrediction::job_cpu_quartile1_s), quantile(cpu_s, 0.25),
-             seconds_text);
-  print_line("  third quartile", of(&StoredPrediction::job_cpu_quartile3_s), quantile(cpu_s, 0.75),
-             seconds_text);
-  print_line("CPU time of all jobs", of(&StoredPrediction::cpu_s), total_s, seconds_text);
-  print_line("wall time", of(&StoredPrediction::wall_s), last_s - first_s, seconds_text);
-  print_line(sweeps > 1 ? "database (all sweeps)" : "database",
+  print_line(out, "jobs", of(&StoredPrediction::jobs), static_cast<double>(jobs.size()), whole);
+  print_line(out, "median job, CPU time", of(&StoredPrediction::job_cpu_median_s),
+             quantile(cpu_s, 0.5), seconds_text);
+  print_line(out, "  first quartile", of(&StoredPrediction::job_cpu_quartile1_s),
+             quantile(cpu_s, 0.25), seconds_text);
+  print_line(out, "  third quartile", of(&StoredPrediction::job_cpu_quartile3_s),
+             quantile(cpu_s, 0.75), seconds_text);
+  print_line(out, "CPU time of all jobs", of(&StoredPrediction::cpu_s), total_s, seconds_text);
+  print_line(out, "wall time", of(&StoredPrediction::wall_s), last_s - first_s, seconds_text);
+  print_line(out, sweeps > 1 ? "database (all sweeps)" : "database",
              of(&StoredPrediction::database_bytes), bytes, bytes_text);
-  print_text(
+  fmt::print(
+      out,
       "  wall time: from the first lease to the end of the last job, pauses of an interrupted run "
       "included{}\n",
       p ? fmt::format("; predicted for {} worker{}, their start included", p->workers,
@@ -65,7 +70,8 @@ void print_cost(const std::vector<StoredJobCost>& jobs, const std::optional<Stor
         : "");
 }
 
-void print_errors(const std::vector<StoredSignature>& rows, const schema::Accuracy& accuracy) {
+void print_errors(std::ostream& out, const std::vector<StoredSignature>& rows,
+                  const schema::Accuracy& accuracy) {
   std::vector<double> errors;
   std::map<std::string, std::uint64_t> reasons;
   std::uint64_t without_value = 0;
@@ -77,44 +83,45 @@ void print_errors(const std::vector<StoredSignature>& rows, const schema::Accura
       ++without_value;
   }
   if (accuracy.has_relative_error())
-    print_text("\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
+    fmt::print(out, "\nrelative error asked: {:g} %\n", 100 * accuracy.relative_error());
   else
-    print_text("\nno relative error was asked for: the number of samples was given\n");
+    fmt::print(out, "\nno relative error was asked for: the number of samples was given\n");
   if (!errors.empty())
-    print_text(
+    fmt::print(
+        out,
         "numerical error / intensity: median {:.3g} %, 10 % of rows below {:.3g} %, 10 % above "
         "{:.3g} %, 1 % above {:.3g} %, largest {:.3g} %\n",
         quantile(errors, 0.5), quantile(errors, 0.1), quantile(errors, 0.9), quantile(errors, 0.99),
         quantile(errors, 1));
-  if (without_value > 0) print_text("rows of intensity 0: {}\n", without_value);
-  print_text("stopped by:");
-  for (const auto& [reason, count] : reasons) print_text(" {} {}", reason, count);
-  print_text("\n");
+  if (without_value > 0) fmt::print(out, "rows of intensity 0: {}\n", without_value);
+  fmt::print(out, "stopped by:");
+  for (const auto& [reason, count] : reasons) fmt::print(out, " {} {}", reason, count);
+  fmt::print(out, "\n");
   if (reasons.contains("floor_reached"))
-    print_text("floor_reached: not the relative error, but the floor of {:g} K\n",
+    fmt::print(out, "floor_reached: not the relative error, but the floor of {:g} K\n",
                accuracy.absolute_error_k());
 }
 
 // What each bound brings to the square of the numerical error of the source intensity.
-void print_shares(const std::vector<StoredSignature>& rows) {
-  struct Share {
-    std::string what;
-    double sum = 0, largest = 0;
-  };
+struct ErrorShare {
+  std::string what;
+  double mean = 0, largest = 0;
+};
+
+// Empty: no row has an error.
+std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
   // At the target itself neither depth nor another range counts.
   constexpr std::size_t kAtTarget = static_cast<std::size_t>(BoundOf::kDepth);
-  std::vector<Share> shares{{"statistical"}, {"unseen hits"}};
+  std::vector<ErrorShare> shares{{"statistical"}, {"unseen hits"}};
   for (std::size_t i = 0; i < kAtTarget; ++i)
     shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
   double counted = 0;
-  bool all_known = true;
   for (const StoredSignature& row : rows) {
     const Measured source = source_of(row);
     if (!(source.numerical_error() > 0)) continue;
-    all_known &= !std::isnan(row.basis_bound_w_sr);
     ++counted;
-    const auto add = [&](Share& share, double part) {
-      share.sum += part;
+    const auto add = [&](ErrorShare& share, double part) {
+      share.mean += part;
       share.largest = std::max(share.largest, part);
     };
     add(shares[0], source.sampled_share());
@@ -122,17 +129,25 @@ void print_shares(const std::vector<StoredSignature>& rows) {
     for (std::size_t i = 0; i < kAtTarget; ++i)
       add(shares[i + 2], source.share(static_cast<BoundOf>(i)));
   }
-  if (counted == 0) return;
-  print_text("share of the numerical error's square, mean over the rows (largest):\n ");
-  for (const Share& share : shares)
-    print_text(" {} {:.3g} % ({:.3g} %)", share.what, 100 * share.sum / counted,
-               100 * share.largest);
-  print_text("\n");
-  if (!all_known)
-    print_text("  some rows are of an older format, which did not keep every bound apart\n");
+  if (counted == 0) return {};
+  for (ErrorShare& share : shares) share.mean /= counted;
+  return shares;
 }
 
-void print_guards(const std::vector<StoredJobCost>& jobs) {
+void print_shares(std::ostream& out, const std::vector<StoredSignature>& rows) {
+  const std::vector<ErrorShare> shares = error_shares(rows);
+  if (shares.empty()) return;
+  fmt::print(out, "share of the numerical error's square, mean over the rows (largest):\n ");
+  for (const ErrorShare& share : shares)
+    fmt::print(out, " {} {:.3g} % ({:.3g} %)", share.what, 100 * share.mean, 100 * share.largest);
+  fmt::print(out, "\n");
+  if (std::any_of(rows.begin(), rows.end(), [](const StoredSignature& row) {
+        return std::isnan(row.basis_bound_w_sr) && source_of(row).numerical_error() > 0;
+      }))
+    fmt::print(out, "  some rows are of an older format, which did not keep every bound apart\n");
+}
+
+void print_guards(std::ostream& out, const std::vector<StoredJobCost>& jobs) {
   std::uint64_t backface = 0, nonfinite = 0, negative = 0, limit = 0, uncounted = 0;
   for (const StoredJobCost& job : jobs) {
     backface += job.guarded_backface_hits;
@@ -143,75 +158,205 @@ void print_guards(const std::vector<StoredJobCost>& jobs) {
     else
       ++uncounted;
   }
-  print_text("guarded events: back faces {}, not finite {}, negative {}{}\n", backface, nonfinite,
-             negative, uncounted > 0 ? fmt::format(" ({} jobs did not count)", uncounted) : "");
-  print_text("paths alive after the last reflection: {}\n", limit);
+  fmt::print(out, "guarded events: back faces {}, not finite {}, negative {}{}\n", backface,
+             nonfinite, negative,
+             uncounted > 0 ? fmt::format(" ({} jobs did not count)", uncounted) : "");
+  fmt::print(out, "paths alive after the last reflection: {}\n", limit);
 }
 
-absl::Status report_sweep(StoreReader& reader, const SweepProgress& progress, double bytes,
-                          std::size_t sweeps) {
-  const auto sweep = reader.sweep(progress.name);
+// All that the report on a sweep is made of.
+struct SweepReport {
+  SweepProgress progress;
+  StoredSweep sweep;
+  std::vector<StoredJobCost> jobs;
+  std::optional<StoredPrediction> prediction;
+  std::vector<StoredSignature> rows;
+  std::size_t superseded = 0;                     // rows of an earlier version of the sweep
+  std::map<std::string, std::uint64_t> warnings;  // how many conditions have it
+  std::string back_faces;
+
+  [[nodiscard]] double rays() const {
+    double sum = 0;
+    for (const StoredJobCost& job : jobs) sum += static_cast<double>(job.rays);
+    return sum;
+  }
+};
+
+absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& progress) {
+  SweepReport report;
+  report.progress = progress;
+  auto sweep = reader.sweep(progress.name);
   if (!sweep.ok()) return sweep.status();
-  const auto jobs = reader.job_costs(progress.name);
+  report.sweep = *std::move(sweep);
+  auto jobs = reader.job_costs(progress.name);
   if (!jobs.ok()) return jobs.status();
-  const auto prediction = reader.prediction(progress.sweep_sha256);
+  report.jobs = *std::move(jobs);
+  auto prediction = reader.prediction(progress.sweep_sha256);
   if (!prediction.ok()) return prediction.status();
+  report.prediction = *std::move(prediction);
   SignatureFilter filter;
   filter.sweep = progress.name;
   auto rows = reader.find(filter);
   if (!rows.ok()) return rows.status();
-  const std::size_t stored = rows->size();
-  std::erase_if(*rows, [](const StoredSignature& row) { return row.superseded; });
-  double rays = 0;
-  for (const StoredJobCost& job : *jobs) rays += static_cast<double>(job.rays);
-  print_text("{}: {} of {} jobs done, {} rows, {}\n", progress.name, progress.done, progress.jobs,
-             rows->size(), count_text(rays, "rays"));
-  if (rows->size() < stored)
-    print_text("{} rows of an earlier version of the sweep wait for their replacement\n",
-               stored - rows->size());
-  if (jobs->empty()) {
-    print_text("nothing is done yet{}\n",
-               *prediction ? "; " + prediction_line(**prediction) : std::string());
-    return absl::OkStatus();
-  }
-  print_cost(*jobs, *prediction, bytes, sweeps);
-  if (*prediction && jobs->size() < progress.jobs)
-    print_text("  the sweep is not complete: what is predicted is for all {} jobs\n",
-               progress.jobs);
-  if (*prediction && (*prediction)->determinism_class != jobs->front().determinism_class)
-    print_text("  predicted on another machine or build: {}\n", (*prediction)->determinism_class);
-  print_errors(*rows, sweep->resolved.sweep().accuracy());
-  print_shares(*rows);
-  print_guards(*jobs);
-  std::map<std::string, std::uint64_t> warnings;
-  for (const schema::Condition& condition : sweep->resolved.condition())
-    for (const std::string& warning : condition.warning()) ++warnings[warning];
+  report.rows = *std::move(rows);
+  report.superseded =
+      std::erase_if(report.rows, [](const StoredSignature& row) { return row.superseded; });
+  for (const schema::Condition& condition : report.sweep.resolved.condition())
+    for (const std::string& warning : condition.warning()) ++report.warnings[warning];
   const auto outcome = reader.outcome(progress.name);
   if (!outcome.ok()) return outcome.status();
-  const std::string back_faces = backface_text(*outcome);
-  if (warnings.empty() && back_faces.empty()) print_text("warnings: none\n");
-  if (!back_faces.empty()) print_text("warning: {}\n", back_faces);
-  for (const auto& [warning, count] : warnings)
-    print_text("warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
-  return absl::OkStatus();
+  report.back_faces = backface_text(*outcome);
+  return report;
 }
 
-absl::Status report_database(const std::string& db_path) {
+void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::size_t sweeps) {
+  fmt::print(out, "{}: {} of {} jobs done, {} rows, {}\n", r.progress.name, r.progress.done,
+             r.progress.jobs, r.rows.size(), count_text(r.rays(), "rays"));
+  if (r.superseded > 0)
+    fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",
+               r.superseded);
+  if (r.jobs.empty()) {
+    fmt::print(out, "nothing is done yet{}\n",
+               r.prediction ? "; " + prediction_line(*r.prediction) : std::string());
+    return;
+  }
+  print_cost(out, r.jobs, r.prediction, bytes, sweeps);
+  if (r.prediction && r.jobs.size() < r.progress.jobs)
+    fmt::print(out, "  the sweep is not complete: what is predicted is for all {} jobs\n",
+               r.progress.jobs);
+  if (r.prediction && r.prediction->determinism_class != r.jobs.front().determinism_class)
+    fmt::print(out, "  predicted on another machine or build: {}\n",
+               r.prediction->determinism_class);
+  print_errors(out, r.rows, r.sweep.resolved.sweep().accuracy());
+  print_shares(out, r.rows);
+  print_guards(out, r.jobs);
+  if (r.warnings.empty() && r.back_faces.empty()) fmt::print(out, "warnings: none\n");
+  if (!r.back_faces.empty()) fmt::print(out, "warning: {}\n", r.back_faces);
+  for (const auto& [warning, count] : r.warnings)
+    fmt::print(out, "warning ({} condition{}): {}\n", count, count == 1 ? "" : "s", warning);
+}
+
+// The same for programs: one line a sweep, each number in a column.
+std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::uint64_t bytes) {
+  std::vector<std::pair<std::string, Cell>> out;
+  const auto add = [&](std::string name, Cell cell) {
+    out.emplace_back(std::move(name), std::move(cell));
+  };
+  const auto number = [](double value) { return std::isfinite(value) ? Cell(value) : Cell(); };
+  const auto both = [&](const std::string& name, auto StoredPrediction::*member, Cell real) {
+    add("predicted_" + name, r.prediction ? Cell((*r.prediction).*member) : Cell());
+    add(name, std::move(real));
+  };
+  std::vector<double> cpu_s, errors;
+  double total_s = 0, first_s = INFINITY, last_s = 0;
+  std::uint64_t backface = 0, nonfinite = 0, limit = 0;
+  for (const StoredJobCost& job : r.jobs) {
+    cpu_s.push_back(job.cpu_s);
+    total_s += job.cpu_s;
+    first_s = std::min(first_s, job.leased_unix_s);
+    last_s = std::max(last_s, job.leased_unix_s + job.cpu_s);
+    backface += job.guarded_backface_hits;
+    nonfinite += job.guarded_nonfinite;
+    limit += job.guarded_path_limit;
+  }
+  std::map<std::string, std::uint64_t> stopped{{"target_reached", 0},
+                                               {"floor_reached", 0},
+                                               {"target_missed", 0},
+                                               {"sample_limit", 0},
+                                               {"fixed_samples", 0}};
+  for (const StoredSignature& row : r.rows) {
+    ++stopped[row.stop_reason];
+    if (row.intensity_w_sr != 0)
+      errors.push_back(row.numerical_error_w_sr / std::abs(row.intensity_w_sr));
+  }
+  const auto at = [&](const std::vector<double>& values, double share) {
+    return values.empty() ? Cell() : number(quantile(values, share));
+  };
+  add("sweep", r.progress.name);
+  add("sweep_sha256", r.progress.sweep_sha256);
+  add("done", r.progress.done);
+  both("jobs", &StoredPrediction::jobs, r.progress.jobs);
+  add("rows", std::uint64_t{r.rows.size()});
+  add("superseded_rows", std::uint64_t{r.superseded});
+  add("rays", r.rays());
+  both("job_cpu_median_s", &StoredPrediction::job_cpu_median_s, at(cpu_s, 0.5));
+  both("job_cpu_quartile1_s", &StoredPrediction::job_cpu_quartile1_s, at(cpu_s, 0.25));
+  both("job_cpu_quartile3_s", &StoredPrediction::job_cpu_quartile3_s, at(cpu_s, 0.75));
+  both("cpu_s", &StoredPrediction::cpu_s, total_s);
+  both("wall_s", &StoredPrediction::wall_s, number(last_s - first_s));
+  add("predicted_workers", r.prediction ? Cell(r.prediction->workers) : Cell());
+  both("database_bytes", &StoredPrediction::database_bytes, bytes);
+  const schema::Accuracy& accuracy = r.sweep.resolved.sweep().accuracy();
+  add("relative_error_asked",
+      accuracy.has_relative_error() ? Cell(accuracy.relative_error()) : Cell());
+  add("relative_error_median", at(errors, 0.5));
+  add("relative_error_quantile_90", at(errors, 0.9));
+  add("relative_error_quantile_99", at(errors, 0.99));
+  add("relative_error_largest", at(errors, 1));
+  for (const auto& [reason, count] : stopped) add(reason + "_rows", count);
+  for (const ErrorShare& share : error_shares(r.rows)) {
+    std::string name = share.what;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    add("error_share_" + name, share.mean);
+  }
+  add("guarded_backface_hits", backface);
+  add("guarded_nonfinite", nonfinite);
+  add("guarded_path_limit", limit);
+  std::vector<std::string> warnings;
+  if (!r.back_faces.empty()) warnings.push_back(r.back_faces);
+  for (const auto& [warning, count] : r.warnings) warnings.push_back(warning);
+  add("warning", absl::StrJoin(warnings, "\n"));
+  return out;
+}
+
+absl::Status write_report(const std::vector<SweepReport>& reports, std::uint64_t bytes,
+                          std::string_view format, std::ostream& out) {
+  if (format == "text") {
+    for (const SweepReport& r : reports) {
+      if (&r != &reports.front()) fmt::print(out, "\n");
+      print_sweep(out, r, static_cast<double>(bytes), reports.size());
+    }
+    return absl::OkStatus();
+  }
+  // A column that one sweep has (a share of an error) has no value in the others.
+  std::vector<Column> heads;
+  std::vector<std::map<std::string, Cell>> lines;
+  for (const SweepReport& r : reports) {
+    auto& line = lines.emplace_back();
+    for (auto& [name, cell] : columns_of(r, bytes)) {
+      if (std::none_of(heads.begin(), heads.end(),
+                       [&, &wanted = name](const Column& c) { return c.name == wanted; }))
+        heads.push_back({name});
+      line[name] = std::move(cell);
+    }
+  }
+  auto writer = make_table_writer(format, heads, out);
+  if (!writer.ok()) return writer.status();
+  for (auto& line : lines) {
+    std::vector<Cell> cells;
+    for (const Column& c : heads) cells.push_back(line[c.name]);
+    (*writer)->row(cells);
+  }
+  return (*writer)->finish();
+}
+
+absl::Status report_database(const std::string& db_path, const OutputOptions& output) {
   auto reader = StoreReader::open(db_path);
   if (!reader.ok()) return reader.status();
   const auto bytes = (*reader)->bytes();
   if (!bytes.ok()) return bytes.status();
   const auto sweeps = (*reader)->progress();
   if (!sweeps.ok()) return sweeps.status();
-  if (sweeps->empty()) print_text("{} holds no sweep\n", db_path);
-  for (std::size_t i = 0; i < sweeps->size(); ++i) {
-    if (i > 0) print_text("\n");
-    if (auto status =
-            report_sweep(**reader, (*sweeps)[i], static_cast<double>(*bytes), sweeps->size());
-        !status.ok())
-      return status;
+  if (sweeps->empty()) print_note("irsig: {} holds no sweep\n", db_path);
+  std::vector<SweepReport> reports;
+  for (const SweepProgress& progress : *sweeps) {
+    auto report = gather(**reader, progress);
+    if (!report.ok()) return report.status();
+    reports.push_back(*std::move(report));
   }
-  return absl::OkStatus();
+  return output.write([&](std::string_view format, std::ostream& out) {
+    return write_report(reports, *bytes, format, out);
+  });
 }
 
 }  // namespace
@@ -221,7 +366,9 @@ void add_report(CLI::App& app, int& exit_code) {
       "report", "after a run: what it took against what was predicted, errors, bounds, warnings");
   auto db_path = std::make_shared<std::string>();
   command->add_option("DB", *db_path, "the database")->required();
-  command->callback([=, &exit_code] { exit_code = report(report_database(*db_path)); });
+  auto output =
+      std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
+  command->callback([=, &exit_code] { exit_code = report(report_database(*db_path, *output)); });
   command->footer(
       "A prediction is stored by `irsig plan SWEEP --db DB` or `irsig run --plan`, for the very\n"
       "same sweep and accuracy.");

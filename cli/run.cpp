@@ -1,9 +1,8 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include "cli/accuracy_options.h"
@@ -11,7 +10,6 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
-#include "core/base/printable.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"
@@ -22,6 +20,7 @@
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/profile.h"
+#include "view/progress.h"
 
 namespace irsig {
 namespace {
@@ -41,28 +40,6 @@ constexpr double kMuchMemory = 1e9;  // is said before it is taken
 std::uint64_t settled(const schema::SweepStatus& sweep) {
   return sweep.done() + sweep.quarantined() + sweep.cancelled();
 }
-
-// One line that is written over on a terminal, a line every few seconds elsewhere.
-class ProgressLine {
- public:
-  void show(const std::string& text) {
-    if (terminal_) {
-      fmt::print(stderr, "\r{}\x1b[K", one_line(text));
-    } else if (!shown_ || Steady::now() - at_ >= std::chrono::seconds(5)) {
-      print_note("{}\n", text);
-      at_ = Steady::now();
-    }
-    shown_ = true;
-  }
-  ~ProgressLine() {
-    if (terminal_ && shown_) print_note("\n");
-  }
-
- private:
-  bool terminal_ = isatty(STDERR_FILENO) == 1;
-  bool shown_ = false;
-  Steady::time_point at_;
-};
 
 // What an existing database means for this sweep: OK to go on, or what the user has to decide. A
 // sweep that a time budget once became is taken over with its samples.
@@ -197,6 +174,29 @@ absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::strin
   const auto published = (*reader)->published(name);
   if (!published.ok()) return published.status();
   print_text("\n{}", profile_summary(*rows, *published));
+  for (const std::string& note : profile_notes(*rows, sweep.sweep()))
+    print_note("irsig: note: {}\n", note);
+  return absl::OkStatus();
+}
+
+// How many stored rows of the sweep are of another version of it.
+absl::Status say_what_is_replaced(const std::string& db_path, const schema::ResolvedSweep& sweep) {
+  auto reader = StoreReader::open(db_path);
+  if (!reader.ok()) return reader.status();
+  SignatureFilter filter;
+  filter.sweep = sweep.sweep().name();
+  const auto rows = (*reader)->find(filter);
+  if (!rows.ok()) return rows.status();
+  if (rows->empty()) return absl::OkStatus();
+  std::set<std::string> keys;
+  for (const schema::JobSpec& job : expand_jobs(sweep, physics_version()))
+    keys.insert(job.job_key());
+  const auto replaced = std::count_if(rows->begin(), rows->end(), [&](const StoredSignature& row) {
+    return !keys.contains(row.job_key);
+  });
+  if (replaced > 0)
+    print_note("irsig: the sweep \"{}\" has changed: {} of its {} stored rows will be replaced\n",
+               filter.sweep, replaced, rows->size());
   return absl::OkStatus();
 }
 
@@ -206,7 +206,8 @@ absl::Status run_sweep(RunAsked asked) {
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (asked.workers == 0) asked.workers = usable_cores();
-  const auto conditions = static_cast<std::uint64_t>(loaded->resolved.condition_size());
+  print_note("irsig: {}\n", size_text(loaded->size));
+  const std::uint64_t conditions = loaded->size.conditions;
   if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
                                usable_memory_bytes(asked.workers));
       !fits.ok())
@@ -247,6 +248,7 @@ absl::Status run_sweep(RunAsked asked) {
     print_note("irsig: {}\n", prediction_line(predicted));
     prediction = as_message(predicted);
   }
+  if (auto said = say_what_is_replaced(asked.db_path, loaded->resolved); !said.ok()) return said;
   hear_interruptions();
   const auto reply =
       submit(farm.address(), loaded->resolved, loaded->model_bytes,

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -13,27 +12,30 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "core/base/user_file.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
 #include "jobs/sweep_file.h"
-#include "view/print.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
 
-// A CSV of one row: what was asked for, by name.
+// A table of one row: what was asked for, by name.
 using Columns = std::vector<std::pair<std::string, double>>;
 
-void print(const Columns& columns) {
-  std::string header;
-  for (const auto& [name, value] : columns)
-    absl::StrAppend(&header, header.empty() ? "" : ",", name);
-  std::printf("%s\n", header.c_str());
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    std::printf("%s%.15g", i == 0 ? "" : ",", columns[i].second);
+absl::Status write(const Columns& columns, std::string_view format, std::ostream& out) {
+  std::vector<Column> heads;
+  std::vector<Cell> cells;
+  for (const auto& [name, value] : columns) {
+    heads.push_back({name});
+    cells.emplace_back(value);
   }
-  std::printf("\n");
+  auto writer = make_table_writer(format, heads, out);
+  if (!writer.ok()) return writer.status();
+  (*writer)->row(cells);
+  return (*writer)->finish();
 }
 
 // ---- show planck
@@ -183,7 +185,7 @@ std::vector<std::string> seasons_of(const schema::Sweep& sweep, PrecomputeTable&
   return out;
 }
 
-absl::Status precompute(const std::string& file_name) {
+absl::Status precompute(const std::string& file_name, std::string_view format, std::ostream& out) {
   const absl::StatusOr<std::string> text = read_user_file(file_name, kMostSpecBytes);
   if (!text.ok())
     return absl::InvalidArgumentError(absl::StrCat(file_name, ": ", text.status().message()));
@@ -232,21 +234,18 @@ absl::Status precompute(const std::string& file_name) {
     }
     spectra.push_back(*std::move(spectrum));
   }
-  std::ostream& out = data_output();
-  out << "season,lambda_um,spectral_intensity_w_sr_um\n";
+  auto writer =
+      make_table_writer(format, {{"season"}, {"lambda_um"}, {"spectral_intensity_w_sr_um"}}, out);
+  if (!writer.ok()) return writer.status();
   for (std::size_t i = 0; i < seasons.size(); ++i) {
-    for (const SpectralPoint& point : spectra[i]) {
-      out << seasons[i] << fmt::format(",{:.15g},{:.15g}\n", point.lambda_um, point.value);
-    }
+    for (const SpectralPoint& point : spectra[i])
+      (*writer)->row({seasons[i], point.lambda_um, point.value});
   }
-  return absl::OkStatus();
+  return (*writer)->finish();
 }
 
-int finish(const absl::StatusOr<Columns>& columns) {
-  if (!columns.ok()) return report(columns.status());
-  print(*columns);
-  return report(absl::OkStatus());
-}
+// For scripts first.
+const std::vector<std::string> kFormats = {"csv", "json", "text"};
 
 }  // namespace
 
@@ -270,8 +269,15 @@ void add_show(CLI::App& app, int& exit_code) {
   planck_command->add_option("--spectral-radiance-w-m2-sr-um",
                              planck_given->spectral_radiance_w_m2_sr_um,
                              "The same at one wavelength");
-  planck_command->callback(
-      [planck_given, &exit_code] { exit_code = finish(planck(*planck_given)); });
+  const auto planck_output = std::make_shared<OutputOptions>(*planck_command, kFormats);
+  planck_command->callback([=, &exit_code] {
+    const auto columns = planck(*planck_given);
+    exit_code = report(!columns.ok()
+                           ? columns.status()
+                           : planck_output->write([&](std::string_view format, std::ostream& out) {
+                               return write(*columns, format, out);
+                             }));
+  });
 
   add_show_atmosphere(*show, exit_code);
   add_show_effects(*show, exit_code);
@@ -279,9 +285,13 @@ void add_show(CLI::App& app, int& exit_code) {
   const auto sweep_file = std::make_shared<std::string>();
   CLI::App* precompute_command = show->add_subcommand(
       "precompute", "The ship paper's closed-form model (Eq. 12) of a sweep's [precompute] table");
-  precompute_command->add_option("sweep", *sweep_file, "Sweep file")->required();
-  precompute_command->callback(
-      [sweep_file, &exit_code] { exit_code = report(precompute(*sweep_file)); });
+  precompute_command->add_option("SWEEP", *sweep_file, "Sweep file")->required();
+  const auto precompute_output = std::make_shared<OutputOptions>(*precompute_command, kFormats);
+  precompute_command->callback([=, &exit_code] {
+    exit_code = report(precompute_output->write([&](std::string_view format, std::ostream& out) {
+      return precompute(*sweep_file, format, out);
+    }));
+  });
 }
 
 }  // namespace irsig

@@ -11,13 +11,14 @@
 #include "absl/strings/str_format.h"
 #include "cli/air_options.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "core/atmosphere/imported_path.h"
 #include "core/base/user_file.h"
 #include "core/geo/sun.h"
 #include "core/spectral/planck.h"
 #include "core/spectral/solar.h"
-#include "view/atomic_file.h"
 #include "view/plot_curves.h"
+#include "view/table.h"
 
 // irsig show atmosphere | sky | sun: what core/atmosphere answers, as CSV or drawn.
 namespace irsig {
@@ -77,6 +78,17 @@ absl::Status check_number(const char* option, double value, double min, double m
   if (value >= min && value <= max) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrFormat("%s %g: expected %g to %g", option, value, min, max));
+}
+
+const std::vector<std::string> kFormats = {"csv", "json", "text", "svg"};
+
+absl::Status write_table(const std::vector<std::string>& heads,
+                         const std::vector<std::vector<Cell>>& rows, std::string_view format,
+                         std::ostream& out) {
+  auto writer = make_table_writer(format, std::vector<Column>(heads.begin(), heads.end()), out);
+  if (!writer.ok()) return writer.status();
+  for (const std::vector<Cell>& row : rows) (*writer)->row(row);
+  return (*writer)->finish();
 }
 
 void warn_of_scattering(const PathRadiance& path) {
@@ -140,7 +152,7 @@ std::string draw(const std::string& title, const std::string& subtitle,
 // ---- show atmosphere
 
 struct AtmosphereCommand {
-  explicit AtmosphereCommand(CLI::App& command) : air(command) {
+  explicit AtmosphereCommand(CLI::App& command) : air(command), output(command, kFormats) {
     command.add_option("--observer-height-m,--observer-m", observer_height_m, "Above the sea")
         ->required();
     command.add_option("--target-height-m,--target-m", target_height_m,
@@ -160,17 +172,17 @@ struct AtmosphereCommand {
         ->type_name("FILE");
     command.add_option("--modtran-name", modtran_name,
                        "What the drawing calls it; default MODTRAN");
-    command.add_option("--svg", svg_file, "Draw it, instead of the CSV")->type_name("FILE");
     bands.add_to(command);
   }
 
   AirOptions air;
+  OutputOptions output;
   SunOptions sun;
   BandRange bands;
   double observer_height_m = 0, range_m = 0;
   std::optional<double> target_height_m, surroundings_temperature_k;
   bool level = false;
-  std::string modtran_file, modtran_name = "MODTRAN", svg_file;
+  std::string modtran_file, modtran_name = "MODTRAN";
 
   [[nodiscard]] absl::Status run() const {
     const auto chosen = air.choose();
@@ -198,19 +210,18 @@ struct AtmosphereCommand {
 
     const auto other = imported();
     if (!other.ok()) return other.status();
-    if (svg_file.empty()) {
-      print(ours, *other);
+    return output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
+      if (format != "svg") return write(ours, *other, format, out);
+      std::vector<DrawnSpectrum> spectra = {{"irsig", ours.transmittance, ours.total_w_m2_sr_um}};
+      if (other->has_value()) {
+        spectra.push_back({modtran_name, (*other)->transmittance, (*other)->radiance_w_m2_sr_um});
+      }
+      out << draw(absl::StrFormat(level ? "Level path of %g km at %g m" : "%g km from %g m",
+                                  range_m / 1000, observer_height_m) +
+                      (level ? "" : absl::StrFormat(" to %g m", *target_height_m)),
+                  chosen->title, spectra, bands, "Path radiance");
       return absl::OkStatus();
-    }
-    std::vector<DrawnSpectrum> spectra = {{"irsig", ours.transmittance, ours.total_w_m2_sr_um}};
-    if (other->has_value()) {
-      spectra.push_back({modtran_name, (*other)->transmittance, (*other)->radiance_w_m2_sr_um});
-    }
-    return replace_file(
-        svg_file, draw(absl::StrFormat(level ? "Level path of %g km at %g m" : "%g km from %g m",
-                                       range_m / 1000, observer_height_m) +
-                           (level ? "" : absl::StrFormat(" to %g m", *target_height_m)),
-                       chosen->title, spectra, bands, "Path radiance"));
+    });
   }
 
  private:
@@ -246,37 +257,39 @@ struct AtmosphereCommand {
     return std::optional(**found);
   }
 
-  void print(const PathRadiance& ours, const std::optional<ImportedPath>& other) const {
-    std::printf(
-        "wavenumber_cm1,lambda_um,transmittance,thermal_radiance_w_m2_sr_um,"
-        "scattered_radiance_w_m2_sr_um,path_radiance_w_m2_sr_um,model_error_transmittance,"
-        "model_error_path_radiance_w_m2_sr_um%s%s\n",
-        other ? ",imported_transmittance" : "",
-        other && !other->radiance_w_m2_sr_um.empty() ? ",imported_path_radiance_w_m2_sr_um" : "");
-    const auto cell = [](double v) {
-      return std::isnan(v) ? std::string(",") : absl::StrFormat(",%.9g", v);
-    };
+  [[nodiscard]] absl::Status write(const PathRadiance& ours,
+                                   const std::optional<ImportedPath>& other,
+                                   std::string_view format, std::ostream& out) const {
+    std::vector<std::string> heads = {"wavenumber_cm1",
+                                      "lambda_um",
+                                      "transmittance",
+                                      "thermal_radiance_w_m2_sr_um",
+                                      "scattered_radiance_w_m2_sr_um",
+                                      "path_radiance_w_m2_sr_um",
+                                      "model_error_transmittance",
+                                      "model_error_path_radiance_w_m2_sr_um"};
+    const bool radiance = other && !other->radiance_w_m2_sr_um.empty();
+    if (other) heads.emplace_back("imported_transmittance");
+    if (radiance) heads.emplace_back("imported_path_radiance_w_m2_sr_um");
+    const auto cell = [](double v) { return std::isnan(v) ? Cell() : Cell(v); };
+    std::vector<std::vector<Cell>> rows;
     for (std::size_t b = kAirBandCount; b-- > 0;) {
       if (!bands.has(b)) continue;
-      std::printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", air_band_centre_cm1(b),
-                  air_band_lambda_um(b), ours.transmittance[b], ours.thermal_w_m2_sr_um[b],
-                  ours.scattered_w_m2_sr_um[b], ours.total_w_m2_sr_um[b],
-                  ours.model_error_transmittance[b], ours.model_error_w_m2_sr_um[b]);
-      if (other) {
-        std::printf("%s", cell(other->transmittance[b]).c_str());
-        if (!other->radiance_w_m2_sr_um.empty()) {
-          std::printf("%s", cell(other->radiance_w_m2_sr_um[b]).c_str());
-        }
-      }
-      std::printf("\n");
+      rows.push_back({air_band_centre_cm1(b), air_band_lambda_um(b), ours.transmittance[b],
+                      ours.thermal_w_m2_sr_um[b], ours.scattered_w_m2_sr_um[b],
+                      ours.total_w_m2_sr_um[b], ours.model_error_transmittance[b],
+                      ours.model_error_w_m2_sr_um[b]});
+      if (other) rows.back().push_back(cell(other->transmittance[b]));
+      if (radiance) rows.back().push_back(cell(other->radiance_w_m2_sr_um[b]));
     }
+    return write_table(heads, rows, format, out);
   }
 };
 
 // ---- show sky
 
 struct SkyCommand {
-  explicit SkyCommand(CLI::App& command) : air(command) {
+  explicit SkyCommand(CLI::App& command) : air(command), output(command, kFormats) {
     command.add_option("--height-m", height_m, "From where, above the sea")->required();
     command
         .add_option(
@@ -290,16 +303,15 @@ struct SkyCommand {
                     "Azimuths, separated by commas, each with every zenith angle; default 0")
         ->delimiter(',');
     sun.add_to(command, "As --azimuth-deg, clockwise from north");
-    command.add_option("--svg", svg_file, "Draw it, instead of the CSV")->type_name("FILE");
     bands.add_to(command);
   }
 
   AirOptions air;
+  OutputOptions output;
   SunOptions sun;
   BandRange bands;
   double height_m = 0;
   std::vector<double> zenith_deg, azimuth_deg = {0};
-  std::string svg_file;
 
   [[nodiscard]] absl::Status run() const {
     const auto chosen = air.choose();
@@ -309,7 +321,7 @@ struct SkyCommand {
     for (const double zenith : zenith_deg) {
       if (absl::Status s = check_number("--zenith-deg", zenith, 0, 180); !s.ok()) return s;
     }
-    std::string csv;
+    std::vector<std::vector<Cell>> rows;
     std::vector<DrawnSpectrum> spectra;
     for (const double azimuth : azimuth_deg) {
       for (const double zenith : zenith_deg) {
@@ -321,34 +333,34 @@ struct SkyCommand {
                                     std::numeric_limits<double>::infinity(), chosen->refraction);
         const PathRadiance sky = chosen->atmosphere.radiance(path, light);
         warn_of_scattering(sky);
-        append(csv, zenith, azimuth, sky);
+        append(rows, zenith, azimuth, sky);
         spectra.push_back(
             {absl::StrFormat("%g\u00b0", zenith) +
                  (azimuth_deg.size() > 1 ? absl::StrFormat(", %g\u00b0", azimuth) : ""),
              sky.transmittance, sky.total_w_m2_sr_um});
       }
     }
-    if (!svg_file.empty()) {
-      return replace_file(svg_file,
-                          draw(absl::StrFormat("The sky from %g m, by zenith angle", height_m),
-                               chosen->title, spectra, bands, "Sky radiance"));
-    }
-    std::printf(
-        "zenith_deg,azimuth_deg,wavenumber_cm1,lambda_um,transmittance,"
-        "thermal_radiance_w_m2_sr_um,scattered_radiance_w_m2_sr_um,sky_radiance_w_m2_sr_um,"
-        "model_error_sky_radiance_w_m2_sr_um\n%s",
-        csv.c_str());
-    return absl::OkStatus();
+    return output.write([&](std::string_view format, std::ostream& out) {
+      if (format != "svg")
+        return write_table(
+            {"zenith_deg", "azimuth_deg", "wavenumber_cm1", "lambda_um", "transmittance",
+             "thermal_radiance_w_m2_sr_um", "scattered_radiance_w_m2_sr_um",
+             "sky_radiance_w_m2_sr_um", "model_error_sky_radiance_w_m2_sr_um"},
+            rows, format, out);
+      out << draw(absl::StrFormat("The sky from %g m, by zenith angle", height_m), chosen->title,
+                  spectra, bands, "Sky radiance");
+      return absl::OkStatus();
+    });
   }
 
  private:
-  void append(std::string& csv, double zenith, double azimuth, const PathRadiance& sky) const {
+  void append(std::vector<std::vector<Cell>>& rows, double zenith, double azimuth,
+              const PathRadiance& sky) const {
     for (std::size_t b = kAirBandCount; b-- > 0;) {
       if (!bands.has(b)) continue;
-      absl::StrAppendFormat(&csv, "%g,%g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", zenith, azimuth,
-                            air_band_centre_cm1(b), air_band_lambda_um(b), sky.transmittance[b],
-                            sky.thermal_w_m2_sr_um[b], sky.scattered_w_m2_sr_um[b],
-                            sky.total_w_m2_sr_um[b], sky.model_error_w_m2_sr_um[b]);
+      rows.push_back({zenith, azimuth, air_band_centre_cm1(b), air_band_lambda_um(b),
+                      sky.transmittance[b], sky.thermal_w_m2_sr_um[b], sky.scattered_w_m2_sr_um[b],
+                      sky.total_w_m2_sr_um[b], sky.model_error_w_m2_sr_um[b]});
     }
   }
 };
@@ -356,7 +368,7 @@ struct SkyCommand {
 // ---- show sun
 
 struct SunCommand {
-  explicit SunCommand(CLI::App& command) : air(command) {
+  explicit SunCommand(CLI::App& command) : air(command), output(command, {"csv", "json", "text"}) {
     command.add_option("--latitude-deg", latitude_deg, "North positive; with --sweep: its place's");
     command.add_option("--longitude-deg", longitude_deg,
                        "East positive; with --sweep: its place's");
@@ -370,6 +382,7 @@ struct SunCommand {
   }
 
   AirOptions air;
+  OutputOptions output;
   BandRange bands;
   std::optional<double> latitude_deg, longitude_deg, height_m;
   std::string time;
@@ -387,26 +400,33 @@ struct SunCommand {
     if (!utc.ok()) return utc.status();
     const auto sun = sun_position(*utc, where->latitude_deg, where->longitude_deg, where->height_m);
     if (!sun.ok()) return sun.status();
-    if (!chosen) {
-      std::printf("sun_azimuth_deg,sun_zenith_deg,sun_distance_au\n%.15g,%.15g,%.15g\n",
-                  sun->azimuth_deg, sun->zenith_deg, sun->distance_au);
-      return absl::OkStatus();
-    }
+    std::vector<std::string> heads = {"sun_azimuth_deg", "sun_zenith_deg", "sun_distance_au"};
+    const std::vector<Cell> position = {sun->azimuth_deg, sun->zenith_deg, sun->distance_au};
+    std::vector<std::vector<Cell>> rows = {position};
+    const auto write = [&] {
+      return output.write([&](std::string_view format, std::ostream& out) {
+        return write_table(heads, rows, format, out);
+      });
+    };
+    if (!chosen) return write();
     if (absl::Status s = bands.check(); !s.ok()) return s;
     if (absl::Status s = check_number("--height-m", where->height_m, 0, 1e8); !s.ok()) return s;
     const AirSpectrum here = chosen->atmosphere.sun_irradiance_w_m2_um(
         where->height_m, SunPlace{sun->zenith_deg, 0, sun->distance_au});
-    std::printf(
-        "sun_azimuth_deg,sun_zenith_deg,sun_distance_au,wavenumber_cm1,lambda_um,"
-        "sun_irradiance_w_m2_um,sun_irradiance_in_space_w_m2_um\n");
+    for (const char* more : {"wavenumber_cm1", "lambda_um", "sun_irradiance_w_m2_um",
+                             "sun_irradiance_in_space_w_m2_um"})
+      heads.emplace_back(more);
+    rows.clear();
     for (std::size_t b = kAirBandCount; b-- > 0;) {
       if (!bands.has(b)) continue;
       const double lambda_um = air_band_lambda_um(b);
-      std::printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", sun->azimuth_deg, sun->zenith_deg,
-                  sun->distance_au, air_band_centre_cm1(b), lambda_um, here[b],
-                  solar_irradiance_w_m2_um(lambda_um) / (sun->distance_au * sun->distance_au));
+      std::vector<Cell> row = position;
+      row.insert(row.end(),
+                 {air_band_centre_cm1(b), lambda_um, here[b],
+                  solar_irradiance_w_m2_um(lambda_um) / (sun->distance_au * sun->distance_au)});
+      rows.push_back(std::move(row));
     }
-    return absl::OkStatus();
+    return write();
   }
 
  private:

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "core/effects/effects.h"
-#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -13,26 +13,25 @@ namespace {
 
 std::string text(std::string_view view) { return std::string(view); }
 
-void print_for_people() {
-  print_text(
-      "Effects: what a signature is made of. Those marked * can be left out ([effects] of a sweep\n"
-      "file, --effects): by themselves where the accuracy asked for has room for their bound.\n");
+void write_for_people(std::ostream& out) {
+  out << "Effects: what a signature is made of. Those marked * can be left out ([effects] of a "
+         "sweep\n"
+         "file, --effects): by themselves where the accuracy asked for has room for their bound.\n";
   for (const EffectInfo& e : effect_table()) {
-    print_text("\n{}{}: {}\n", text(e.name), e.switchable ? " *" : "", text(e.what));
-    print_text("  matters  {}\n", text(e.when));
-    if (e.switchable) print_text("  bound    {}\n", text(e.bound));
-    print_text("  costs    {}\n", text(e.cost));
+    out << fmt::format("\n{}{}: {}\n  matters  {}\n", e.name, e.switchable ? " *" : "", e.what,
+                       e.when);
+    if (e.switchable) out << fmt::format("  bound    {}\n", e.bound);
+    out << fmt::format("  costs    {}\n", e.cost);
   }
 }
 
-absl::Status print_effects(const std::string& format) {
+absl::Status write_effects(std::string_view format, std::ostream& out) {
   if (format == "text") {
-    print_for_people();
+    write_for_people(out);
     return absl::OkStatus();
   }
   auto writer = make_table_writer(
-      format, {{"effect"}, {"what"}, {"matters"}, {"bound"}, {"cost"}, {"switchable"}},
-      data_output());
+      format, {{"effect"}, {"what"}, {"matters"}, {"bound"}, {"cost"}, {"switchable"}}, out);
   if (!writer.ok()) return writer.status();
   for (const EffectInfo& e : effect_table())
     (*writer)->row(
@@ -46,12 +45,9 @@ void add_show_effects(CLI::App& show, int& exit_code) {
   auto* command = show.add_subcommand(
       "effects",
       "Every effect: what it is, when it matters, how its bound is found, what it costs");
-  auto format = std::make_shared<std::string>("text");
-  command->add_option("--format", *format, "text (for people), csv or json")
-      ->type_name("FORMAT")
-      ->check(CLI::IsMember({"text", "csv", "json"}))
-      ->capture_default_str();
-  command->callback([=, &exit_code] { exit_code = report(print_effects(*format)); });
+  const auto output =
+      std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
+  command->callback([output, &exit_code] { exit_code = report(output->write(write_effects)); });
 }
 
 }  // namespace irsig

@@ -1,31 +1,67 @@
 #include <algorithm>
-#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
 
+#include "absl/strings/str_join.h"
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "coordinator/client/farm_client.h"
-#include "fmt/format.h"
-#include "view/print.h"
+#include "fmt/ostream.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
 
-absl::Status print_status(const std::string& coordinator) {
+// One line a sweep.
+absl::Status write_rows(const schema::StatusReply& status, std::string_view format,
+                        std::ostream& out) {
+  auto writer = make_table_writer(format,
+                                  {{"sweep"},
+                                   {"jobs"},
+                                   {"done"},
+                                   {"leased"},
+                                   {"failed"},
+                                   {"cancelled"},
+                                   {"rays"},
+                                   {"worst_relative_error"},
+                                   {"sweep_sha256"},
+                                   {"failures"},
+                                   {"workers"}},
+                                  out);
+  if (!writer.ok()) return writer.status();
+  for (const auto& sweep : status.sweep())
+    (*writer)->row({sweep.name(), sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(),
+                    sweep.cancelled(), sweep.rays(), sweep.worst_relative_error(),
+                    sweep.sweep_sha256(), absl::StrJoin(sweep.failure(), "\n"),
+                    std::uint64_t{status.workers()}});
+  return (*writer)->finish();
+}
+
+absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
+  std::size_t width = 5;
+  for (const auto& sweep : status.sweep()) width = std::max(width, sweep.name().size());
+  fmt::print(out, "{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13} {}\n", "sweep", width, "jobs",
+             "done", "leased", "failed", "cancelled", "rays", "worst_error_%", "sweep_sha256");
+  for (const auto& sweep : status.sweep()) {
+    fmt::print(out, "{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13.3g} {}\n", sweep.name(),
+               width, sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(),
+               sweep.cancelled(), sweep.rays(), 100 * sweep.worst_relative_error(),
+               sweep.sweep_sha256());
+    for (const auto& failure : sweep.failure()) fmt::print(out, "  failed: {}\n", failure);
+  }
+  fmt::print(out, "{} worker{}\n", status.workers(), status.workers() == 1 ? "" : "s");
+  return absl::OkStatus();
+}
+
+absl::Status show_status(const std::string& coordinator, const OutputOptions& output) {
   const auto address = parse_address(coordinator);
   if (!address.ok()) return address.status();
   const auto status = farm_status(*address);
   if (!status.ok()) return status.status();
-  std::size_t width = 5;
-  for (const auto& sweep : status->sweep()) width = std::max(width, sweep.name().size());
-  print_text("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13} {}\n", "sweep", width, "jobs",
-             "done", "leased", "failed", "cancelled", "rays", "worst_error_%", "sweep_sha256");
-  for (const auto& sweep : status->sweep()) {
-    print_text("{:<{}} {:>8} {:>8} {:>8} {:>8} {:>9} {:>14} {:>13.3g} {}\n", sweep.name(), width,
-               sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(), sweep.cancelled(),
-               sweep.rays(), 100 * sweep.worst_relative_error(), sweep.sweep_sha256());
-    for (const auto& failure : sweep.failure()) print_text("  failed: {}\n", failure);
-  }
-  print_text("{} worker{}\n", status->workers(), status->workers() == 1 ? "" : "s");
-  return absl::OkStatus();
+  return output.write([&](std::string_view format, std::ostream& out) {
+    return format == "text" ? write_text(*status, out) : write_rows(*status, format, out);
+  });
 }
 
 }  // namespace
@@ -33,8 +69,10 @@ absl::Status print_status(const std::string& coordinator) {
 void add_status(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("status", "what a running coordinator has done and has to do");
   auto coordinator = std::make_shared<std::string>();
+  auto output =
+      std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
   command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
-  command->callback([=, &exit_code] { exit_code = report(print_status(*coordinator)); });
+  command->callback([=, &exit_code] { exit_code = report(show_status(*coordinator, *output)); });
 }
 
 }  // namespace irsig

@@ -45,6 +45,7 @@ void add_submit(CLI::App& app, int& exit_code) {
   command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
   auto asked = std::make_shared<AccuracyAsked>();
   add_effects_option(*command, *asked);
+  add_size_option(*command, *asked);
   command->callback(
       [=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator, *asked)); });
 }

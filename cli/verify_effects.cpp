@@ -20,7 +20,7 @@ namespace irsig {
 namespace {
 
 struct VerifyOptions {
-  std::string sweep, csv;
+  std::string sweep, values;
   std::uint64_t views = 5;
   std::vector<std::uint64_t> row;
   bool matrix = false, small = false, each_effect = false;
@@ -133,8 +133,8 @@ absl::Status verify_matrix(const VerifyOptions& given, int& exit_code) {
     checked.push_back(*std::move(result));
   }
   std::printf("\n%s%s", effects_matrix_summary(*cells, checked).c_str(), failures.c_str());
-  if (!given.csv.empty())
-    if (auto status = replace_file(given.csv, effects_csv(*cells, checked)); !status.ok())
+  if (!given.values.empty())
+    if (auto status = replace_file(given.values, effects_csv(*cells, checked)); !status.ok())
       return status;
   exit_code = bad == 0 ? 0 : 1;
   return absl::OkStatus();
@@ -145,11 +145,11 @@ int verify(const VerifyOptions& given) {
   if (both || (!given.matrix && given.sweep.empty()))
     return report(absl::InvalidArgumentError(
         "verify-effects: expected a sweep file, or --matrix for the built-in scenes"));
-  if (!given.matrix && (given.small || given.each_effect || !given.csv.empty()))
+  if (!given.matrix && (given.small || given.each_effect || !given.values.empty()))
     return report(absl::InvalidArgumentError(
-        "verify-effects: --small, --each-effect and --csv need --matrix"));
-  if (given.each_effect && !given.csv.empty())
-    return report(absl::InvalidArgumentError("verify-effects: --csv is not for --each-effect"));
+        "verify-effects: --small, --each-effect and --values need --matrix"));
+  if (given.each_effect && !given.values.empty())
+    return report(absl::InvalidArgumentError("verify-effects: --values is not for --each-effect"));
   int exit_code = 0;
   print_text("{}\n", kNotSeenByEffects);
   const absl::Status status =
@@ -170,7 +170,8 @@ void add_verify_effects(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_option("--row", given->row, "These rows of the sweep instead, as query has them")
-      ->type_name("ROW");
+      ->delimiter(',')
+      ->type_name("K");
   command->add_flag("--matrix", given->matrix,
                     "Built-in scenes: all combinations of night/day, band, surface, shape, "
                     "temperature, sea/land and range, and hard cases");
@@ -190,7 +191,7 @@ void add_verify_effects(CLI::App& app, int& exit_code) {
   command->add_option("--timed", given->timed, "Runs of each, of which the fastest counts")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command->add_option("--csv", given->csv, "With --matrix: every value, to a file")
+  command->add_option("--values", given->values, "With --matrix: every value as CSV, to a file")
       ->type_name("FILE");
   command->callback([given, &exit_code] { exit_code = verify(*given); });
 }

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
@@ -86,7 +88,7 @@ void check_wavelengths(const schema::Sweep& sweep, const ImportedPath& imported,
   }
 }
 
-void check_import(const schema::ResolvedSweep& resolved, int s, const ImportedPaths& paths,
+void check_import(schema::ResolvedSweep& resolved, int s, const ImportedPaths& paths,
                   Findings& findings) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const schema::Sweep& sweep = resolved.sweep();
@@ -109,23 +111,33 @@ void check_import(const schema::ResolvedSweep& resolved, int s, const ImportedPa
                                       absl::StrReplaceAll(agrees.message(), {{"\n", "; "}})));
   }
   const double target_m = target_height_m(resolved);
+  double off_m = 0;  // of ends of lines that a level path stands for
   for (int v = 0; v < resolved.viewpoint_size(); ++v) {
     const schema::Viewpoint& view = resolved.viewpoint(v);
     const Sight sight = sight_of(target_m, view);
     const auto found = find_path(paths, sight.sensor_m, target_m, sight.range_m);
     if (found.ok()) {
       check_wavelengths(sweep, **found, path, findings);
+      for (const auto& [line_m, path_m] : {std::pair{sight.sensor_m, (*found)->observer_height_m},
+                                           std::pair{target_m, (*found)->target_height_m}})
+        off_m = std::max(off_m, std::abs(line_m - path_m));
       continue;
     }
     findings.add(path, absl::StrCat(path, " does not cover ", text_of(v, view), ": ",
                                     absl::StrReplaceAll(found.status().message(), {{"\n", "; "}})));
     return;  // the others are most likely missing too
   }
+  // What find_path takes for equal is not worth a word.
+  if (off_m > std::max(1.0, 0.02 * target_m))
+    warn_season(resolved, s,
+                absl::StrFormat("%s: a level path stands for lines of sight whose ends are up to "
+                                "%.3g m away from its height",
+                                path, off_m));
 }
 
 }  // namespace
 
-void check_lines(const schema::ResolvedSweep& resolved, Findings& findings) {
+void check_lines(schema::ResolvedSweep& resolved, Findings& findings) {
   const int times = resolved.sweep().time_size();
   for (int s = 0; s < resolved.sweep().season_size(); ++s) {
     const schema::Condition& condition = resolved.condition(s * times);

@@ -21,7 +21,7 @@ void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Lines of sight: hidden by the Earth, or not covered by an import; and whether imports were made
 // for these conditions. Called by check_surfaces if nothing else was found.
-void check_lines(const schema::ResolvedSweep& resolved, Findings& findings);
+void check_lines(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Adds a warning to all conditions of a season.
 void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& what);

@@ -21,7 +21,7 @@ study() {  # name, then options
 study frigate --seconds 100
 study cavity --seconds 30
 study quickstart --seconds 40 --band mwir
-"$irsig" verify-effects --matrix --timed 2 --reference 50 --csv "$work/matrix.csv" > "$work/matrix.txt"
+"$irsig" verify-effects --matrix --timed 2 --reference 50 --values "$work/matrix.csv" > "$work/matrix.txt"
 "$irsig" verify-effects --matrix --small --each-effect > "$work/bounds.txt"
 
 # Between the marks of each scene stands what the command wrote; the goals are read from the frigate's tables.

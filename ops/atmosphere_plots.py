@@ -47,7 +47,7 @@ def main():
             file.write(reference(values, height_m, range_m))
             file.flush()
             subprocess.run([irsig, "show", "atmosphere", *air, "--co2-ppmv", "330", "--level", "--observer-m",
-                            str(height_m), "--range-m", str(range_m), "--modtran", file.name, "--svg",
+                            str(height_m), "--range-m", str(range_m), "--modtran", file.name, "--out",
                             ROOT / "docs/images" / image], check=True)
         print(f"docs/images/{image}")
 

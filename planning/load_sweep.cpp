@@ -116,6 +116,9 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   auto resolved = resolve_sweep(loaded.file, loaded.model_bytes);
   if (!resolved.ok()) return resolved.status();
   loaded.resolved = *std::move(resolved);
+  loaded.size = size_of(loaded.resolved, loaded.model_bytes.size());
+  if (!asked.any_size)
+    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   loaded.warnings = located_warnings(loaded);
   const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
   if (!runner.ok()) return locate(loaded.file, runner.status());

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "bridge/job_runner.h"
 #include "jobs/sweep_file.h"
+#include "planning/sweep_size.h"
 
 namespace irsig {
 
@@ -16,6 +17,7 @@ namespace irsig {
 struct AccuracyAsked {
   std::optional<double> relative_error, time_budget_s;
   std::optional<std::string> effects = std::nullopt;
+  bool any_size = true;  // false: more than sweep_size.h's limits is INVALID_ARGUMENT
 };
 
 // A sweep that can be computed: its file is right, and its scene could be built.
@@ -26,6 +28,7 @@ struct LoadedSweep {
   // What is odd in it, one line each: its weather (jobs/check_weather.h), open shells of its model.
   std::vector<std::string> warnings;
   JobMemory memory = {};  // of one worker
+  SweepSize size = {};
 };
 
 // A sweep file with the content of the files that it names, not yet resolved.

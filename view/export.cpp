@@ -10,17 +10,31 @@
 
 namespace irsig {
 
+namespace {
+
+absl::StatusOr<std::vector<QueryRow>> rows_to_export(StoreReader& reader, const Query& query) {
+  auto rows = run_query(reader, query);
+  if (rows.ok() && rows->empty())
+    return absl::NotFoundError("nothing to export: no signature matches the filters");
+  return rows;
+}
+
+}  // namespace
+
+absl::Status export_csv(StoreReader& reader, const Query& query, std::ostream& out) {
+  const auto rows = rows_to_export(reader, query);
+  if (!rows.ok()) return rows.status();
+  return write_rows(reader, *rows, {.causes = true}, "csv", out);
+}
+
 absl::Status export_file(StoreReader& reader, const Query& query, std::string_view format,
                          const std::string& path) {
   if (format != "csv" && format != "netcdf") {
     return absl::InvalidArgumentError(
         fmt::format("unknown format \"{}\": expected csv or netcdf", format));
   }
-  auto rows = run_query(reader, query);
+  const auto rows = rows_to_export(reader, query);
   if (!rows.ok()) return rows.status();
-  if (rows->empty()) {
-    return absl::NotFoundError("nothing to export: no signature matches the filters");
-  }
   if (format == "netcdf") {
     if (query.interpolate) {
       return absl::InvalidArgumentError(

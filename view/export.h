@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,9 @@ namespace irsig {
 // NOT_FOUND: nothing matches.
 [[nodiscard]] absl::Status export_file(StoreReader& reader, const Query& query,
                                        std::string_view format, const std::string& path);
+
+// The same CSV to a stream.
+[[nodiscard]] absl::Status export_csv(StoreReader& reader, const Query& query, std::ostream& out);
 
 // The netCDF writer: rows of one sweep, not interpolated, not empty.
 [[nodiscard]] absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,

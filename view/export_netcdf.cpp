@@ -7,6 +7,7 @@
 
 #include "view/export.h"
 #include "view/netcdf_file.h"
+#include "view/progress.h"
 
 namespace irsig {
 namespace {
@@ -164,7 +165,9 @@ absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vecto
                          const Layout& layout, const Dimensions& d) {
   std::vector<std::string> names;
   std::vector<std::vector<RowPart>> parts_of_row;
+  LoopProgress progress("parts read, rows", rows.size());
   for (const QueryRow& r : rows) {
+    progress.step();
     auto parts = parts_of(reader, r);
     if (!parts.ok()) return parts.status();
     for (const RowPart& p : *parts) {
@@ -206,7 +209,9 @@ absl::Status write_band_spectra(StoreReader& reader, NetcdfFile& file,
   }
   std::vector<double> lambda_um;
   std::vector<std::vector<float>> cubes(std::size(kSpectra));
+  LoopProgress progress(fmt::format("spectra of {} read, rows", band_name), rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    progress.step();
     if (layout.cell[i].band != band) continue;
     auto got = spectrum_of(reader, rows[i]);
     if (!got.ok()) return got.status();

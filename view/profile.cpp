@@ -227,6 +227,29 @@ absl::Status write_profiles(const Rows& rows, std::string_view format, std::ostr
   return (*writer)->finish();
 }
 
+std::vector<std::string> profile_notes(const Rows& rows, const schema::Sweep& sweep) {
+  std::vector<std::string> out;
+  for (const schema::Profile& profile : sweep.profile()) {
+    const double asked_k = profile.apparent_temperature_stderr_k();
+    if (!(asked_k > 0)) continue;  // a number of samples was asked for
+    std::size_t count = 0, above = 0;
+    double worst_k = 0;
+    for (const StoredProfileRow& r : rows) {
+      if (r.sweep != sweep.name() || r.profile != profile.name()) continue;
+      ++count;
+      if (!(r.apparent_temperature_stderr_k > asked_k)) continue;
+      ++above;
+      worst_k = std::max(worst_k, r.apparent_temperature_stderr_k);
+    }
+    if (above > 0)
+      out.push_back(fmt::format(
+          "profile \"{}\": {} of {} rows miss the standard error asked for: {:.2g} mK at most, "
+          "{:.2g} mK asked",
+          profile.name(), above, count, 1000 * worst_k, 1000 * asked_k));
+  }
+  return out;
+}
+
 std::string profile_summary(const Rows& rows, const std::vector<StoredPublished>& published) {
   std::string out;
   for (const auto& [place, signature] : by_signature(rows)) {

@@ -31,6 +31,10 @@ struct ProfileQuery {
 [[nodiscard]] std::string profile_summary(const std::vector<StoredProfileRow>& rows,
                                           const std::vector<StoredPublished>& published);
 
+// Profiles of a sweep whose standard error is above the one asked for, a line each.
+[[nodiscard]] std::vector<std::string> profile_notes(const std::vector<StoredProfileRow>& rows,
+                                                     const schema::Sweep& sweep);
+
 // Apparent temperature with its 2 sigma error as a complete SVG document: the first profile along
 // a line against the distance from its middle, one curve for each number of reflections; or, if
 // all are at one point, every profile against the number of reflections, with what is published.

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <functional>
 
+#include "view/progress.h"
+#include "view/quantity.h"
+
 namespace irsig {
 namespace {
 
@@ -234,7 +237,9 @@ absl::Status write_spectra(StoreReader& reader, const std::vector<QueryRow>& row
   if (interpolated) columns.push_back({"spectral_interpolation_error_w_sr_um"});
   auto writer = make_table_writer(format, columns, out);
   if (!writer.ok()) return writer.status();
+  LoopProgress progress("spectra written, rows", rows.size());
   for (const QueryRow& row : rows) {
+    progress.step();
     auto got = spectrum_of(reader, row);
     if (!got.ok()) return got.status();
     const schema::Spectrum& spectrum = got->spectrum;
@@ -266,7 +271,9 @@ absl::Status write_parts(StoreReader& reader, const std::vector<QueryRow>& rows,
   if (interpolated) columns.push_back({"part_interpolation_error_w_sr"});
   auto writer = make_table_writer(format, columns, out);
   if (!writer.ok()) return writer.status();
+  LoopProgress progress("parts written, rows", rows.size());
   for (const QueryRow& row : rows) {
+    progress.step();
     auto parts = parts_of(reader, row);
     if (!parts.ok()) return parts.status();
     const std::vector<Cell> cells = cells_of(base, row);
@@ -288,8 +295,15 @@ absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column, boo
   std::vector<RowColumn> columns = fixed_columns(true);
   for (auto&& more : {cause_columns(), further_columns()})
     columns.insert(columns.end(), more.begin(), more.end());
-  const auto by = std::find_if(columns.begin(), columns.end(),
-                               [&](const RowColumn& c) { return c.column.name == column; });
+  // As CSV calls it, or as people read it in the heading: "intensity", "numerical error".
+  const auto named = [&](const RowColumn& c) { return c.column.name == column; };
+  const auto headed = [&](const RowColumn& c) {
+    std::string asked(column);
+    std::replace(asked.begin(), asked.end(), '_', ' ');
+    return quantity_of(c.column.name).noun == asked;
+  };
+  auto by = std::find_if(columns.begin(), columns.end(), named);
+  if (by == columns.end()) by = std::find_if(columns.begin(), columns.end(), headed);
   if (by == columns.end()) {
     std::vector<std::string_view> names;
     for (const RowColumn& c : columns) names.push_back(c.column.name);
@@ -304,11 +318,22 @@ absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column, boo
 
 absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                         const QueryContent& content, std::string_view format, std::ostream& out) {
+  if (content.parts && content.quantity != SignatureQuantity::kIntensity) {
+    return absl::InvalidArgumentError(
+        fmt::format("parts: only their source intensity is stored, expected quantity intensity and "
+                    "not {}",
+                    columns_of(content.quantity).name));
+  }
   if (content.spectrum && content.parts) {
     return absl::InvalidArgumentError("spectrum and parts cannot be written into one table");
   }
   const bool by_line = content.spectrum || content.parts;
   std::vector<RowColumn> columns = fixed_columns(!by_line);
+  const bool several = std::any_of(rows.begin(), rows.end(), [&](const QueryRow& r) {
+    return r.signature.sweep != rows.front().signature.sweep;
+  });
+  for (RowColumn& c : columns)
+    if (c.column.name == "sweep") c.column.brief = several;
   const auto append = [&](std::vector<RowColumn> more) {
     columns.insert(columns.end(), std::make_move_iterator(more.begin()),
                    std::make_move_iterator(more.end()));
@@ -328,7 +353,11 @@ absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
   for (const RowColumn& c : columns) heads.push_back(c.column);
   auto writer = make_table_writer(format, heads, out);
   if (!writer.ok()) return writer.status();
-  for (const QueryRow& row : rows) (*writer)->row(cells_of(columns, row));
+  LoopProgress progress("rows written", rows.size());
+  for (const QueryRow& row : rows) {
+    (*writer)->row(cells_of(columns, row));
+    progress.step();
+  }
   return (*writer)->finish();
 }
 

@@ -13,6 +13,7 @@
 #include "core/environment/air.h"
 #include "core/geo/viewpoint.h"
 #include "view/moved_row.h"
+#include "view/progress.h"
 #include "view/sight_line.h"
 
 namespace irsig {
@@ -216,6 +217,9 @@ absl::StatusOr<std::vector<QueryRow>> at_range(StoreReader& reader, std::vector<
   }
   if (absl::Status s = check_computed(signatures, SignatureQuantity::kContrastIntensity); !s.ok())
     return s;
+  std::size_t count = 0;
+  for (const auto& [name, views] : sweeps) count += views.size();
+  LoopProgress progress("viewpoints moved", count);
   for (auto& [name, views] : sweeps) {
     auto stored = reader.sweep(name);
     if (!stored.ok()) return stored.status();
@@ -224,8 +228,10 @@ absl::StatusOr<std::vector<QueryRow>> at_range(StoreReader& reader, std::vector<
     if (absl::Status s = check_lengths(range_m, "range", name, *extent); !s.ok()) return s;
     const auto air = SweepAir::make(*std::move(stored));
     if (!air.ok()) return air.status();
-    for (auto& [key, of_view] : views)
+    for (auto& [key, of_view] : views) {
       if (absl::Status s = move_view(reader, *air, *extent, range_m, of_view); !s.ok()) return s;
+      progress.step();
+    }
   }
   return rows;
 }

@@ -195,9 +195,9 @@ absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(std::string_view 
                                                                std::ostream& out) {
   if (format == "csv") return std::make_unique<CsvWriter>(columns, out);
   if (format == "json") return std::make_unique<JsonWriter>(columns, out);
-  if (format == "table") return std::make_unique<TextWriter>(columns, out);
+  if (format == "text") return std::make_unique<TextWriter>(columns, out);
   return absl::InvalidArgumentError(
-      fmt::format("unknown format \"{}\": expected table, csv or json", format));
+      fmt::format("unknown format \"{}\": expected text, csv or json", format));
 }
 
 }  // namespace irsig

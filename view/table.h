@@ -34,7 +34,7 @@ class TableWriter {
 };
 
 // format: "csv" (RFC 4180; every double with the digits that give the same double back), "json" (an
-// array of objects, the same digits) or "table" (for people: aligned, 6 digits, units in the
+// array of objects, the same digits) or "text" (for people: aligned, 6 digits, units in the
 // header, no control characters). CSV keeps every byte of a text: it is data.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(
     std::string_view format, const std::vector<Column>& columns, std::ostream& out);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -100,6 +101,10 @@ class CsvReader {
     begin();
     const std::size_t column = value.empty() ? line.size() + 1 : line.find(value, colon) + 1;
     double number = 0;
+    if (value == "space" && (name == "target_height_m" || name == "range_m")) {
+      run_->path.target_height_m = run_->path.range_m = std::numeric_limits<double>::infinity();
+      return;
+    }
     if (!parse_fortran_number(value, number)) {
       errors_.add(line_, column, absl::StrFormat("%s: \"%s\" is not a number", name, value));
       return;

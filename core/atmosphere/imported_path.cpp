@@ -64,6 +64,8 @@ bool reaches_a_band(const ImportedPath& path) {
 }
 
 std::string describe(const ImportedPath& path) {
+  if (std::isinf(path.range_m))
+    return absl::StrFormat("%g m to space (line %d)", path.observer_height_m, path.line);
   return absl::StrFormat("%g m to %g m over %g m (line %d)", path.observer_height_m,
                          path.target_height_m, path.range_m, path.line);
 }
@@ -72,6 +74,15 @@ std::string describe(const ImportedPath& path) {
 bool same_length(double a, double b) {
   if (std::isinf(a) || std::isinf(b)) return a == b;
   return std::abs(a - b) <= std::max(1.0, 0.02 * std::max(std::abs(a), std::abs(b)));
+}
+
+// A level path stands for lines whose ends are a little higher or lower: water vapour, which
+// changes fastest, loses 1.5 % of its density in kLevelHeightM.
+bool stands_for(const ImportedPath& path, double observer_height_m, double target_height_m) {
+  const double level_m = path.observer_height_m;
+  return path.target_height_m == level_m &&
+         std::abs(observer_height_m - level_m) <= kLevelHeightM &&
+         std::abs(target_height_m - level_m) <= kLevelHeightM;
 }
 
 // One quantity that a path and the condition may both state.
@@ -222,6 +233,10 @@ absl::StatusOr<const ImportedPath*> find_path(const ImportedPaths& paths, double
         same_length(path.target_height_m, target_height_m) && same_length(path.range_m, range_m)) {
       return &path;
     }
+  }
+  for (const ImportedPath& path : paths.path) {
+    if (stands_for(path, observer_height_m, target_height_m) && same_length(path.range_m, range_m))
+      return &path;
   }
   std::vector<std::string> covered;
   for (const ImportedPath& path : paths.path) covered.push_back(describe(path));

@@ -48,7 +48,11 @@ struct ConditionFacts {
 [[nodiscard]] absl::Status check_conditions(const ImportedPaths& paths,
                                             const ConditionFacts& facts);
 
-// The path of that geometry: heights and range within 2 % or 1 m. NOT_FOUND names what is covered.
+// Both ends of a line of sight may be this far above or below a level path that stands for it.
+inline constexpr double kLevelHeightM = 30;
+
+// The path of that geometry: heights and range within 2 % or 1 m, or else a level path of that
+// range near it. NOT_FOUND names what is covered.
 [[nodiscard]] absl::StatusOr<const ImportedPath*> find_path(const ImportedPaths& paths,
                                                             double observer_height_m,
                                                             double target_height_m, double range_m);

@@ -71,14 +71,19 @@ absl::StatusOr<std::string> encode_exr(const RadianceImage& image) {
 
 absl::StatusOr<std::string> encode_png(const RadianceImage& image) {
   if (absl::Status status = check(image); !status.ok()) return status;
-  const float largest =
-      *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end());
+  return encode_png(
+      image, {0, *std::max_element(image.radiance_w_m2_sr.begin(), image.radiance_w_m2_sr.end())});
+}
+
+absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreyScale& scale) {
+  if (absl::Status status = check(image); !status.ok()) return status;
+  const double black = static_cast<double>(scale.black_w_m2_sr);
+  const double range = static_cast<double>(scale.white_w_m2_sr) - black;
   std::vector<unsigned char> grey;
   grey.reserve(image.radiance_w_m2_sr.size());
   for (const float radiance : image.radiance_w_m2_sr) {
-    const double part = largest > 0 && radiance > 0
-                            ? static_cast<double>(radiance) / static_cast<double>(largest)
-                            : 0;
+    const double part =
+        range > 0 ? std::clamp((static_cast<double>(radiance) - black) / range, 0.0, 1.0) : 0;
     grey.push_back(static_cast<unsigned char>(std::lround(255 * part)));
   }
   oiio::ImageSpec spec = spec_of(image, oiio::TypeDesc::UINT8);

@@ -20,9 +20,16 @@ struct RadianceImage {
 // 0.32 ms and 16.7 kB with ZIP, 1.9 ms and 32.1 kB with PIZ.
 [[nodiscard]] absl::StatusOr<std::string> encode_exr(const RadianceImage& image);
 
-// For people: PNG, 8 bit grey, linear from 0 (black) to the image's largest radiance (white);
-// black everywhere when that is 0, negative radiance is black. 0.15 ms and 2.0 kB for the same.
+// Linear from black to white, what is outside is black or white. [W/(m2 sr)]
+struct GreyScale {
+  float black_w_m2_sr, white_w_m2_sr;
+};
+
+// For people: PNG, 8 bit grey, on the scale given or else from 0 to the image's largest radiance;
+// black everywhere when that is 0. 0.15 ms and 2.0 kB for the same.
 [[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image);
+[[nodiscard]] absl::StatusOr<std::string> encode_png(const RadianceImage& image,
+                                                     const GreyScale& scale);
 
 // Both: equal pixels give equal bytes, whenever and wherever they are written: no host or program
 // names, and the date of an EXR file is always 1970-01-01. INVALID_ARGUMENT for an empty image,

@@ -1,5 +1,6 @@
 // PLY: elements and properties in any order; "vertex" needs x, y, z, "face" a list named
-// vertex_indices or vertex_index. Everything else is read over. Text is read here, in double.
+// vertex_indices or vertex_index; or "tristrips" such a list of strips, each ended by -1 (in text
+// alone). Everything else is read over. Text is read here, in double.
 #include <algorithm>
 
 #include "core/scene/import_formats.h"
@@ -24,15 +25,23 @@ class PlyReader {
   }
 
  private:
+  struct Polygon {
+    Token where;
+    std::vector<std::uint32_t> corner;
+  };
+
   void read_row(const PlyElement& element) {
     Vec<FileFrame> at;
-    const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+    const bool is_vertex = element.name == "vertex", is_face = element.name == "face",
+               is_strip = element.name == "tristrips";
     for (const PlyProperty& property : element.property) {
       const Token word = cursor_.word();
       if (property.is_list) {
-        const bool corners =
-            is_face && (property.name == "vertex_indices" || property.name == "vertex_index");
-        read_list(word, corners);
+        const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
+        read_list(word, !corners   ? List::kOther
+                        : is_face  ? List::kFace
+                        : is_strip ? List::kStrips
+                                   : List::kOther);
       } else {
         double ignored = 0;
         double& value = !is_vertex             ? ignored
@@ -53,7 +62,10 @@ class PlyReader {
     if (is_vertex) mesh_.vertex.push_back(at);
   }
 
-  void read_list(const Token& count_word, bool corners) {
+  enum class List { kFace, kStrips, kOther };
+
+  void read_list(const Token& count_word, List list) {
+    const bool corners = list == List::kFace, strips = list == List::kStrips;
     const std::optional<std::int64_t> count = integer_of(count_word.text);
     if (!count || *count < 0 || (corners && *count < 3)) {
       add_at(errors_, count_word,
@@ -73,9 +85,31 @@ class PlyReader {
         add_at(errors_, word, "the file ends in the middle of a list");
         return;
       }
+      if (strips && (!index || *index < -1 || *index > std::int64_t{0xfffffffe})) {
+        add_at(errors_, word, "expected the number of a vertex, counted from 0, or -1");
+        return;
+      }
+      if (strips) {
+        if (*index < 0) {
+          add_strip(polygon);
+          polygon = {word, {}};
+        } else {
+          polygon.corner.push_back(static_cast<std::uint32_t>(*index));
+        }
+      }
       if (corners) polygon.corner.push_back(static_cast<std::uint32_t>(*index));
     }
     if (corners) polygon_.push_back(std::move(polygon));
+    if (strips) add_strip(polygon);
+  }
+
+  // Every second triangle of a strip is wound the other way. A repeated corner joins strips.
+  void add_strip(const Polygon& strip) {
+    for (std::size_t i = 0; i + 2 < strip.corner.size(); ++i) {
+      const std::uint32_t a = strip.corner[i], b = strip.corner[i + 1], c = strip.corner[i + 2];
+      if (a == b || b == c || c == a) continue;
+      polygon_.push_back({strip.where, i % 2 == 0 ? std::vector{a, b, c} : std::vector{b, a, c}});
+    }
   }
 
   void triangulate() {
@@ -94,11 +128,6 @@ class PlyReader {
     }
   }
 
-  struct Polygon {
-    Token where;
-    std::vector<std::uint32_t> corner;
-  };
-
   TextCursor cursor_;
   FileErrors errors_;
   FileMesh mesh_;
@@ -113,6 +142,11 @@ absl::StatusOr<FileMesh> read_ply(std::string_view bytes, const std::string& fil
   const PlyHeader header = read_ply_header(cursor, errors);
   if (errors.any()) return errors.status();
   if (!header.is_binary) return PlyReader(cursor, file_name).read(header);
+  for (const PlyElement& element : header.element)
+    if (element.name == "tristrips" && element.count > 0)
+      return absl::InvalidArgumentError(fmt::format(
+          "{}: tristrips in a binary PLY file are not read, expected faces, or format ascii",
+          file_name));
   // What follows is Assimp's to read, which believes any count.
   double bytes_needed = 0;
   for (const PlyElement& element : header.element)

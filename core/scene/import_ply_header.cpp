@@ -92,14 +92,19 @@ class HeaderReader {
     return false;
   }
 
+  bool has_corners(std::string_view element) const {
+    return has(element, "vertex_indices", true) || has(element, "vertex_index", true);
+  }
+
   void check(const Token& end) {
     if (!has_format_) add_at(errors_, end, "the header has no format");
     for (const std::string_view name : {"x", "y", "z"}) {
       if (!has("vertex", name, false))
         add_at(errors_, end, fmt::format("the element vertex has no property {}", name));
     }
-    if (!has("face", "vertex_indices", true) && !has("face", "vertex_index", true))
-      add_at(errors_, end, "the element face has no property list vertex_indices");
+    if (!has_corners("face") && !has_corners("tristrips"))
+      add_at(errors_, end,
+             "neither an element face nor an element tristrips has a property list vertex_indices");
     // Without properties a row takes no text, and a false count would never end.
     for (const PlyElement& e : header_.element) {
       if (e.property.empty() && e.count > 0)

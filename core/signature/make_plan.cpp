@@ -262,11 +262,7 @@ std::uint64_t view_seed(const PreparedScene& scene, const ViewRequest& request) 
 
 absl::Status check_request(const PreparedScene& scene, const ViewRequest& request) {
   const Viewpoint& viewpoint = request.viewpoint;
-  const double reach = length(scene.target.centre) + scene.target.radius_m;
-  if (!(viewpoint.range_m > reach))
-    return absl::InvalidArgumentError(absl::StrCat(
-        "viewpoints.range_m: a sensor at ", viewpoint.range_m,
-        " m is inside the target, which reaches ", reach, " m from its reference point"));
+  if (auto status = check_outside(scene.target, viewpoint); !status.ok()) return status;
   for (const ConditionSpec& c : request.condition)
     if (c.part_temperature_k.size() != scene.target.part.size())
       return absl::InvalidArgumentError("a condition does not state one temperature for each part");

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace irsig {
 
 CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
@@ -151,7 +153,85 @@ ViewFrame bounds_of(const Target& target, ViewFrame frame, const std::vector<dou
   return frame;
 }
 
+Vec<Body> place_of(const Target& target, std::size_t vertex) {
+  return {static_cast<double>(target.vertex[3 * vertex]),
+          static_cast<double>(target.vertex[3 * vertex + 1]),
+          static_cast<double>(target.vertex[3 * vertex + 2])};
+}
+
+bool reaches_beyond(const Target& target, double range_m) {
+  return range_m <= length(target.centre) + target.radius_m;
+}
+
+// Where a sensor (relative to the target's centre) looks to have every vertex in front of it, and
+// how far in front the nearest one is: towards the nearest place of the convex hull, by pairwise
+// Frank-Wolfe steps (S. Lacoste-Julien, M. Jaggi, NIPS 28 (2015)), which may stop as soon as a
+// plane between them is known. Depth 0: none was found.
+struct Look {
+  Vec<Body> forward;
+  double depth_m = 0;
+};
+Look look_at_hull(const Target& target, Vec<Body> sensor) {
+  const std::size_t vertices = target.vertex.size() / 3;
+  const auto from_sensor = [&](std::size_t i) { return place_of(target, i) - sensor; };
+  struct Weighted {
+    std::size_t vertex;
+    double weight;
+  };
+  std::vector<Weighted> mean = {{0, 1.0}};  // the present place of the hull
+  Vec<Body> nearest = from_sensor(0);
+  Look best;
+  for (int step = 0; step < 1000; ++step) {
+    const double distance = length(nearest);
+    if (!(distance > 1e-6 * target.radius_m)) return best;
+    std::size_t support = 0;
+    double least = 1e300;
+    for (std::size_t i = 0; i < vertices; ++i) {
+      const double along = dot(nearest, from_sensor(i));
+      if (along < least) {
+        least = along;
+        support = i;
+      }
+    }
+    const double depth = least / distance;
+    if (depth > best.depth_m) best = {(1 / distance) * nearest, depth};
+    if (depth > 0.5 * distance) return best;
+    auto away = mean.begin();
+    for (auto it = mean.begin(); it != mean.end(); ++it)
+      if (dot(nearest, from_sensor(it->vertex)) > dot(nearest, from_sensor(away->vertex)))
+        away = it;
+    const Vec<Body> to = from_sensor(support) - from_sensor(away->vertex);
+    const double size2 = dot(to, to);
+    if (!(size2 > 0)) return best;
+    const double share = std::clamp(-dot(nearest, to) / size2, 0.0, away->weight);
+    if (!(share > 0)) return best;
+    nearest = nearest + share * to;
+    away->weight -= share;
+    if (away->weight <= 0) mean.erase(away);
+    const auto known = std::find_if(mean.begin(), mean.end(),
+                                    [&](const Weighted& w) { return w.vertex == support; });
+    if (known != mean.end())
+      known->weight += share;
+    else
+      mean.push_back({support, share});
+  }
+  return best;
+}
+
 }  // namespace
+
+absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
+  if (!reaches_beyond(target, viewpoint.range_m)) return absl::OkStatus();
+  const Vec<Body> sensor = viewpoint.range_m * body_from_aspect(viewpoint.aspect_azimuth_deg,
+                                                                viewpoint.aspect_elevation_deg) -
+                           target.centre;
+  if (look_at_hull(target, sensor).depth_m > 0.01 * target.radius_m) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("viewpoints.range_m: a sensor at ", viewpoint.range_m, " m, azimuth ",
+                   viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
+                   " deg is inside the target's convex hull or hardly outside; the target reaches ",
+                   length(target.centre) + target.radius_m, " m from its reference point"));
+}
 
 AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
   AimedView view;
@@ -164,11 +244,20 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
   const double az = viewpoint.aspect_azimuth_deg * std::numbers::pi / 180;
   const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
   frame.up = {-std::sin(el) * std::cos(az), -std::sin(el) * std::sin(az), -std::cos(el)};
-  frame.right = cross(frame.forward, frame.up);
   frame.sensor = viewpoint.range_m * to_sensor - target.centre;
+  double nearest_m = 0;
+  if (reaches_beyond(target, viewpoint.range_m)) {
+    const Look look = look_at_hull(target, frame.sensor);
+    frame.forward = look.forward;
+    nearest_m = look.depth_m;
+    const Vec<Body> upright = frame.up - dot(frame.up, frame.forward) * frame.forward;
+    frame.up = length(upright) > 1e-6 ? (1 / length(upright)) * upright : to_sensor;
+  }
+  frame.right = cross(frame.forward, frame.up);
   // The plane touches the bounding sphere on the sensor's side; rays start there.
   const double to_centre = -dot(frame.sensor, frame.forward);
-  frame.plane_m = std::max(to_centre - 1.0001 * target.radius_m, 0.01 * to_centre);
+  frame.plane_m = nearest_m > 0 ? 0.999 * nearest_m
+                                : std::max(to_centre - 1.0001 * target.radius_m, 0.01 * to_centre);
 
   const std::size_t vertices = target.vertex.size() / 3;
   std::vector<double> x_m(vertices), y_m(vertices);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/base/sobol.h"
 #include "core/geo/viewpoint.h"
 #include "core/scene/target.h"
@@ -79,6 +80,11 @@ struct AimedView {
   std::vector<std::uint32_t> stratum_of_part;
   std::vector<CoverageMask> stratum;
 };
+// INVALID_ARGUMENT: the sensor is inside the target's convex hull, or within a hundredth of the
+// target's radius of it. A sensor that is nearer than the target reaches looks past the reference
+// point, so that all of the target is in front of it.
+[[nodiscard]] absl::Status check_outside(const Target& target, const Viewpoint& viewpoint);
+// Of a sensor that is outside.
 [[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint);
 
 // A narrow view: all that is seen of a sensor (body frame) through a rectangle of width x height

@@ -8,6 +8,7 @@
 // Source: I = L A cos(angle); the disk's polygon has the area of its circle.
 #include <numbers>
 
+#include "core/geo/viewpoint.h"
 #include "tests/physics/scene_fixture.h"
 
 namespace irsig {
@@ -46,6 +47,44 @@ TEST(FarView, IntensityIsRightAtTheLimitsOfRangeAndSize) {
                           std::to_string(azimuth_deg),
                       2e-4, (10 * near + 1e-5) * expected);
     }
+  }
+}
+
+// [sr] A. van Oosterom, J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125; positive where the
+// facet faces the origin.
+double solid_angle_sr(Vec<Body> a, Vec<Body> b, Vec<Body> c) {
+  const double la = length(a), lb = length(b), lc = length(c);
+  return -2 * std::atan2(dot(a, cross(b, c)),
+                         la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+}
+
+// Rationale: a sensor beside a long hull is nearer than the hull reaches, and part of the hull may
+// even be behind the plane through the sensor across the line to the reference point.
+// Expected: L range^2 x the solid angle of the faces that face it; inside the hull it is refused.
+TEST(NearView, SensorsBesideALongHull) {
+  const Mesh box = generated("box", 200, 0, 154, 10, 10);
+  const auto simulator = simulator_of(scene_of(box, grey(0.8), lwir()));
+  const std::vector<Viewpoint> views = {{90, 0, 50},  {20, 5, 50},   {0, 0, 78.5}, {45, 60, 40},
+                                        {90, 90, 13}, {270, 40, 76}, {5, 0, 75},   {90, 2, 6}};
+  for (const Viewpoint& v : views) {
+    ViewRequest r =
+        request(*simulator, v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, {400});
+    const Vec<Body> sensor =
+        v.range_m * body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+    double sr = 0;
+    for (const auto& t : box.triangle)
+      sr += std::max(0.0, solid_angle_sr(box.vertex[t[0]] - sensor, box.vertex[t[1]] - sensor,
+                                         box.vertex[t[2]] - sensor));
+    const double expected = kRadiance * v.range_m * v.range_m * sr;
+    expect_within_t(only_row(*simulator, r).intensity_w_sr, expected, views.size(),
+                    "case " + std::to_string(&v - views.data()), 2e-3, 1e-5 * expected);
+  }
+  for (const Viewpoint& inside :
+       {Viewpoint{90, 0, 4}, Viewpoint{0, 0, 70}, Viewpoint{3, 1, 77.1}}) {
+    const auto refused = simulator->simulate(request(
+        *simulator, inside.aspect_azimuth_deg, inside.aspect_elevation_deg, inside.range_m, {400}));
+    EXPECT_EQ(refused.status().code(), absl::StatusCode::kInvalidArgument)
+        << inside.aspect_azimuth_deg;
   }
 }
 

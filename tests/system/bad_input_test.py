@@ -55,7 +55,8 @@ class BadInput(unittest.TestCase):
 
     def test_range_inside_the_target(self):
         import re
-        self.refused(re.sub(r"(?m)^range_m = .*$", "range_m = 0.1", DISK), "sweep.toml:", "inside the target")
+        self.refused(re.sub(r"(?m)^range_m = .*$", "range_m = 0.001", DISK), "sweep.toml:",
+                     "inside the target's convex hull")
 
     def test_numbers_beyond_their_bounds(self):
         import re

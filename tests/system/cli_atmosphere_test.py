@@ -92,12 +92,12 @@ class Atmosphere(unittest.TestCase):
     def test_drawing(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "path.svg"
-            self.assertEqual(irsig("atmosphere", *AIR, *SEA, "--svg", file), "")
+            self.assertEqual(irsig("atmosphere", *AIR, *SEA, "--out", file), "")
             text = " ".join(xml.etree.ElementTree.parse(file).getroot().itertext())
             for expected in ("5 km from 20 m to 10 m", "midlatitude_summer, aerosol rural 23 km", "Transmittance",
                              "Path radiance"):
                 self.assertIn(expected, text)
-            irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,80", "--svg", file)
+            irsig("sky", *AIR, "--height-m", 10, "--zenith-deg", "0,80", "--out", file)
             text = " ".join(xml.etree.ElementTree.parse(file).getroot().itertext())
             self.assertIn("80\u00b0", text)
 

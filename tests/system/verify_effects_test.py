@@ -36,7 +36,7 @@ class VerifyEffects(unittest.TestCase):
 
     def test_small_matrix(self):
         table = self.path / "matrix.csv"
-        said = irsig("verify-effects", "--matrix", "--small", "--reference", 10, "--csv", table)
+        said = irsig("verify-effects", "--matrix", "--small", "--reference", 10, "--values", table)
         self.assertIn(": 0 cells out of bound", said)
         self.assertRegex(said, "^not seen here, ")
         cells = int(re.search(r"^(\d+) cells", said, re.M)[1])

@@ -264,6 +264,25 @@ TEST(ImportedPath, SeveralRunsInAFile) {
               HasSubstr("it covers 5000 m to 5000 m over 5000 m (line 1), 1000 m to 1000 m over"));
 }
 
+// Rationale: codes are run for level paths at the surface; ships are some metres high.
+TEST(ImportedPath, ALevelPathStandsForLinesNearIt) {
+  const auto paths = parse_imported_paths(
+      "# observer_height_m: 0\n# target_height_m: 0\n# range_m: 5000\nlambda_um,transmittance\n"
+      "4,0.5\n4.01,0.5\n4.02,0.5\n# observer_height_m: 10\n# target_height_m: "
+      "space\nlambda_um,transmittance\n"
+      "4,0.4\n4.01,0.4\n4.02,0.4\n",
+      "a.csv");
+  ASSERT_TRUE(paths.ok()) << paths.status();
+  const auto found = find_path(*paths, 2.5, 6.4, 5010);
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(*found, &paths->path[0]);
+  EXPECT_FALSE(find_path(*paths, 2.5, 40, 5000).ok());
+  EXPECT_FALSE(find_path(*paths, 2.5, 6.4, 5200).ok());
+  EXPECT_TRUE(std::isinf(paths->path[1].range_m) && std::isinf(paths->path[1].target_height_m));
+  EXPECT_THAT(std::string(find_path(*paths, 500, 0, 5000).status().message()),
+              HasSubstr("10 m to space (line 8)"));
+}
+
 TEST(ImportedPath, ErrorsNameLineAndColumn) {
   const auto message = [](std::string text) {
     const auto paths = parse_imported_paths(text, "x.tp7");

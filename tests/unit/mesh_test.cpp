@@ -184,6 +184,26 @@ TEST(PlyImport, AnyOrderOfPropertiesAndElements) {
   EXPECT_EQ(mesh.vertex[2], (Vec<Body>{1, -0.123456789012345678, -5}));
 }
 
+TEST(PlyImport, StripsOfTriangles) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\n"
+      "property float z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+      "0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n5 0 0\n5 1 0\n6 0 0\n";
+  const Mesh mesh = read("a.ply", text + "11 1 0 3 2 5 4 -1 7 6 8 -1\n");
+  ASSERT_EQ(mesh.triangle.size(), 5u);
+  EXPECT_EQ(measure(mesh).area_m2, 2.5);
+  for (const auto& t : mesh.triangle) {  // all face up: body z is down
+    const Vec<Body> a = mesh.vertex[t[0]];
+    EXPECT_LT(cross(mesh.vertex[t[1]] - a, mesh.vertex[t[2]] - a).z, 0);
+  }
+  EXPECT_THAT(refusal("a.ply", text + "4 0 1 -2 3\n"),
+              HasSubstr("a.ply:19:7: expected the number"));
+  std::string binary = text;
+  binary.replace(binary.find("ascii"), 5, "binary_little_endian");
+  EXPECT_THAT(refusal("a.ply", binary + std::string(200, '\0')),
+              HasSubstr("tristrips in a binary PLY file are not read"));
+}
+
 TEST(PlyImport, ErrorsSayWhere) {
   const std::string head =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/image/image.h"
 #include "fake_store_reader.h"
 #include "view/quantity.h"
 #include "view/query_table.h"
@@ -234,7 +235,7 @@ TEST(Query, InterpolationNeverMixesRanges) {
 
 TEST(Table, TextHasUnitsAndAlignedColumns) {
   FakeStoreReader db = fake_database();
-  const auto text = lines(printed(db, {.season = "winter"}, {}, "table"));
+  const auto text = lines(printed(db, {.season = "winter"}, {}, "text"));
   ASSERT_EQ(text.size(), 4U + 191 * 2);
   EXPECT_THAT(text[2], HasSubstr("[W/sr]"));
   EXPECT_THAT(text[2], HasSubstr("[K]"));
@@ -271,6 +272,54 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   auto without = run_query(db, {.row = 6});
   EXPECT_EQ(write_thumbnail(db, *without, path).code(), absl::StatusCode::kNotFound);
   EXPECT_FALSE(std::ifstream(path).good());
+}
+
+TEST(Thumbnail, OnACommonScale) {
+  FakeStoreReader db = fake_database();
+  const std::string path = ::testing::TempDir() + "irsig_scaled_test.png";
+  const auto exr = [](float hottest) { return *encode_exr({2, 2, {0.0f, 1.0f, 2.0f, hottest}}); };
+  // The hottest image of the same band counts, that of another band does not.
+  const std::string band = db.signatures[4].band;
+  std::size_t same = 0, other = 0;
+  for (std::size_t i = 0; i < db.signatures.size(); ++i)
+    if (i != 4) (db.signatures[i].band == band ? same : other) = i;
+  db.thumbnails[db.signatures[4].signature_id].set_exr(exr(4));
+  db.thumbnails[db.signatures[same].signature_id].set_exr(exr(10));
+  db.thumbnails[db.signatures[other].signature_id].set_exr(exr(1000));
+  const auto one = run_query(db, {.row = 5});
+  ASSERT_TRUE(one.ok());
+  const PaintPng paint = [](const std::string& picture, const std::string& scale,
+                            const NextExr& others) -> absl::StatusOr<std::string> {
+    GreyScale grey{1, 3};
+    if (scale == "common") {
+      grey = {0, 0};
+      for (auto next = others(); !next->empty(); next = others()) {
+        const auto image = decode_exr(*next);
+        for (const float pixel : image->radiance_w_m2_sr)
+          grey.white_w_m2_sr = std::max(grey.white_w_m2_sr, pixel);
+      }
+    }
+    return encode_png(*decode_exr(picture), grey);
+  };
+  const auto written = [&](const std::string& scale) {
+    EXPECT_TRUE(write_thumbnail(db, *one, path, scale, paint).ok()) << scale;
+    std::ifstream in(path);
+    std::stringstream bytes;
+    bytes << in.rdbuf();
+    return bytes.str();
+  };
+  const RadianceImage image{2, 2, {0.0f, 1.0f, 2.0f, 4.0f}};
+  EXPECT_EQ(written("common"), *encode_png(image, {0, 10}));
+  EXPECT_EQ(written("1,3"), *encode_png(image, {1, 3}));
+  EXPECT_NE(*encode_png(image, {1, 3}), *encode_png(image));
+  EXPECT_EQ(*encode_png(image, {0, 4}), *encode_png(image));
+  std::remove(path.c_str());
+  for (const char* scale : {"3,1", "1", "a,b", "0,inf", "1,1", "mine"})
+    EXPECT_THAT(std::string(write_thumbnail(db, *one, path, scale).message()),
+                HasSubstr("expected common, or BLACK,WHITE"))
+        << scale;
+  EXPECT_THAT(std::string(write_thumbnail(db, *one, "a.exr", "common").message()),
+              HasSubstr("without a scale"));
 }
 
 TEST(Query, TheErrorIsThatOfTheQuantityAskedFor) {
@@ -328,14 +377,14 @@ TEST(Query, WhatWasNotComputedIsNoNumber) {
 
 TEST(Query, ATableForPeopleShowsTheQuantityAskedFor) {
   FakeStoreReader db = fake_database();
-  const std::string source = printed(db, {.row = 1}, {}, "table");
+  const std::string source = printed(db, {.row = 1}, {}, "text");
   EXPECT_EQ(source.find("contrast"), std::string::npos);
   QueryContent content;
   content.quantity = SignatureQuantity::kContrastIntensity;
-  const std::string contrast = printed(db, {.row = 1}, content, "table");
+  const std::string contrast = printed(db, {.row = 1}, content, "text");
   EXPECT_THAT(contrast, HasSubstr("contrast"));
   content.spectrum = true;
-  EXPECT_THAT(printed(db, {.row = 1}, content, "table"), HasSubstr("contrast spectral"));
+  EXPECT_THAT(printed(db, {.row = 1}, content, "text"), HasSubstr("contrast spectral"));
 }
 
 TEST(Query, InterpolatesASignedContrast) {

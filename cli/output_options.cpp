@@ -1,0 +1,122 @@
+#include "cli/output_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "absl/strings/ascii.h"
+#include "view/atomic_file.h"
+#include "view/print.h"
+
+namespace irsig {
+namespace {
+
+constexpr const char* kGroup = "Output";
+
+struct Ending {
+  std::string_view ending, format;
+};
+
+// What the end of a file's name promises; no format of irsig: a picture that it does not make.
+constexpr Ending kEndings[] = {
+    {".txt", "text"},  {".csv", "csv"}, {".json", "json"}, {".svg", "svg"},
+    {".nc", "netcdf"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},
+    {".pdf", ""},      {".gif", ""},    {".tif", ""},      {".tiff", ""},
+    {".eps", ""},      {".exr", ""},    {".xlsx", ""},     {".html", ""}};
+
+const Ending* ending_of(const std::string& name) {
+  const std::string lower = absl::AsciiStrToLower(name);
+  for (const Ending& e : kEndings)
+    if (lower.ends_with(e.ending)) return &e;
+  return nullptr;
+}
+
+absl::Status unwritten() {
+  return absl::UnavailableError("cannot write the output (disk full or closed pipe?)");
+}
+
+bool is_standard_output(const std::string& path) { return path.empty() || path == "-"; }
+
+}  // namespace
+
+OutputOptions::OutputOptions(CLI::App& command, std::vector<std::string> formats)
+    : formats_(std::move(formats)) {
+  CLI::Option* format = nullptr;
+  if (formats_.size() > 1) {
+    std::vector<std::string> names = formats_;
+    if (std::find(names.begin(), names.end(), "text") != names.end()) names.emplace_back("table");
+    format = command
+                 .add_option("--format", asked_,
+                             fmt::format("{} (default: as the file's name ends, or {})",
+                                         fmt::join(formats_, ", "), formats_.front()))
+                 ->group(kGroup)
+                 ->type_name("FORMAT")
+                 ->check(CLI::IsMember(names));
+    std::vector<CLI::Option*> flags;
+    for (const std::string& name : formats_) {
+      if (name == formats_.front()) continue;
+      CLI::Option* flag = command.add_flag_callback(
+          "--" + name, [this, name] { asked_ = name; }, "The same as --format " + name);
+      flag->group(kGroup)->excludes(format);
+      for (CLI::Option* other : flags) flag->excludes(other);
+      flags.push_back(flag);
+    }
+  }
+  out_option_ = command.add_option("--out", out_,
+                                   "File to write, replaced when complete; - is standard output");
+  out_option_->group(kGroup)->type_name("FILE");
+}
+
+absl::StatusOr<std::string> OutputOptions::format() const {
+  const std::string asked = asked_ == "table" ? "text" : asked_;
+  const Ending* ending = ending_of(out_);
+  if (!ending) return asked.empty() ? formats_.front() : asked;
+  const bool known = std::find(formats_.begin(), formats_.end(), ending->format) != formats_.end();
+  if (!known)
+    return absl::InvalidArgumentError(
+        fmt::format("--out {}: this command does not write {} files, expected {}", out_,
+                    ending->ending, fmt::join(formats_, ", ")));
+  if (!asked.empty() && asked != ending->format)
+    return absl::InvalidArgumentError(fmt::format(
+        "--out {}: the name ends as {}, but --format is {}", out_, ending->format, asked));
+  return std::string(ending->format);
+}
+
+absl::Status OutputOptions::write(
+    const std::function<absl::Status(std::string_view, std::ostream&)>& write) const {
+  const auto chosen = format();
+  if (!chosen.ok()) return chosen.status();
+  if (is_standard_output(out_)) {
+    if (*chosen != "text") return write(*chosen, data_output());
+    std::ostringstream text;
+    const absl::Status status = write(*chosen, text);
+    print_plain(stdout, text.str());
+    if (!status.ok()) return status;
+    return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? absl::OkStatus() : unwritten();
+  }
+  return replace_file(out_, [&](const std::string& beside) -> absl::Status {
+    std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+    if (const absl::Status status = write(*chosen, file); !status.ok()) return status;
+    file.close();
+    return file ? absl::OkStatus()
+                : absl::UnavailableError(fmt::format("cannot write {} (disk full?)", out_));
+  });
+}
+
+absl::Status OutputOptions::write(std::string_view bytes) const {
+  return write([&](std::string_view, std::ostream& out) {
+    out << bytes << std::flush;
+    return out ? absl::OkStatus() : unwritten();
+  });
+}
+
+absl::Status write_output(const std::string& path, std::string_view bytes) {
+  if (path != "-") return replace_file(path, bytes);
+  data_output() << bytes << std::flush;
+  return data_output() ? absl::OkStatus() : unwritten();
+}
+
+}  // namespace irsig

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// In which form a command answers and where it goes: --format and --out, the same in every command.
+// Each format but the first has a short form of its own: --csv is --format csv.
+class OutputOptions {
+ public:
+  // formats: those that the command has, the one that nobody has to ask for first. "text" is for
+  // people and may also be called "table".
+  OutputOptions(CLI::App& command, std::vector<std::string> formats);
+
+  // For commands that need a file: "-" is not one.
+  [[nodiscard]] CLI::Option* out_option() const { return out_option_; }
+  [[nodiscard]] const std::string& out() const { return out_; }
+
+  // As it was asked for, or as the file's name says. INVALID_ARGUMENT: they contradict each other,
+  // or the name ends as no format of this command.
+  [[nodiscard]] absl::StatusOr<std::string> format() const;
+
+  // Lets `write` fill the file, replaced when complete, or standard output: no --out, or "-".
+  [[nodiscard]] absl::Status write(
+      const std::function<absl::Status(std::string_view format, std::ostream&)>& write) const;
+  [[nodiscard]] absl::Status write(std::string_view bytes) const;
+
+ private:
+  std::vector<std::string> formats_;
+  std::string asked_, out_;
+  CLI::Option* out_option_;
+};
+
+// Bytes to a file, replaced when complete, or to standard output: path "-".
+[[nodiscard]] absl::Status write_output(const std::string& path, std::string_view bytes);
+
+}  // namespace irsig

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// What a sweep will store, from its counts alone.
+struct SweepSize {
+  std::uint64_t viewpoints = 0, conditions = 0, bands = 0;
+  std::uint64_t wavelengths = 0;  // of all bands together
+  std::uint64_t profile_rows = 0;
+  // About: 0.8 to 1.3 of the file's size in sweeps of 100 rows and more.
+  double database_bytes = 0;
+
+  [[nodiscard]] std::uint64_t rows() const { return viewpoints * conditions * bands; }
+};
+
+// model_bytes: size of the model file, which the database holds; 0: a generated model.
+[[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t model_bytes);
+
+// "191 viewpoints x 3 conditions x 2 bands = 1146 rows, 122 wavelengths, database about 45 MB".
+[[nodiscard]] std::string size_text(const SweepSize& size);
+
+// More than this is written only for who says --yes.
+inline constexpr double kMostBytesUnasked = 5e9;
+inline constexpr std::uint64_t kMostRowsUnasked = 1'000'000, kMostWavelengthsUnasked = 10'000;
+
+// INVALID_ARGUMENT: above one of these limits; the message says which.
+[[nodiscard]] absl::Status check_size(const SweepSize& size);
+
+}  // namespace irsig

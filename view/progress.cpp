@@ -1,0 +1,51 @@
+#include "view/progress.h"
+
+#include <unistd.h>
+
+#include "core/base/printable.h"
+#include "view/print.h"
+
+namespace irsig {
+namespace {
+
+using Steady = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+bool on_terminal() { return isatty(STDERR_FILENO) == 1; }
+
+}  // namespace
+
+void ProgressLine::show(const std::string& text) {
+  if (on_terminal()) {
+    fmt::print(stderr, "\r{}\x1b[K", one_line(text));
+  } else if (!shown_ || Steady::now() - at_ >= 5s) {
+    print_note("{}\n", text);
+    at_ = Steady::now();
+  }
+  shown_ = true;
+}
+
+ProgressLine::~ProgressLine() {
+  if (shown_ && on_terminal()) print_note("\n");
+}
+
+void ProgressLine::clear() {
+  if (shown_ && on_terminal()) fmt::print(stderr, "\r\x1b[K");
+  shown_ = false;
+}
+
+LoopProgress::LoopProgress(std::string what, std::size_t total)
+    : what_(std::move(what)), total_(total), start_(Steady::now()), shown_(start_ + 1800ms) {}
+
+void LoopProgress::step() {
+  ++done_;
+  const auto now = Steady::now();
+  if (now - shown_ < 200ms) return;
+  shown_ = now;
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  line_.show(
+      fmt::format("{}: {} of {}, {:.0f} s left", what_, done_, total_,
+                  seconds / static_cast<double>(done_) * static_cast<double>(total_ - done_)));
+}
+
+}  // namespace irsig

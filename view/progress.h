@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+
+namespace irsig {
+
+// One line on standard error that is written over on a terminal, a line every few seconds
+// elsewhere.
+class ProgressLine {
+ public:
+  ProgressLine() = default;
+  ~ProgressLine();  // the last text stays
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(const std::string& text);
+  void clear();  // it was only of interest while it lasted
+
+ private:
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point at_{};
+};
+
+// Says how far a loop has come, if it takes longer than two seconds: "rows written: 120 of 4000,
+// 12 s left".
+class LoopProgress {
+ public:
+  LoopProgress(std::string what, std::size_t total);
+  ~LoopProgress() { line_.clear(); }
+  LoopProgress(const LoopProgress&) = delete;
+  LoopProgress& operator=(const LoopProgress&) = delete;
+
+  void step();
+
+ private:
+  std::string what_;
+  std::size_t total_, done_ = 0;
+  std::chrono::steady_clock::time_point start_, shown_;
+  ProgressLine line_;
+};
+
+}  // namespace irsig
