@@ -29,6 +29,7 @@ struct AccuracyOptions {
   bool check_errors = false;
   ErrorCheckAsked check;
   MeshStudyAsked mesh;
+  std::optional<std::string> meshes;
   std::optional<std::uint64_t> views;
 };
 
@@ -140,6 +141,7 @@ absl::Status study_meshes(const AccuracyOptions& given) {
   const auto source = load_accuracy_source(given.source, given.sweep);
   if (!source.ok()) return source.status();
   MeshStudyAsked asked = given.mesh;
+  asked.meshes = *given.meshes;
   asked.rows = given.rows;
   asked.views = given.views.value_or(asked.views);
   const auto compared =
@@ -178,10 +180,10 @@ absl::Status write_page(AccuracyOptions given) {
 }
 
 int run(AccuracyOptions given) {
-  if (given.views && !given.check_errors && given.mesh.meshes.empty())
+  if (given.views && !given.check_errors && !given.meshes)
     return report(
         absl::InvalidArgumentError("accuracy: --views needs --check-errors or --meshes LIST"));
-  if (!given.mesh.meshes.empty()) return report(study_meshes(given));
+  if (given.meshes) return report(study_meshes(given));
   if (!given.check_errors) return report(write_page(given));
   given.check.views = given.views.value_or(0);
   bool within = false;
@@ -232,7 +234,7 @@ void add_accuracy(CLI::App& app, int& exit_code) {
           ->excludes(out);
   CLI::Option* meshes =
       command
-          ->add_option("--meshes", given->mesh.meshes,
+          ->add_option("--meshes", given->meshes,
                        "Instead of the page: the same views on meshes of other densities, and how "
                        "far they deviate. Factors on the triangles of a generated model (0.5,1,2), "
                        "or files instead of the model's")

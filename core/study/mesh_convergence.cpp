@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace irsig {
 namespace {
@@ -131,7 +132,7 @@ bool varies(std::span<const std::vector<MeshValue>> value) {
 std::optional<MeshLimit> mesh_limit(std::span<const double> facets,
                                     std::span<const std::vector<MeshValue>> value) {
   const std::size_t meshes = facets.size(), views = value.size();
-  if (meshes < 3 || views == 0) return std::nullopt;
+  if (std::set<double>(facets.begin(), facets.end()).size() < 3 || views == 0) return std::nullopt;
   const PowerLaw law(facets, value);
 
   // Chi-square has few minima over the order, and the range is short: a scan, then refined.

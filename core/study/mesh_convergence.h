@@ -55,18 +55,18 @@ struct MeshLimit {
   std::size_t degrees_of_freedom = 0;
   std::vector<MeshValue> limit;       // [view]
   std::vector<double> off_at_finest;  // [view] finest mesh - limit, as fitted; unit of the value
+  double most_facets = 0;             // of the finest mesh
 
   // The fitted values at so many facets, over the limit, - 1: root mean square over the views.  [1]
   [[nodiscard]] double rms_off(double facets) const;
-  double most_facets = 0;  // of the finest mesh
 };
 
 inline constexpr double kLeastOrder = 0.2, kMostOrder = 4;
 
-//   facets  [mesh], at least 3 different numbers
+//   facets  [mesh]
 //   value   [view][mesh], none of them 0, errors independent, that vary
-// None: fewer than 3 meshes, or an order that may be less than kLeastOrder, with which the limit
-// may be anywhere.
+// None: fewer than 3 different numbers of facets, or an order that may be less than kLeastOrder,
+// with which the limit may be anywhere.
 [[nodiscard]] std::optional<MeshLimit> mesh_limit(std::span<const double> facets,
                                                   std::span<const std::vector<MeshValue>> value);
 

@@ -177,7 +177,7 @@ class Meshes(unittest.TestCase):
     def test_what_is_refused(self):
         sphere, box = self.path / "sphere100.obj", self.path / "box100.obj"
         for sweep, what, expected in (
-                (self.sweep, "1", "two or more"), (self.sweep, "1,,2", "a name is empty"),
+                (self.sweep, "1", "two or more"), (self.sweep, "", "two or more"), (self.sweep, "1,,2", "a name is empty"),
                 (self.sweep, "0,1", "positive"), (self.sweep, "-1,1", "positive"), (self.sweep, "nan,1", "positive"),
                 (self.sweep, "1,inf", "positive"), (self.sweep, f"1,{sphere}", "expected factors"),
                 (self.sweep, "1,1.0", "the same mesh as 1"), (self.sweep, "0.001,1", "expected 8 to 50000000"),

@@ -136,6 +136,9 @@ TEST_F(SyntheticMeshes, NoLimitWithoutAnOrder) {
   EXPECT_FALSE(mesh_limit(std::vector{1000.0, 2000.0},
                           std::vector<std::vector<MeshValue>>{{{1, 0.01}, {2, 0.01}}}))
       << "two meshes";
+  EXPECT_FALSE(mesh_limit(std::vector{1000.0, 2000.0, 2000.0},
+                          std::vector<std::vector<MeshValue>>{{{1, 0.01}, {2, 0.01}, {3, 0.01}}}))
+      << "two of one density";
   EXPECT_FALSE(mesh_limit(std::vector{1000.0, 2000.0, 4000.0},
                           std::vector<std::vector<MeshValue>>{{{1, 0}, {1.1, 0}, {1, 0}}}))
       << "neither up nor down";
