@@ -1,7 +1,9 @@
 #include <array>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "planning/accuracy_check.h"
 #include "planning/accuracy_source.h"
 #include "planning/accuracy_study.h"
+#include "planning/mesh_study.h"
 #include "view/atomic_file.h"
 #include "view/print.h"
 
@@ -25,7 +28,23 @@ struct AccuracyOptions {
   AccuracyRows rows;
   bool check_errors = false;
   ErrorCheckAsked check;
+  MeshStudyAsked mesh;
+  std::optional<std::string> meshes;
+  std::optional<std::uint64_t> views;
 };
+
+double process_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+absl::Status make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return absl::InvalidArgumentError(absl::StrCat("--out ", path, ": ", error.message()));
+  return absl::OkStatus();
+}
 
 std::string title(const std::string& sweep, const StudiedRow& r) {
   return fmt::format("{}, {} ({}), {}, aspect {:.4g}, {:.4g} deg, {:.4g} km", sweep, r.season,
@@ -68,10 +87,7 @@ absl::Status write_study(const AccuracyOptions& given) {
   const LoadedSweep* loaded = &source->loaded;
   const auto studied = study_accuracy(*loaded, given.rows);
   if (!studied.ok()) return studied.status();
-  std::error_code error;
-  std::filesystem::create_directories(given.out, error);
-  if (error)
-    return absl::InvalidArgumentError(absl::StrCat("--out ", given.out, ": ", error.message()));
+  if (auto status = make_folder(given.out); !status.ok()) return status;
   const std::filesystem::path out = given.out;
   const std::string& name = loaded->resolved.sweep().name();
   std::string csv = accuracy_csv_header(), markdown;
@@ -121,9 +137,34 @@ absl::Status check_errors(const AccuracyOptions& given, bool& within) {
   return absl::OkStatus();
 }
 
+absl::Status study_meshes(const AccuracyOptions& given) {
+  const auto source = load_accuracy_source(given.source, given.sweep);
+  if (!source.ok()) return source.status();
+  MeshStudyAsked asked = given.mesh;
+  asked.meshes = *given.meshes;
+  asked.rows = given.rows;
+  asked.views = given.views.value_or(asked.views);
+  const auto compared =
+      compare_meshes(source->loaded, asked, process_cpu_s, [](const MeasuredMesh& mesh) {
+        print_note("{}: {} facets, {} views\n", mesh.name, mesh.facets, mesh.view.size());
+      });
+  if (!compared.ok()) return compared.status();
+  const std::string tables = mesh_tables(*compared);
+  print_text("{}", tables);
+  if (given.out.empty()) return absl::OkStatus();
+  const auto csv = mesh_csv(*compared);
+  if (!csv.ok()) return csv.status();
+  if (auto status = make_folder(given.out); !status.ok()) return status;
+  const std::filesystem::path out = given.out;
+  for (const auto& [file, bytes] : {std::pair{"meshes.csv", *csv}, std::pair{"meshes.md", tables}})
+    if (auto status = replace_file((out / file).string(), bytes); !status.ok()) return status;
+  return absl::OkStatus();
+}
+
 absl::Status write_page(AccuracyOptions given) {
   if (given.out.empty())
-    return absl::InvalidArgumentError("accuracy: expected --out DIR, or --check-errors");
+    return absl::InvalidArgumentError(
+        "accuracy: expected --out DIR, --check-errors or --meshes LIST");
   if (!given.aspect.empty()) {
     const std::vector<std::string> numbers = absl::StrSplit(given.aspect, ',');
     std::array<double, 2> aspect{};
@@ -138,8 +179,13 @@ absl::Status write_page(AccuracyOptions given) {
   return write_study(given);
 }
 
-int run(const AccuracyOptions& given) {
+int run(AccuracyOptions given) {
+  if (given.views && !given.check_errors && !given.meshes)
+    return report(
+        absl::InvalidArgumentError("accuracy: --views needs --check-errors or --meshes LIST"));
+  if (given.meshes) return report(study_meshes(given));
   if (!given.check_errors) return report(write_page(given));
+  given.check.views = given.views.value_or(0);
   bool within = false;
   const absl::Status status = check_errors(given, within);
   return status.ok() ? (within ? 0 : 1) : report(status);
@@ -150,7 +196,8 @@ int run(const AccuracyOptions& given) {
 void add_accuracy(CLI::App& app, int& exit_code) {
   const auto given = std::make_shared<AccuracyOptions>();
   CLI::App* command = app.add_subcommand(
-      "accuracy", "What accuracy costs in time: errors of all methods against CPU time");
+      "accuracy",
+      "What accuracy costs in time: errors of all methods against CPU time; what a mesh is worth");
   command->add_option("SWEEP|DB", given->source, "Sweep file, or a database with its sweep")
       ->required();
   command->add_option("--sweep", given->sweep, "The sweep's name, where a database holds several")
@@ -163,19 +210,21 @@ void add_accuracy(CLI::App& app, int& exit_code) {
   command->add_option("--time", given->rows.time, "Time, RFC 3339 (default: the first)")
       ->type_name("TIME");
   command->add_option("--band", given->rows.band, "Band (default: each)")->type_name("NAME");
-  command
-      ->add_option("--aspect", given->aspect,
-                   "Direction from the target to the sensor (default: the middle viewpoint)")
-      ->type_name("AZ,EL");
+  CLI::Option* aspect =
+      command
+          ->add_option("--aspect", given->aspect,
+                       "Direction from the target to the sensor (default: the middle viewpoint)")
+          ->type_name("AZ,EL");
   CLI::Option* seconds =
       command->add_option("--seconds", given->rows.seconds, "CPU time to spend on tracing")
           ->check(CLI::Range(1.0, 36000.0))
           ->capture_default_str();
-  command
-      ->add_option("--primary-rays", given->rows.primary_rays,
-                   "Primary rays to spend on it instead: the same points on any machine")
-      ->check(CLI::Range(1e3, 1e12))
-      ->excludes(seconds);
+  CLI::Option* rays =
+      command
+          ->add_option("--primary-rays", given->rows.primary_rays,
+                       "Primary rays to spend on it instead: the same points on any machine")
+          ->check(CLI::Range(1e3, 1e12))
+          ->excludes(seconds);
   CLI::Option* check =
       command
           ->add_flag(
@@ -183,19 +232,36 @@ void add_accuracy(CLI::App& app, int& exit_code) {
               "Instead of the page: are the errors that a database states true? Its values "
               "against a longer run. Exit code 1: one is off by more than 5 numerical errors")
           ->excludes(out);
-  command->add_option("--views", given->check.views, "With it: viewpoints, spread (default: all)")
-      ->check(CLI::Range(1, 1000000))
-      ->needs(check);
+  CLI::Option* meshes =
+      command
+          ->add_option("--meshes", given->meshes,
+                       "Instead of the page: the same views on meshes of other densities, and how "
+                       "far they deviate. Factors on the triangles of a generated model (0.5,1,2), "
+                       "or files instead of the model's")
+          ->type_name("LIST")
+          ->excludes(check)
+          ->excludes(aspect)
+          ->excludes(seconds)
+          ->excludes(rays);
+  command
+      ->add_option("--relative-error", given->mesh.relative_error,
+                   "With it: wanted of every in-band intensity, instead of the sweep's [accuracy]")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->needs(meshes);
+  command
+      ->add_option("--views", given->views,
+                   "With --meshes or --check-errors: viewpoints, spread (default: 8; all)")
+      ->check(CLI::Range(1, 1000000));
   command
       ->add_option("--times", given->check.times,
-                   "With it: samples of the longer run, over those "
+                   "With --check-errors: samples of the longer run, over those "
                    "of the rows' own")
       ->check(CLI::Range(4.0, 10000.0))
       ->capture_default_str()
       ->needs(check);
   command
       ->add_option("--workers", given->check.workers,
-                   "With it: threads (default: one for each core)")
+                   "With --check-errors: threads (default: one for each core)")
       ->check(CLI::Range(1, 4096))
       ->needs(check);
   command->callback([given, &exit_code] { exit_code = run(*given); });

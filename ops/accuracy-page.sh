@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Remakes the pictures and tables of docs/accuracy.md, in about twenty minutes; nothing else should run on
+# Remakes the pictures and tables of docs/accuracy.md, in about half an hour; nothing else should run on
 # the machine meanwhile.
 #
 # usage: ops/accuracy-page.sh [path of the irsig executable]      (default: built by ops/build.sh)
@@ -21,6 +21,14 @@ study() {  # name, then options
 study frigate --seconds 100
 study cavity --seconds 30
 study quickstart --seconds 40 --band mwir
+meshes() {  # name of what is written, sweep, meshes
+  "$irsig" accuracy "jobs/examples/$2.toml" --meshes "$3" --relative-error 1e-4 --out "$work/meshes-$1" > /dev/null
+}
+meshes frigate frigate 0.66,1,1.63
+meshes frigate-2 frigate 0.5,1,2
+meshes frigate-coarse frigate 0.01,0.03,0.1,0.3,1
+meshes sphere painted_sphere 0.005,0.02,0.1,1
+meshes cylinder primitives/cylinder 0.01,0.1,0.5,1
 "$irsig" verify-effects --matrix --timed 2 --reference 50 --values "$work/matrix.csv" > "$work/matrix.txt"
 "$irsig" verify-effects --matrix --small --each-effect > "$work/bounds.txt"
 
@@ -46,6 +54,22 @@ def put(name, tables):
 
 for scene in ("frigate", "cavity", "quickstart"):
     put(scene, (work / scene / "accuracy.md").read_text())
+
+
+def mesh_tables(name, *captions):
+    """Those tables of a comparison of meshes whose captions begin so; all without captions."""
+    blocks = (work / f"meshes-{name}" / "meshes.md").read_text().strip().split("\n\n")
+    if captions:
+        tables = zip(blocks[1::2], blocks[2::2])
+        blocks = [b for caption, rows in tables if caption.startswith(captions) for b in (caption, rows)]
+    put(f"meshes {name}", "\n\n".join(blocks))
+
+
+mesh_tables("frigate")
+mesh_tables("frigate-2", "Deviation")
+mesh_tables("frigate-coarse", "Deviation", "The limit")
+mesh_tables("sphere", "Deviation")
+mesh_tables("cylinder", "Deviation", "The limit")
 
 
 def frigate(band):

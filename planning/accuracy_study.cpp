@@ -294,8 +294,10 @@ class RowStudy {
   RowMeasurements out_;
 };
 
-absl::StatusOr<std::uint32_t> condition_of(const schema::ResolvedSweep& sweep,
-                                           const AccuracyRows& rows) {
+}  // namespace
+
+absl::StatusOr<ChosenRows> choose_rows(const schema::ResolvedSweep& sweep,
+                                       const AccuracyRows& rows) {
   std::string time;
   if (rows.time) {
     const auto parsed = parse_rfc3339(*rows.time);
@@ -303,25 +305,26 @@ absl::StatusOr<std::uint32_t> condition_of(const schema::ResolvedSweep& sweep,
       return absl::InvalidArgumentError(absl::StrCat("--time: ", parsed.status().message()));
     time = format_rfc3339_utc(*parsed);
   }
-  for (int i = 0; i < sweep.condition_size(); ++i)
-    if ((!rows.season || sweep.condition(i).season() == *rows.season) &&
-        (!rows.time || sweep.condition(i).time_utc() == time))
-      return static_cast<std::uint32_t>(i);
-  return absl::InvalidArgumentError("accuracy: the sweep has no such --season and --time");
+  ChosenRows out;
+  const auto is_this = [&](const schema::Condition& c) {
+    return (!rows.season || c.season() == *rows.season) && (!rows.time || c.time_utc() == time);
+  };
+  const auto condition = std::find_if(sweep.condition().begin(), sweep.condition().end(), is_this);
+  if (condition == sweep.condition().end())
+    return absl::InvalidArgumentError("accuracy: the sweep has no such --season and --time");
+  out.condition = static_cast<std::uint32_t>(condition - sweep.condition().begin());
+  for (int b = 0; b < sweep.sweep().band_size(); ++b)
+    if (!rows.band || sweep.sweep().band(b).name() == *rows.band)
+      out.band.push_back(static_cast<std::uint32_t>(b));
+  if (out.band.empty()) return absl::InvalidArgumentError("accuracy: the sweep has no such --band");
+  return out;
 }
-
-}  // namespace
 
 absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded,
                                                        const AccuracyRows& rows) {
   const schema::ResolvedSweep& sweep = loaded.resolved;
-  const auto condition = condition_of(sweep, rows);
-  if (!condition.ok()) return condition.status();
-  std::vector<std::uint32_t> bands;
-  for (int b = 0; b < sweep.sweep().band_size(); ++b)
-    if (!rows.band || sweep.sweep().band(b).name() == *rows.band)
-      bands.push_back(static_cast<std::uint32_t>(b));
-  if (bands.empty()) return absl::InvalidArgumentError("accuracy: the sweep has no such --band");
+  const auto chosen = choose_rows(sweep, rows);
+  if (!chosen.ok()) return chosen.status();
   Place place;
   const schema::Viewpoint& middle = sweep.viewpoint(sweep.viewpoint_size() / 2);
   place.viewpoint = {middle.aspect_azimuth_deg(), middle.aspect_elevation_deg(), middle.range_m()};
@@ -330,17 +333,17 @@ absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded
     place.viewpoint.aspect_elevation_deg = (*rows.aspect_deg)[1];
   }
   Place everything = place;
-  place.condition = {*condition};
+  place.condition = {chosen->condition};
   for (int i = 0; i < sweep.condition_size(); ++i)
     everything.condition.push_back(static_cast<std::uint32_t>(i));
   const auto scene = build(loaded, everything, {});
   if (!scene.ok()) return scene.status();
   WorkBudget budget;
-  budget.cpu_s = rows.seconds / static_cast<double>(bands.size());
-  budget.primary_rays = rows.primary_rays / static_cast<double>(bands.size());
+  budget.cpu_s = rows.seconds / static_cast<double>(chosen->band.size());
+  budget.primary_rays = rows.primary_rays / static_cast<double>(chosen->band.size());
   std::vector<StudiedRow> out;
-  for (const std::uint32_t band : bands) {
-    auto row = RowStudy(loaded, **scene, place, {*condition, band}, budget).run();
+  for (const std::uint32_t band : chosen->band) {
+    auto row = RowStudy(loaded, **scene, place, {chosen->condition, band}, budget).run();
     if (!row.ok()) return row.status();
     out.push_back(*std::move(row));
   }

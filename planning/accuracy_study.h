@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,15 @@ struct AccuracyRows {
   // > 0: so many primary rays instead, whatever the machine does besides.
   double primary_rays = 0;
 };
+
+// What `rows` says of season, time and band, as indices of the sweep's. INVALID_ARGUMENT: it has no
+// such.
+struct ChosenRows {
+  std::uint32_t condition = 0;
+  std::vector<std::uint32_t> band;
+};
+[[nodiscard]] absl::StatusOr<ChosenRows> choose_rows(const schema::ResolvedSweep& sweep,
+                                                     const AccuracyRows& rows);
 
 // Traces the rows in every way that there is. INVALID_ARGUMENT: no such season, time or band.
 [[nodiscard]] absl::StatusOr<std::vector<StudiedRow>> study_accuracy(const LoadedSweep& loaded,

@@ -38,9 +38,9 @@ TEST(Examples, AllOfThemResolveAndExpand) {
     EXPECT_EQ(expand_jobs(*sweep, 1).size(), static_cast<std::size_t>(sweep->viewpoint_size()));
     names.insert(sweep->sweep().name());
   }
-  EXPECT_THAT(names,
-              UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk", "primitives",
-                                   "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower"));
+  EXPECT_THAT(names, UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk",
+                                          "primitives", "sphere", "box", "cylinder", "cone",
+                                          "cavity", "cooling_tower", "painted_sphere"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.
