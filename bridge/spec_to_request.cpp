@@ -161,6 +161,11 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
   for (const BandGrid& grid : grids)
     node_um.insert(node_um.end(), grid.node_um.begin(), grid.node_um.end());
   auto environment = environment_of(sweep, node_um);
+  // Stored spectra are means over step_um: the outermost reach beyond their band.
+  if (absl::IsOutOfRange(environment.status()))
+    return absl::InvalidArgumentError(absl::StrCat(
+        "band: ", environment.status().message(),
+        ", to which the outermost means of a band's spectrum reach: expected a smaller step_um"));
   if (!environment.ok()) return at("air.model", environment.status());
   return std::shared_ptr<const Environment>(*std::move(environment));
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_join.h"
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "core/base/printable.h"
@@ -40,7 +41,10 @@ std::vector<std::string> names_of(const CLI::App& app, bool options) {
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
-  std::string text = "irsig: " + irsig::printable(error.what());
+  const bool bare = std::string_view(error.what()) == "A subcommand is required";
+  std::string text = "irsig: " + (bare ? "a command is missing, expected one of " +
+                                             absl::StrJoin(names_of(*app, false), ", ")
+                                       : irsig::printable(error.what()));
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& extra : extras) {
       const bool option = extra.starts_with("--");
@@ -105,6 +109,7 @@ int main(int argc, char** argv) {
   irsig::add_accuracy(app, exit_code);
   irsig::add_verify_effects(app, exit_code);
   irsig::add_selftest(app, exit_code);
+  irsig::add_completion(app, exit_code);
   if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
     irsig::print_note("irsig: {}\n", unknown);
     return 2;

@@ -4,22 +4,24 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "core/base/printable.h"
 #include "core/scene/mesh.h"
 #include "core/scene/mesh_measure.h"
-#include "view/atomic_file.h"
+#include "view/print.h"
 
 namespace irsig {
 namespace {
 
 struct ModelCommand {
+  explicit ModelCommand(CLI::App& command) : output(command, {"obj"}) {}
   MeshGenerator what;
-  std::string out;
+  OutputOptions output;
 
   [[nodiscard]] absl::Status run() const {
     const absl::StatusOr<Mesh> mesh = generate_mesh(what);
     if (!mesh.ok()) return mesh.status();
-    const absl::Status status = replace_file(out, write_obj(*mesh));
+    const absl::Status status = output.write(write_obj(*mesh));
     if (!status.ok()) return status;
     print(*mesh);
     return absl::OkStatus();
@@ -28,15 +30,18 @@ struct ModelCommand {
  private:
   void print(const Mesh& mesh) const {
     const MeshMeasure m = measure(mesh);
-    std::printf("%s: %zu triangles, %zu vertices, %llu open edges\n", one_line(out).c_str(),
-                mesh.triangle.size(), mesh.vertex.size(),
-                static_cast<unsigned long long>(m.open_edges));
-    std::printf("area_m2 %.9g  volume_m3 %.9g\n", m.area_m2, m.volume_m3);
-    std::printf("x forward %.6g to %.6g m, y starboard %.6g to %.6g m, z down %.6g to %.6g m\n",
-                m.box_min.x, m.box_max.x, m.box_min.y, m.box_max.y, m.box_min.z, m.box_max.z);
+    std::FILE* to = output.out() == "-" ? stderr : stdout;  // the model itself is there
+    print_plain(
+        to, fmt::format("{}: {} triangles, {} vertices, {} open edges\n", one_line(output.out()),
+                        mesh.triangle.size(), mesh.vertex.size(), m.open_edges));
+    print_plain(to, fmt::format("area_m2 {:.9g}  volume_m3 {:.9g}\n", m.area_m2, m.volume_m3));
+    print_plain(to, fmt::format("x forward {:.6g} to {:.6g} m, y starboard {:.6g} to {:.6g} m, "
+                                "z down {:.6g} to {:.6g} m\n",
+                                m.box_min.x, m.box_max.x, m.box_min.y, m.box_max.y, m.box_min.z,
+                                m.box_max.z));
     for (std::size_t i = 0; i < mesh.group.size(); ++i)
-      std::printf("group %-16s area_m2 %.6g\n", one_line(mesh.group[i]).c_str(),
-                  m.group_area_m2[i]);
+      print_plain(to, fmt::format("group {:<16} area_m2 {:.6g}\n", one_line(mesh.group[i]),
+                                  m.group_area_m2[i]));
   }
 };
 
@@ -45,17 +50,24 @@ struct ModelCommand {
 void add_model(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "model", "Write a parametric model as Wavefront OBJ (x forward, y port, z up, metres)");
-  const auto options = std::make_shared<ModelCommand>();
+  const auto options = std::make_shared<ModelCommand>(*command);
   // Required unless a subcommand is named: checked when it is known that none was.
   const std::vector<CLI::Option*> required = {
       command
-          ->add_option("kind", options->what.kind,
+          ->add_option("KIND", options->what.kind,
                        "disk, sphere, box, cylinder, cone, frigate or cooling_tower")
-          ->type_name("KIND"),
+          ->type_name("NAME")
+          ->check([](const std::string& kind) -> std::string {
+            for (const char* known :
+                 {"disk", "sphere", "box", "cylinder", "cone", "frigate", "cooling_tower"})
+              if (kind == known) return "";
+            return "model \"" + kind +
+                   "\", expected disk, sphere, box, cylinder, cone, frigate or cooling_tower; or a "
+                   "command, particles or check";
+          }),
       command->add_option("--triangles", options->what.triangles, "About how many triangles")
           ->type_name("N"),
-      command->add_option("--out", options->out, "File to write, replaced when complete")
-          ->type_name("FILE")};
+      options->output.out_option()};
   // What is not given is the generator's default, so that a 0 must not pass for it.
   const auto positive = [](const std::string& text) -> std::string {
     double value = 0;

@@ -4,17 +4,21 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/output_options.h"
 #include "core/base/printable.h"
 #include "core/scene/generate_particles.h"
-#include "view/atomic_file.h"
 
 namespace irsig {
 namespace {
 
 struct ParticlesCommand {
+  explicit ParticlesCommand(CLI::App& command) : output(command, {"obj"}) {
+    output.out_option()->required();
+  }
+  OutputOptions output;
   ParticleBed bed;
   std::vector<double> diameter_m, fraction;
-  std::string fractions_by = "number", shape = "irregular", out;
+  std::string fractions_by = "number", shape = "irregular";
 
   [[nodiscard]] absl::Status run() {
     if (!fraction.empty() && fraction.size() != diameter_m.size())
@@ -29,18 +33,19 @@ struct ParticlesCommand {
     bed.shape = shape == "sphere" ? GrainShape::kSphere : GrainShape::kIrregular;
     const auto model = generate_particles(bed);
     if (!model.ok()) return model.status();
-    if (const auto status = replace_file(out, write_obj(model->mesh)); !status.ok()) return status;
+    if (const auto status = output.write(write_obj(model->mesh)); !status.ok()) return status;
+    std::FILE* to = output.out() == "-" ? stderr : stdout;  // the model itself is there
     const ParticleReport& r = model->report;
-    std::printf("%s: %zu triangles; %llu grains in a cell of %g m, %u x %u cells\n",
-                one_line(out).c_str(), model->mesh.triangle.size(),
-                static_cast<unsigned long long>(r.grains), bed.width_m, bed.tiles, bed.tiles);
+    std::fprintf(to, "%s: %zu triangles; %llu grains in a cell of %g m, %u x %u cells\n",
+                 one_line(output.out()).c_str(), model->mesh.triangle.size(),
+                 static_cast<unsigned long long>(r.grains), bed.width_m, bed.tiles, bed.tiles);
     for (std::size_t i = 0; i < bed.size.size(); ++i)
-      std::printf("group grain_%gum  %llu grains in a cell\n", 1e6 * bed.size[i].diameter_m,
-                  static_cast<unsigned long long>(r.grains_of_size[i]));
-    std::printf("coverage %.4f  packing_fraction %.4f  largest_overlap %.2g of a radius\n",
-                r.coverage, r.packing_fraction, r.largest_overlap);
-    std::printf("upper surface: mean_height_m %.6g  rms_height_m %.6g  top_m %.6g\n",
-                r.mean_height_m, r.rms_height_m, r.top_m);
+      std::fprintf(to, "group grain_%gum  %llu grains in a cell\n", 1e6 * bed.size[i].diameter_m,
+                   static_cast<unsigned long long>(r.grains_of_size[i]));
+    std::fprintf(to, "coverage %.4f  packing_fraction %.4f  largest_overlap %.2g of a radius\n",
+                 r.coverage, r.packing_fraction, r.largest_overlap);
+    std::fprintf(to, "upper surface: mean_height_m %.6g  rms_height_m %.6g  top_m %.6g\n",
+                 r.mean_height_m, r.rms_height_m, r.top_m);
     return absl::OkStatus();
   }
 };
@@ -50,7 +55,7 @@ struct ParticlesCommand {
 void add_model_particles(CLI::App& model, int& exit_code) {
   CLI::App* command = model.add_subcommand(
       "particles", "Grains dropped on a plate: settled, of a stated mix of sizes");
-  const auto options = std::make_shared<ParticlesCommand>();
+  const auto options = std::make_shared<ParticlesCommand>(*command);
   command->add_option("--diameter-m", options->diameter_m, "Grain sizes, separated by commas")
       ->required()
       ->delimiter(',')
@@ -81,9 +86,6 @@ void add_model_particles(CLI::App& model, int& exit_code) {
   command->add_option("--subdivisions", options->bed.subdivisions,
                       "Of an icosahedron: 0 to 3 are 20, 80 (default), 320, 1280 triangles");
   command->add_option("--seed", options->bed.seed, "Default 0")->type_name("N");
-  command->add_option("--out", options->out, "OBJ file to write, replaced when complete")
-      ->required()
-      ->type_name("FILE");
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

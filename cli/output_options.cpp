@@ -22,10 +22,11 @@ struct Ending {
 
 // What the end of a file's name promises; no format of irsig: a picture that it does not make.
 constexpr Ending kEndings[] = {
-    {".txt", "text"},  {".csv", "csv"}, {".json", "json"}, {".svg", "svg"},
-    {".nc", "netcdf"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},
-    {".pdf", ""},      {".gif", ""},    {".tif", ""},      {".tiff", ""},
-    {".eps", ""},      {".exr", ""},    {".xlsx", ""},     {".html", ""}};
+    {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
+    {".png", ""},     {".jpg", ""},    {".jpeg", ""},     {".pdf", ""},    {".gif", ""},
+    {".tif", ""},     {".tiff", ""},   {".eps", ""},      {".exr", ""},    {".obj", "obj"},
+    {".stl", ""},     {".ply", ""},    {".gltf", ""},     {".glb", ""},    {".xlsx", ""},
+    {".html", ""}};
 
 const Ending* ending_of(const std::string& name) {
   const std::string lower = absl::AsciiStrToLower(name);
@@ -57,7 +58,6 @@ OutputOptions::OutputOptions(CLI::App& command, std::vector<std::string> formats
                  ->check(CLI::IsMember(names));
     std::vector<CLI::Option*> flags;
     for (const std::string& name : formats_) {
-      if (name == formats_.front()) continue;
       CLI::Option* flag = command.add_flag_callback(
           "--" + name, [this, name] { asked_ = name; }, "The same as --format " + name);
       flag->group(kGroup)->excludes(format);
@@ -111,12 +111,6 @@ absl::Status OutputOptions::write(std::string_view bytes) const {
     out << bytes << std::flush;
     return out ? absl::OkStatus() : unwritten();
   });
-}
-
-absl::Status write_output(const std::string& path, std::string_view bytes) {
-  if (path != "-") return replace_file(path, bytes);
-  data_output() << bytes << std::flush;
-  return data_output() ? absl::OkStatus() : unwritten();
 }
 
 }  // namespace irsig

@@ -12,7 +12,7 @@
 namespace irsig {
 
 // In which form a command answers and where it goes: --format and --out, the same in every command.
-// Each format but the first has a short form of its own: --csv is --format csv.
+// Each format has a short form of its own: --csv is --format csv.
 class OutputOptions {
  public:
   // formats: those that the command has, the one that nobody has to ask for first. "text" is for
@@ -37,8 +37,5 @@ class OutputOptions {
   std::string asked_, out_;
   CLI::Option* out_option_;
 };
-
-// Bytes to a file, replaced when complete, or to standard output: path "-".
-[[nodiscard]] absl::Status write_output(const std::string& path, std::string_view bytes);
 
 }  // namespace irsig

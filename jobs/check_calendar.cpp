@@ -201,6 +201,7 @@ void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
 
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings) {
   check_calendar(resolved, findings);
+  check_units(resolved);
   check_surfaces(resolved, findings);
 }
 

@@ -240,6 +240,32 @@ double SeasonGate::profile_surface_k(const schema::Weather& unbent) {
 
 }  // namespace
 
+void check_units(schema::ResolvedSweep& resolved) {
+  const schema::Sweep& sweep = resolved.sweep();
+  const int times = sweep.time_size();
+  const double error = sweep.accuracy().relative_error();
+  for (int s = 0; s < sweep.season_size(); ++s) {
+    if (error > 0.3)
+      warn_season(resolved, s,
+                  absl::StrCat("accuracy.relative_error = ", error, " is ", 100 * error,
+                               " %: is it in percent? ", error, " % are ", error / 100));
+    if (has_atmosphere(resolved)) continue;
+    // Idealised worlds may be at 0 K.
+    const schema::Season& season = sweep.season(s);
+    for (int p = 0; p < sweep.part_size(); ++p) {
+      const double k = resolved.condition(s * times).part_temperature_k(p);
+      if (!(k > 0 && k < 100)) continue;
+      const std::string& part = sweep.part(p).name();
+      const std::string path = season.part_temperature_k().contains(part)
+                                   ? absl::StrCat("season[", s, "].part_temperature_k.", part)
+                                   : absl::StrCat("part[", p, "].temperature_k");
+      warn_season(
+          resolved, s,
+          absl::StrCat(path, " = ", k, " is colder than anything outdoors", perhaps_celsius(k)));
+    }
+  }
+}
+
 void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings) {
   if (!has_atmosphere(resolved)) return;
   for (int s = 0; s < resolved.sweep().season_size(); ++s)

@@ -54,7 +54,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Model.length_m", 1e-3, 1e5, kSize},
     {"Model.width_m", 1e-3, 1e5, kSize},
     {"Model.height_m", 1e-3, 1e5, kSize},
-    {"Model.draft_m", -1e6, 1e6, kPlacement},
+    {"Model.draft_m", 0, 1e6, "a target above the water is raised by offset_m"},
     {"Model.offset_m", -1e6, 1e6, kPlacement},
     {"Model.accepted_backface_share", 0, 1, "a share of the silhouette"},
     {"Place.latitude_deg", -90, 90, "pole to pole"},
@@ -251,6 +251,10 @@ std::string other_unit(std::string_view key, double value, const NumberBounds& b
   if (key.ends_with("temperature_k") && value > -100 && value < 0)
     return if_inside(value + 273.15, "C", "K");
   if (key.ends_with("_um") && value > bounds.most) return if_inside(1e-3 * value, "nm", "um");
+  if (key.ends_with("pressure_pa") && value < bounds.least)
+    return if_inside(100 * value, "hPa", "Pa");
+  if (key.ends_with("visibility_m") && value < bounds.least)
+    return if_inside(1000 * value, "km", "m");
   return "";
 }
 

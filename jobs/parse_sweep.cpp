@@ -137,7 +137,9 @@ class Filler {
   }
 
   void wrong_type(const toml::node& node, const std::string& path, const std::string& expected) {
-    findings_.add(path, absl::StrCat(path, " is ", what_it_is(node), ", expected ", expected));
+    const bool quoted_number = node.is_string() && expected == "a number";
+    findings_.add(path, absl::StrCat(path, " is ", what_it_is(node), ", expected ", expected,
+                                     quoted_number ? " without quotes and unit" : ""));
   }
 
   // Every key of a map is a name of the user's own.
@@ -306,9 +308,10 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
   } catch (
       const toml::parse_error& error) {  // the library's way to say it; goes no further than this
     const toml::source_position at = error.source().begin;
-    return absl::InvalidArgumentError(absl::StrCat(file.file_name, ":", at.line, ":", at.column,
-                                                   ": ",
-                                                   one_line(std::string(error.description()))));
+    std::string what = one_line(std::string(error.description()));
+    if (what.ends_with("saw ','")) what += " (numbers have a decimal point: 54.3)";
+    return absl::InvalidArgumentError(
+        absl::StrCat(file.file_name, ":", at.line, ":", at.column, ": ", what));
   }
   Findings findings(file);
   Filler(file, findings, *message.GetDescriptor()).fill_table(table, "", message);

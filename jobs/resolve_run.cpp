@@ -58,7 +58,11 @@ void check_air_limit(const SectionCheck& check, const char* key, double lambda_u
   if (!check.has(key) || (lambda_um >= least_um && lambda_um <= most_um)) return;
   check.error(key, absl::StrCat("= ", lambda_um, ", expected ", absl::SixDigits(least_um), " to ",
                                 absl::SixDigits(most_um),
-                                " um: air.model = \"atmosphere\" has no absorption outside"));
+                                " um: air.model = \"atmosphere\" has no absorption outside",
+                                lambda_um >= 1e4 / most_um && lambda_um <= 1e4 / least_um
+                                    ? absl::StrCat("; is it in cm-1? ", lambda_um, " cm-1 are ",
+                                                   absl::SixDigits(1e4 / lambda_um), " um")
+                                    : ""));
 }
 
 void check_bands(const schema::Sweep& sweep, Findings& findings) {

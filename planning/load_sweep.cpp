@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/user_file.h"
@@ -65,6 +66,13 @@ absl::Status replace_effects(const std::string& asked, SweepFile& file) {
 }  // namespace
 
 absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
+  const std::string ending =
+      absl::AsciiStrToLower(std::filesystem::path(path).extension().string());
+  for (const char* of_model : {".obj", ".ply", ".stl", ".gltf", ".glb"})
+    if (ending == of_model)
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": this is a model, expected a sweep file: `irsig init --model ", path,
+                       "` writes one"));
   const auto text = read_user_file(path, kMostSpecBytes);
   if (!text.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));

@@ -19,10 +19,10 @@ absl::Status check(const Query& query) {
   const int ways = (query.nearest > 0) + query.within_deg.has_value() + query.interpolate;
   if (query.aspect && ways != 1) {
     return absl::InvalidArgumentError(
-        "an aspect needs exactly one of nearest N, within DEG and interpolate");
+        "--aspect needs exactly one of --nearest N, --within DEG and --interpolate");
   }
   if (!query.aspect && ways > 0) {
-    return absl::InvalidArgumentError("nearest, within and interpolate need an aspect AZ,EL");
+    return absl::InvalidArgumentError("--nearest, --within and --interpolate need --aspect AZ,EL");
   }
   if (query.aspect) {
     const auto [azimuth, elevation] = *query.aspect;

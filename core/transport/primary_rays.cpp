@@ -226,11 +226,14 @@ absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
                                                                 viewpoint.aspect_elevation_deg) -
                            target.centre;
   if (look_at_hull(target, sensor).depth_m > 0.01 * target.radius_m) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("viewpoints.range_m: a sensor at ", viewpoint.range_m, " m, azimuth ",
-                   viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
-                   " deg is inside the target's convex hull or hardly outside; the target reaches ",
-                   length(target.centre) + target.radius_m, " m from its reference point"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "viewpoints.range_m: a sensor at ", viewpoint.range_m, " m, azimuth ",
+      viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
+      " deg is inside the target's convex hull or hardly outside; the target reaches ",
+      length(target.centre) + target.radius_m, " m from its reference point",
+      viewpoint.range_m <= 100 ? absl::StrCat(" (is it in km? ", viewpoint.range_m, " km are ",
+                                              1000 * viewpoint.range_m, " m)")
+                               : ""));
 }
 
 AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {

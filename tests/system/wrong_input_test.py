@@ -1,0 +1,143 @@
+"""What people type wrongly, and what they are told: each message names the place and what was expected.
+
+usage: wrong_input_test.py <irsig executable>
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+IRSIG = sys.argv[1]
+
+# What is written in place of what matches in the sweep file of `irsig init`; what is said of it. A third "warning": it
+# is computed all the same.
+SWEEPS = [
+    (r"^temperature_k = .*", "temperature_k = 20", r"\d+:1: warning: part\[0\].temperature_k = 20 .*20 C are 293.15 K", "warning"),
+    (r"^temperature_k = .*", "temperature_k = -5", r"part\[0\].temperature_k = -5, expected .*-5 C are 268.15 K"),
+    (r"^relative_humidity_percent = .*", "relative_humidity_percent = 0.8", r"is it a fraction\? 80 % are", "warning"),
+    (r"^relative_error = .*", "relative_error = 1", r"= 1 is 100 %: is it in percent\? 1 % are 0.01", "warning"),
+    (r"^relative_error = .*", "relative_error = 0", r"relative_error = 0, expected a number from 1e-06 to 1"),
+    (r"^date = .*", 'date = "2025/12/21"', r'date = "2025/12/21", expected a date of the calendar: 2025-12-21'),
+    (r"^time = .*", 'time = ["12:00"]', r'time\[0\] = "12:00" has no offset, expected .*"10:30\+09:00"'),
+    (r"^time = .*", 'time = ["25:00+01:00"]', r"its hour must be between 00 and 23"),
+    (r"^lambda_min_um = 3$", "lambda_min_um = 3000", r"is it in nm\? 3000 nm are 3 um"),
+    (r"^lambda_min_um = 8\nlambda_max_um = 12", "lambda_min_um = 833\nlambda_max_um = 850", r"833 cm-1 are 12\.0048 um"),
+    (r"^lambda_min_um = 3\nlambda_max_um = 5", "lambda_min_um = 5\nlambda_max_um = 3", r"expected the shorter wavelength first"),
+    (r"^step_um = .*", "step_um = 0.5", r"the air's table covers 2.941-15.38 um, .*expected a smaller step_um"),
+    (r"^step_um = .*", "step_um = 0", r"step_um = 0, expected a number from"),
+    (r"^step_um = .*", "step_um = 0.00001", r"makes more than 100000 wavelengths"),
+    (r"^step_um = .*", "step_um = 0.0001", r"60002 wavelengths \(limit 10000\).*--yes"),
+    (r"^latitude_deg = .*", "latitude_deg = 54.3\nvisibility_m = 20000", r'unknown key "visibility_m" in place, it is a key of .*\[air\]'),
+    (r'^name = "ship"', 'name = "ship"\nair_temperature_k = 290', r'unknown key "air_temperature_k", it is a key of .*\[weather\]'),
+    (r"^heading_deg", "headding_deg", r'did you mean "heading_deg"\?'),
+    (r"^\[place\]", "[plase]", r'unknown key "plase", did you mean "place"\?'),
+    (r'"generic_grey_paint"', '"generic_gray_paint"', r'did you mean "generic_grey_paint"\?'),
+    (r'^kind = "ring"', 'kind = "rings"', r'did you mean "ring"\?'),
+    (r"^aerosol = .*", 'aerosol = "sea"', r'expected one of "none", "rural"'),
+    (r"^range_m = .*", "range_m = 5", r"inside the target's convex hull.*5 km are 5000 m"),
+    (r"^range_m = .*", 'range_m = "5 km"', r"is a string, expected a number without quotes and unit"),
+    (r"^pressure_pa = .*", "pressure_pa = 1013", r"1013 hPa are 101300 Pa"),
+    (r"^visibility_m = .*", "visibility_m = 23", r"23 km are 23000 m"),
+    (r"^sea_temperature_k = .*", "sea_temperature_k = 14", r"is ice, expected .*14 C are 287.15 K"),
+    (r"^wind_speed_m_s = .*", "wind_speed_m_s = 90", r"wind_speed_m_s = 90, expected a number from 0 to 20"),
+    (r"^latitude_deg = .*", "latitude_deg = 110.1", r"latitude_deg = 110.1, expected a number from -90 to 90"),
+    (r"^latitude_deg = .*", "latitude_deg = 54,3", r"numbers have a decimal point"),
+    (r"^elevation_deg = .*", "elevation_deg = [100]", r"elevation_deg\[0\] = 100, expected a number from -90 to 90"),
+    (r"^count = 12", "count = 2000000", r"viewpoints, expected at most 1000000"),
+    (r"^unit_m = .*", "unit_m = 0", r"unit_m = 0, expected a number from"),
+    (r"^up_axis = .*", 'up_axis = "z"', r'expected one of "\+x"'),
+    (r"^file = .*", 'file = "shipp.obj"', r'model.file "shipp.obj": No such file'),
+    (r"^reference = .*", 'reference = "origin"\ndraft_m = -3', r"draft_m = -3, expected .*offset_m"),
+    (r"^sun = true", 'sun = "yes"', r"transport.sun is a string, expected true or false"),
+    (r"^\[\[season\]\]", '[[part]]\nname = "x"\nmatch = ["hull"]\nmaterial = "generic_grey_paint"\ntemperature_k = 300\n\n[[season]]',
+     r'group "hull" of the model already belongs to part "hull"'),
+]
+
+# Commands, with what is said.
+COMMANDS = [
+    ([], r"a command is missing, expected one of init, run"),
+    (["runn", "ship.toml"], r'unknown command "runn", did you mean "run"\?'),
+    (["nosuch", "--help"], r'unknown command "nosuch"'),
+    (["--help", "nosuch"], r'unknown command "nosuch"'),
+    (["model", "chek", "ship.obj"], r'"chek", expected disk.* or a command, particles or check'),
+    (["run", "ship.toml"], r"--db is required"),
+    (["run", "nothere.toml", "--db", "x.sigdb"], r"nothere.toml: No such file"),
+    (["run", "ship.obj", "--db", "x.sigdb"], r"this is a model, expected a sweep file: `irsig init --model ship.obj`"),
+    (["run", "ship.toml", "--db", "nofolder/x.sigdb"], r"nofolder/x.sigdb: cannot be written"),
+    (["run", "ship.toml", "--db", "x.sigdb", "--relative-error", "1e-9"], r"--relative-error: .*expected a number from 1e-06"),
+    (["init"], r"--model is required"),
+    (["init", "--model", "ship.toml"], r"expected .obj, .ply, .stl, .gltf or .glb"),
+    (["init", "--model", "ship.obj", "--place", "54"], r"expected LAT,LON in degrees"),
+    (["query", "ship.toml"], r"is not a signature database"),
+    (["query", "DB", "--seasn", "winter"], r'--seasn: did you mean "--season"\?'),
+    (["query", "DB", "--season", "wintr"], r'no season "wintr" in this database; there is: summer'),
+    (["query", "DB", "--aspect", "45,10"], r"exactly one of --nearest N, --within DEG and --interpolate"),
+    (["query", "DB", "--aspect", "45 10", "--nearest", "1"], r"expected AZ,EL in degrees"),
+    (["query", "DB", "--sort", "beauty"], r'no column "beauty" to sort by'),
+    (["query", "DB", "--format", "xml"], r"xml not in \{text,csv,json"),
+    (["query", "DB", "--csv", "--json"], r"--csv excludes --json"),
+    (["query", "DB", "--csv", "--out", "a.json"], r"the name ends as json, but --format is csv"),
+    (["query", "DB", "--parts", "--quantity", "contrast_intensity"], r"only their source intensity is stored"),
+    (["query", "DB", "--row", "1", "--thumbnail", "a.bmp"], r"expected a name that ends in .png or .exr"),
+    (["query", "DB", "--row", "1", "--thumbnail", "a.png", "--thumbnail-scale", "9,1"], r"expected common, or BLACK,WHITE"),
+    (["query", "DB", "--time", "2025/12/21"], r"expected RFC 3339 with offset"),
+    (["explain", "DB", "--row", "9999"], r"no row 9999 in this database; the last one is"),
+    (["plot", "DB", "--kind", "polar", "--out", "a.png"], r"does not write .png files, expected svg"),
+    (["plot", "DB", "--kind", "pie", "--out", "a.svg"], r"pie not in \{polar,"),
+    (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf"),
+    (["export", "DB", "--netcdf", "--out", "-"], r"netcdf needs a file"),
+    (["model", "tank", "--triangles", "100", "--out", "x.obj"], r'model "tank", expected disk, sphere'),
+    (["model", "box", "--triangles", "12", "--out", "x.stl"], r"does not write .stl files, expected obj"),
+    (["material", "show", "gold paint"], r'no material is called "gold paint": expected one of'),
+    (["status", "--coordinator", "tcp"], r"expected unix:PATH or a loopback port"),
+    (["completion", "fish"], r"fish not in \{bash,zsh\}"),
+]
+
+
+class WrongInput(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.path = pathlib.Path(folder.name)
+        cls.irsig("model", "frigate", "--triangles", 2000, "--out", "ship.obj")
+        cls.irsig("init", "--model", "ship.obj", "--place", "54.3,10.1", "--out", "ship.toml")
+        cls.sweep = (cls.path / "ship.toml").read_text()
+        few = cls.sweep.replace("count = 12", "count = 2").replace("step_um = 0.1", "step_um = 0.11")
+        (cls.path / "few.toml").write_text(few + "\n[output]\nthumbnail_px = 32\n")
+        cls.irsig("run", "few.toml", "--db", "few.sigdb", "--relative-error", 0.1)
+
+    @classmethod
+    def irsig(cls, *arguments, code=0):
+        done = subprocess.run([IRSIG, *map(str, arguments)], cwd=cls.path, capture_output=True, text=True, timeout=300)
+        assert done.returncode == code, f"{arguments}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+        return done
+
+    def test_sweep_files(self):
+        self.assertGreater(len(SWEEPS) + len(COMMANDS), 40)
+        for pattern, text, said, *kind in SWEEPS:
+            with self.subTest(text):
+                changed, count = re.subn(pattern, lambda _: text, self.sweep, flags=re.M)
+                self.assertGreater(count, 0, pattern)
+                (self.path / "wrong.toml").write_text(changed)
+                if kind:  # said before anything is computed: a row is enough
+                    changed = changed.replace("count = 12", "count = 1")
+                    (self.path / "wrong.toml").write_text(changed)
+                found = self.irsig("plan", "wrong.toml", code=0 if kind else 2).stderr
+                self.assertRegex(found, said)
+                if "limit 10000" not in said:
+                    self.assertRegex(found, r"(?m)^(irsig: )?wrong\.toml:\d+:\d+: ")
+
+    def test_commands(self):
+        before = sorted(p.name for p in self.path.iterdir())
+        for arguments, said in COMMANDS:
+            with self.subTest(" ".join(arguments)):
+                words = ["few.sigdb" if a == "DB" else a for a in arguments]
+                self.assertRegex(self.irsig(*words, code=2).stderr, said)
+        self.assertEqual(before, sorted(p.name for p in self.path.iterdir()), "something was left behind")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
