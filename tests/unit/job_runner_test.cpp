@@ -191,8 +191,8 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   sweep->mutable_sweep()->mutable_band(0)->set_lambda_min_um(2.5);  // past resolve_sweep
   const auto runner = JobRunner::create(*sweep, "");
-  EXPECT_EQ(runner.status().code(), absl::StatusCode::kOutOfRange) << runner.status();
-  EXPECT_THAT(std::string(runner.status().message()), HasSubstr("air.model: "));
+  EXPECT_EQ(runner.status().code(), absl::StatusCode::kInvalidArgument) << runner.status();
+  EXPECT_THAT(std::string(runner.status().message()), HasSubstr("expected a smaller step_um"));
 }
 
 // In the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
