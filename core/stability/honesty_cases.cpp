@@ -123,6 +123,26 @@ absl::StatusOr<Finding> grazing_gloss(Effort effort) {
   return worst.finding();
 }
 
+// The same past the rim: the sun nearly behind the target, so near by that only a part of the deck
+// shows it. The half vector is short there, and turns through many times the sun's radius.
+absl::StatusOr<Finding> forward_glint(Effort effort) {
+  Worst worst(student_t_bound(31, 36));
+  for (const double slope : {0.02, 0.034, 0.1})
+    for (const double range_m : {30.0, 145.0})
+      for (const double off_deg : {0.0, 0.7}) {
+        SceneSpec scene =
+            scene_of(rectangle({0, 0, 0}, {1, 0, 0}, {0, -1, 0}, "deck"), {gloss(slope)});
+        scene.part = {{"deck", {}, 0, true, false}};
+        ViewRequest r = view_of(0.45, range_m, {275});
+        put_sun(r.condition[0], sun_at(180 + off_deg, 0.52));
+        const absl::Status done =
+            judge(scene, r, effort == Effort::kFull ? 65536 : 8192,
+                  absl::StrCat("slope ", slope, ", ", range_m, " m, ", off_deg, " deg off"), worst);
+        if (!done.ok()) return done;
+      }
+  return worst.finding();
+}
+
 // A plate with a hole in its middle, and something hot behind it.
 absl::StatusOr<Finding> hot_behind_a_hole(Effort effort) {
   Worst worst(student_t_bound(31, 12));
@@ -246,6 +266,8 @@ std::vector<HardCase> honesty_cases() {
   return {
       {"honesty", "grazing_gloss", "slopes 0.04 to 0.3 at 80 to 89 deg, the sun opposite [errors]",
        reason, grazing_gloss},
+      {"honesty", "forward_glint",
+       "gloss 0.5 deg from its plane, the sun nearly behind it [errors]", reason, forward_glint},
       {"honesty", "hot_behind_a_hole", "1200 K behind holes of 1/10 to 1/400 of a plate [errors]",
        reason, hot_behind_a_hole},
       {"honesty", "small_mirror", "1e-4 of a plate, 0 to 3 deg beside the sun [errors]", reason,

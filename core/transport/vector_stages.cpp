@@ -116,9 +116,37 @@ IRSIG_CLONES void aim(const ImagePlane& plane, const float* x_m, const float* y_
 
 namespace {
 
+// exp(-x) for x >= 0, Schraudolph's, within 6 %; 0 below 1e-38. [schraudolph1999]
+__attribute__((always_inline)) inline float bell_of(float x) {
+  // 2^(-x / ln 2), the mantissa's piece by a straight line
+  const float exponent = std::max(126.94f - x * 1.44269504f, 0.0f);
+  return std::bit_cast<float>(static_cast<std::int32_t>(exponent * 8388608.0f));
+}
+
+// The largest brdf x pi, but for a factor of 2 or so, that such a lobe has towards any point of a
+// disk about wi of this radius (small angles). wi + wo is short where wi is nearly -wo (grazing):
+// the half vector then turns through many times the disk's radius.
+__attribute__((always_inline)) inline float disk_lobe_pi(float nx, float ny, float nz, float ox,
+                                                         float oy, float oz, float ix, float iy,
+                                                         float iz, float cos_i, float cos_o,
+                                                         float m2, float radius) {
+  const float hx = ox + ix, hy = oy + iy, hz = oz + iz;
+  const float length2 = hx * hx + hy * hy + hz * hz + 1e-12f;
+  const float inverse = 1.0f / std::sqrt(length2), turn = radius * inverse;
+  const float along = (nx * hx + ny * hy + nz * hz) * inverse;
+  const float cos_h = std::min(std::max(along, 0.0f) + turn, 1.0f);
+  const float sin_h = std::max(std::sqrt(std::max(1.0f - along * along, 0.0f)) - turn, 0.0f);
+  const float cos_d = std::max(0.5f * (length2 * inverse - radius), 1e-3f);
+  const float cos2 = std::max(cos_h * cos_h, 1e-6f);
+  const float bell = bell_of(sin_h * sin_h / (cos2 * m2));
+  const float smaller = std::min(cos_i, cos_o), larger = std::max(cos_i, cos_o);
+  const float groove = std::min(2.0f * cos_h / (cos_d * larger), 1.0f / (smaller * larger));
+  const float centre2 = std::max(along * along, 1e-6f);
+  return 0.25f * bell / (m2 * centre2 * centre2) * groove;
+}
+
 // brdf x pi of a Beckmann lobe of slope variance m2 without its reflectance, V-groove masked, for
-// unit vectors to the light (wi) and the sensor (wo). The exponential is Schraudolph's, within 6 %;
-// it is 0 below 1e-38. [schraudolph1999]
+// unit vectors to the light (wi) and the sensor (wo).
 __attribute__((always_inline)) inline float lobe_pi(float nx, float ny, float nz, float ox,
                                                     float oy, float oz, float ix, float iy,
                                                     float iz, float cos_i, float cos_o, float m2) {
@@ -127,9 +155,7 @@ __attribute__((always_inline)) inline float lobe_pi(float nx, float ny, float nz
   const float cos_h = std::max((nx * hx + ny * hy + nz * hz) * inverse, 1e-3f);
   const float cos_d = std::max((ox * hx + oy * hy + oz * hz) * inverse, 1e-3f);
   const float cos2 = cos_h * cos_h;
-  // exp(-tan^2/m^2) = 2^(-tan^2 / (m^2 ln 2)), the mantissa's piece by a straight line
-  const float exponent = std::max(126.94f - (1.0f - cos2) / (cos2 * m2) * 1.44269504f, 0.0f);
-  const float bell = std::bit_cast<float>(static_cast<std::int32_t>(exponent * 8388608.0f));
+  const float bell = bell_of((1.0f - cos2) / (cos2 * m2));
   const float smaller = std::min(cos_i, cos_o), larger = std::max(cos_i, cos_o);
   const float groove = std::min(2.0f * cos_h / (cos_d * larger), 1.0f / (smaller * larger));
   return 0.25f * bell / (m2 * cos2 * cos2) * groove;
@@ -161,9 +187,9 @@ IRSIG_CLONES void sun_probability(VertexList& vertices, Float3 sun, float invers
     const float radius = sin_radius * nearness;
     const float towards = nx[i] * ix + ny[i] * iy + nz[i] * iz;
     const float cos_i = std::max(towards, 1e-3f);
-    const float m2 = std::max(m2_of[i] + radius * radius, 1e-12f);
-    const float lobe =
-        lobe_pi(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i], ix, iy, iz, cos_i, cos_o_of[i], m2);
+    const float m2 = std::max(m2_of[i], 1e-12f);
+    const float lobe = disk_lobe_pi(nx[i], ny[i], nz[i], ox[i], oy[i], oz[i], ix, iy, iz, cos_i,
+                                    cos_o_of[i], m2, radius);
     const float relative = m2_of[i] > 0.0f ? lobe / faint : 1.0f;
     keep[i] = towards > -radius ? std::min(relative, 1.0f) : 0.0f;
   }

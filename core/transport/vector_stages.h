@@ -60,10 +60,9 @@ struct VertexList {
 
 // The probability with which a sun contribution is followed up: about brdf / (faint x diffuse
 // brdf), at most 1; 0 where the sun's disk is below the facet's plane. Any positive value is
-// unbiased; this one is within 10 % of the lobe's shape at the disk's centre, the lobe widened by
-// the disk's radius, so that no point of the disk is much brighter than the probability says.
-// (Where the lobe is narrower than that and the probability underflows to 0, drawn directions find
-// the disk: PathTracer.)
+// unbiased; this one follows the point of the disk whose half vector is nearest to the normal, so
+// that no point is much brighter than the probability says, and it underflows to 0 only where the
+// lobe does.
 //   roughness2: m^2 of a Beckmann lobe, 0: diffuse.
 //   inverse_distance_per_m: 0 for the sun, else of a lamp in that direction from the origin
 void sun_probability(VertexList& vertices, Float3 sun, float inverse_distance_per_m,
