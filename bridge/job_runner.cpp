@@ -133,6 +133,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
     std::optional<ThumbnailEncoder> encoder) {
   auto scene = scene_from_sweep(sweep, model_bytes);
   if (!scene.ok()) return scene.status();
+  if (const absl::Status status = check_above_surface(sweep, scene->mesh); !status.ok())
+    return status;
   auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
   if (const absl::Status status = check_energy(sweep.sweep(), (*simulator)->materials());

@@ -87,7 +87,8 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
                                          size.x, size.y, size.z);
   const auto say = [&](const char* key, const std::string& what) { out.push_back({key, what}); };
   // Ships are up to 460 m long.
-  if (longest > 1000 || longest < 0.05)
+  const bool outdoors = placement.surroundings == "sea" || placement.surroundings == "ground";
+  if (longest > 1000 || longest < (outdoors ? 0.5 : 0.05))
     say("model.unit_m", absl::StrCat(is, ": is unit_m = ", placement.unit_m, " right?"));
   if (size.z > 2 * std::max(size.x, size.y))
     say("model.up_axis", absl::StrCat(is,
@@ -107,7 +108,8 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
   if (kind != "sea" && kind != "ground") return out;
   const double above_m = -box.high.z;  // of the lowest point
   if (const double below = share_below_surface(mesh);
-      below > 0.7 || (kind == "ground" && below > 0.02)) {
+      below > 0.7 || (kind == "sea" && -box.low.z < 0.1 * size.z) ||
+      (kind == "ground" && below > 0.02)) {
     say("model.file",
         absl::StrFormat("%.0f %% of the model's area lie below the %s, where nothing is seen: %s",
                         100 * below, kind == "sea" ? "waterline" : "ground",
@@ -131,6 +133,20 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
         "a hull with a keel floats; draft_m = 0 that it ends there");
   }
   return out;
+}
+
+absl::Status check_above_surface(const schema::ResolvedSweep& sweep, const Mesh& mesh) {
+  if (sweep.condition_size() == 0) return absl::OkStatus();
+  const std::string& kind = sweep.condition(0).surroundings().kind();
+  if ((kind != "sea" && kind != "ground") || !(box_of(mesh).low.z > 0)) return absl::OkStatus();
+  const schema::Model& model = sweep.sweep().model();
+  const char* key = model.has_draft_m()         ? "model.draft_m"
+                    : model.offset_m_size() > 0 ? "model.offset_m"
+                    : model.has_file()          ? "model.file"
+                                                : "model";
+  return absl::InvalidArgumentError(absl::StrCat(
+      key, ": all of the target lies below the ", kind == "sea" ? "waterline" : "ground",
+      ", where nothing is seen, expected something that rises above it"));
 }
 
 std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,

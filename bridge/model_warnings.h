@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/signature/prepared_scene.h"
 #include "schema/job.pb.h"
 
@@ -26,6 +27,10 @@ struct PlacementNote {
 
 // Of the facets' area, what lies below z = 0, by their middles: 0 to 1.
 [[nodiscard]] double share_below_surface(const Mesh& mesh);
+
+// INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen.
+[[nodiscard]] absl::Status check_above_surface(const schema::ResolvedSweep& sweep,
+                                               const Mesh& mesh);
 
 // What is odd about a model from a file, for people, each as "<path>: <what>". One-sided parts with
 // facets of open shells (not where the sweep states model.accepted_backface_share); a size that

@@ -40,6 +40,8 @@ FilterOptions::FilterOptions(CLI::App& command) {
   add("--time", query_.time, "Time, RFC 3339 with any offset: 2025-12-21T10:30:00+09:00")
       ->type_name("TIME");
   add("--band", query_.band, "Name of the band")->type_name("NAME");
+  add("--at-range-m", query_.at_range_m, "Only viewpoints at this range, of several")
+      ->type_name("R");
   row_option_ = add("--row", row_, "The one signature with this row number")->type_name("K");
   aspect_option_ = add("--aspect", aspect_,
                        "Direction from the target to the sensor: azimuth clockwise from the bow, "

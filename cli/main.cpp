@@ -45,6 +45,10 @@ std::string failure(const CLI::App* app, const CLI::Error& error) {
   std::string text = "irsig: " + (bare ? "a command is missing, expected one of " +
                                              absl::StrJoin(names_of(*app, false), ", ")
                                        : irsig::printable(error.what()));
+  if (constexpr std::string_view kPrefix = "Could not convert: ";
+      std::string_view(error.what()).starts_with(kPrefix))
+    text = "irsig: " + irsig::printable(std::string(error.what()).substr(kPrefix.size())) +
+           ", expected a number without a unit (1 % is 0.01)";
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& extra : extras) {
       const bool option = extra.starts_with("--");

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "absl/strings/match.h"
 #include "bridge/model_warnings.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
@@ -104,7 +106,8 @@ std::string as_json(const std::string& file, const LintReport& report, const Mod
   return out + "], " + as_json(facts) + "}\n";
 }
 
-std::string as_text(const std::string& file, const LintReport& report, const ModelFacts& facts) {
+std::string as_text(const std::string& file, const LintReport& report, const ModelFacts& facts,
+                    bool repairable) {
   std::string out =
       fmt::format("{}: {} facets, {} vertices, {} shells ({} closed), {:.6g} x {:.6g} x {:.6g} m\n",
                   file, report.facets, report.vertices, report.shells, report.closed_shells,
@@ -122,12 +125,6 @@ std::string as_text(const std::string& file, const LintReport& report, const Mod
   if (report.finding.empty()) out += "nothing found\n";
   for (const PlacementNote& note : facts.note)
     out += fmt::format("sweep file: {}: {}\n", note.key, note.text);
-  const bool repairable =
-      std::any_of(report.finding.begin(), report.finding.end(), [](const LintFinding& f) {
-        return f.fault == MeshFault::kInconsistentFacet || f.fault == MeshFault::kInsideOut ||
-               f.fault == MeshFault::kDuplicateFacet || f.fault == MeshFault::kZeroArea ||
-               f.fault == MeshFault::kUnusedVertex || f.fault == MeshFault::kDuplicateVertex;
-      });
   if (repairable)
     out += "proposed: --repair OUT.obj mends windings, duplicates and what has no area\n";
   if (report.open_group.empty()) return out;
@@ -176,8 +173,15 @@ struct CheckCommand {
     LintReport found = lint(*mesh, options);
     const Placement placement{how.unit_m, false, surroundings, false};
     ModelFacts facts = facts_of(*mesh, placement);
+    std::error_code none;
+    if (!repaired.empty() && std::filesystem::equivalent(repaired, how.file_name, none))
+      return absl::InvalidArgumentError(
+          fmt::format("--repair {}: this is the model itself, expected another name", repaired));
+    if (!repaired.empty() && !absl::EndsWithIgnoreCase(repaired, ".obj"))
+      return absl::InvalidArgumentError(
+          fmt::format("--repair {}: the copy is OBJ, expected a name that ends in .obj", repaired));
+    const RepairedMesh result = repair(*mesh);
     if (!repaired.empty()) {
-      const RepairedMesh result = repair(*mesh);
       if (result.mesh.triangle.empty())
         return absl::InvalidArgumentError(how.file_name + ": no facet is left after repair");
       if (const absl::Status status = replace_file(repaired, write_obj(result.mesh)); !status.ok())
@@ -187,9 +191,10 @@ struct CheckCommand {
       found = lint(result.mesh, options);
       facts = facts_of(result.mesh, placement);
     }
+    const bool repairable = repaired.empty() && result.log.did_something();
     const std::string& of = repaired.empty() ? how.file_name : repaired;
     const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
-      out << (format == "json" ? as_json(of, found, facts) : as_text(of, found, facts))
+      out << (format == "json" ? as_json(of, found, facts) : as_text(of, found, facts, repairable))
           << std::flush;
       return absl::OkStatus();
     });

@@ -25,8 +25,8 @@ constexpr Ending kEndings[] = {
     {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
     {".png", ""},     {".jpg", ""},    {".jpeg", ""},     {".pdf", ""},    {".gif", ""},
     {".tif", ""},     {".tiff", ""},   {".eps", ""},      {".exr", ""},    {".obj", "obj"},
-    {".stl", ""},     {".ply", ""},    {".gltf", ""},     {".glb", ""},    {".xlsx", ""},
-    {".html", ""}};
+    {".toml", ""},    {".sigdb", ""},  {".db", ""},       {".sqlite", ""}, {".stl", ""},
+    {".ply", ""},     {".gltf", ""},   {".glb", ""},      {".xlsx", ""},   {".html", ""}};
 
 const Ending* ending_of(const std::string& name) {
   const std::string lower = absl::AsciiStrToLower(name);
@@ -77,8 +77,9 @@ absl::StatusOr<std::string> OutputOptions::format() const {
   const bool known = std::find(formats_.begin(), formats_.end(), ending->format) != formats_.end();
   if (!known)
     return absl::InvalidArgumentError(
-        fmt::format("--out {}: this command does not write {} files, expected {}", out_,
-                    ending->ending, fmt::join(formats_, ", ")));
+        fmt::format("--out {}: this command does not write {} files, expected {}{}", out_,
+                    ending->ending, fmt::join(formats_, ", "),
+                    formats_.front() == "svg" ? " (rsvg-convert makes a PNG of it)" : ""));
   if (!asked.empty() && asked != ending->format)
     return absl::InvalidArgumentError(fmt::format(
         "--out {}: the name ends as {}, but --format is {}", out_, ending->format, asked));

@@ -86,6 +86,8 @@ struct QueryCommand {
       if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
     if (rows->empty()) print_note("irsig: no signature matches\n");
     for (const std::string& note : notes_on(*rows)) print_note("irsig: note: {}\n", note);
+    if (const std::string note = far_note(*rows, *query); !note.empty())
+      print_note("irsig: note: {}\n", note);
     const auto floors = floor_notes(**reader, *rows);
     if (!floors.ok()) return floors.status();
     for (const std::string& note : *floors) print_note("irsig: note: {}\n", note);

@@ -12,6 +12,7 @@
 #include "bridge/environment/weather_from_message.h"
 #include "core/geo/sun.h"
 #include "jobs/check_weather.h"
+#include "jobs/nearest_name.h"
 
 namespace irsig {
 namespace {
@@ -71,6 +72,14 @@ void check_season_name(schema::ResolvedSweep& resolved, int s, Findings& finding
   int day = day_of_year(std::atoi(season.date().substr(5, 2).c_str()),
                         std::atoi(season.date().substr(8).c_str()));
   if (south) day = (day + 182) % 365;
+  for (const std::string& word : words) {
+    const std::vector<std::string> known = {"winter", "spring", "summer", "autumn"};
+    if (word.size() < 5 || std::find(known.begin(), known.end(), word) != known.end()) continue;
+    if (const std::string near = suggestion(word, known); near.starts_with("did you mean"))
+      warn_season(resolved, s,
+                  absl::StrCat("season[", s, "].name = \"", season.name(), "\": ", near,
+                               " As it stands its dates are not checked against a season"));
+  }
   for (const NamedSeason& named : kSeasons) {
     if (!words.contains(named.name)) continue;
     const int outside = days_outside(named, day);

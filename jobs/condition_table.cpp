@@ -93,7 +93,7 @@ class CsvConditions {
       if (cells.size() != column_.size()) {
         add(line, 1,
             absl::StrCat(cells.size(), " columns, expected ", column_.size(),
-                         " as in the first line"));
+                         " as in the first line (numbers have a decimal point, and no comma)"));
         continue;
       }
       Written& w = out.emplace_back();
@@ -171,7 +171,10 @@ class CsvConditions {
           add(line, cell.at, absl::StrCat("column \"", cell.text, "\" is there twice"));
       if (column.field == nullptr && column.part.empty()) {
         add(line, cell.at,
-            absl::StrCat("unknown column \"", cell.text, "\", ", suggestion(cell.text, names)));
+            absl::StrCat("unknown column \"", cell.text, "\", ",
+                         cell.text.find_first_of(";\t") != std::string::npos
+                             ? std::string("expected columns separated by commas")
+                             : suggestion(cell.text, names)));
         known_ = false;
       }
       column_.push_back(std::move(column));

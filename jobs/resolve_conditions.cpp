@@ -57,6 +57,9 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
     if (season.has_date() && !is_date(season.date())) {
       check.error("date", absl::StrCat("= \"", season.date(),
                                        "\", expected a date of the calendar: 2025-12-21"));
+    } else if (season.has_date() &&
+               (season.date().substr(0, 4) < "1900" || season.date().substr(0, 4) > "2100")) {
+      check.error("date", absl::StrCat("= ", season.date(), ", expected a year from 1900 to 2100"));
     }
   }
 }

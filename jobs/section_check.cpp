@@ -131,7 +131,13 @@ int SectionCheck::at_most_one(const Names& names) const {
 void SectionCheck::within(const char* name, double least, double most) const {
   if (has(name) && !(number(name) >= least && number(name) <= most) &&
       !findings_.any_at(path(name))) {
-    error(name, absl::StrCat("= ", number(name), ", expected a number from ", least, " to ", most));
+    const double value = number(name), celsius = value + 273.15;
+    const bool perhaps_celsius =
+        std::string_view(name).ends_with("temperature_k") && celsius >= least && celsius <= most;
+    error(name, absl::StrCat("= ", value, ", expected a number from ", least, " to ", most,
+                             perhaps_celsius
+                                 ? absl::StrCat("; is it in C? ", value, " C are ", celsius, " K")
+                                 : ""));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/user_file.h"
@@ -77,6 +78,9 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   if (!text.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", text.status().message()));
   }
+  if (absl::StartsWith(*text, "SQLite format 3"))
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": this is a database, expected a sweep file"));
   auto file = parse_sweep(*text, path);
   if (!file.ok()) return file.status();
   const auto read_beside = [&](const std::string& name) {

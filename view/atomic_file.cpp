@@ -22,11 +22,23 @@ absl::Status failed(const std::string& path, int error) {
   return absl::UnavailableError(text);
 }
 
+// Hours of computing are not replaced by a table.
+bool is_database(const std::string& path) {
+  constexpr std::string_view kMagic = "SQLite format 3";
+  std::string head(kMagic.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return file && head == kMagic;
+}
+
 }  // namespace
 
 absl::Status replace_file(const std::string& path,
                           const std::function<absl::Status(const std::string&)>& write) {
   if (std::filesystem::is_directory(path)) return failed(path, EISDIR);
+  if (is_database(path))
+    return absl::InvalidArgumentError(
+        fmt::format("cannot write {}: it is a database, expected another name", path));
   const std::string beside = fmt::format("{}.{}.partial", path, ::getpid());
   const int fd = ::open(beside.c_str(), O_CREAT | O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
   if (fd < 0) return failed(path, errno);

@@ -80,8 +80,9 @@ absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& rea
   if (absl::Status status = check_computed(out, query.quantity); !status.ok()) return status;
   if (ranges.size() > 1) {
     return absl::InvalidArgumentError(
-        fmt::format("a plot shows one range, and these signatures have {}: {} m", ranges.size(),
-                    fmt::join(ranges, ", ")));
+        fmt::format("a plot shows one range, and these signatures have {}: {} m; choose one with "
+                    "--at-range-m",
+                    ranges.size(), fmt::join(ranges, ", ")));
   }
   return out;
 }

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/geo/sun.h"
+#include "core/geo/viewpoint.h"
 #include "view/interpolate_rows.h"
 #include "view/range_change.h"
 
@@ -83,6 +85,15 @@ absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) 
                                      unknown("band", asked.band, &StoredSignature::band)}) {
     if (!status.ok()) return status;
   }
+  if (asked.range_m) {
+    std::set<double> known;
+    for (const auto& s : *all)
+      if (asked.sweep.empty() || s.sweep == asked.sweep) known.insert(s.range_m);
+    if (!known.contains(*asked.range_m))
+      return absl::NotFoundError(
+          fmt::format("no viewpoint at {} m in this database; there is: {} m", *asked.range_m,
+                      fmt::join(known, ", ")));
+  }
   if (asked.row) {
     const auto has = [&](const StoredSignature& s) { return s.row == *asked.row; };
     if (std::none_of(all->begin(), all->end(), has)) {
@@ -130,6 +141,26 @@ std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
   return out;
 }
 
+std::string far_note(const std::vector<QueryRow>& rows, const Query& query) {
+  if (!query.aspect || query.nearest == 0) return "";
+  const auto unit = [](double azimuth_deg, double elevation_deg) {
+    return body_from_aspect(azimuth_deg, elevation_deg);
+  };
+  const Vec<Body> asked =
+      unit(query.aspect->aspect_azimuth_deg, query.aspect->aspect_elevation_deg);
+  double farthest_deg = 0;
+  for (const QueryRow& row : rows) {
+    const Vec<Body> is = unit(row.signature.aspect_azimuth_deg, row.signature.aspect_elevation_deg);
+    farthest_deg = std::max(farthest_deg, std::atan2(length(cross(asked, is)), dot(asked, is)) *
+                                              180 / std::numbers::pi);
+  }
+  return farthest_deg > 30
+             ? fmt::format("the viewpoints found are up to {:.0f} deg away from aspect {:g},{:g}",
+                           farthest_deg, query.aspect->aspect_azimuth_deg,
+                           query.aspect->aspect_elevation_deg)
+             : "";
+}
+
 absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,
                                                 const ExtentOf& extent_of) {
   if (absl::Status status = check(query); !status.ok()) return status;
@@ -138,6 +169,7 @@ absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query
   filter.season = query.season;
   filter.band = query.band;
   filter.row = query.row;
+  filter.range_m = query.at_range_m;
   if (!query.time.empty()) {
     auto time = parse_rfc3339(query.time);
     if (!time.ok()) return time.status();

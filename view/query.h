@@ -27,6 +27,7 @@ struct Query {
   // What is asked about: max_relative_error, people's tables and plots go by it.
   SignatureQuantity quantity = SignatureQuantity::kIntensity;
   std::optional<double> max_relative_error{};  // of the numerical error, interpolation included
+  std::optional<double> at_range_m{};          // viewpoints of this range alone
   std::optional<double> range_m{};             // as seen from there: range_change.h
 };
 
@@ -70,6 +71,9 @@ struct QueryRow {
 // What a person should know beside the numbers: warnings of the rows' conditions, rows that an
 // older irsig stored without contrast and background.
 [[nodiscard]] std::vector<std::string> notes_on(const std::vector<QueryRow>& rows);
+
+// Where the nearest viewpoints are far from the aspect that was asked for; empty: they are not.
+[[nodiscard]] std::string far_note(const std::vector<QueryRow>& rows, const Query& query);
 
 struct RowSpectrum {
   schema::Spectrum spectrum;

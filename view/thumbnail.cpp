@@ -20,8 +20,9 @@ std::string listed(const std::vector<QueryRow>& rows) {
   std::string out;
   for (std::size_t i = 0; i < std::min(rows.size(), kListed); ++i) {
     const StoredSignature& s = rows[i].signature;
-    out += fmt::format("\n  --row {}: {}, {}, {}, aspect {:.2f},{:.2f} deg", s.row, s.season,
-                       s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg);
+    out +=
+        fmt::format("\n  --row {}: {}, {}, {}, aspect {:.2f},{:.2f} deg, {:g} m", s.row, s.season,
+                    s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
   }
   if (rows.size() > kListed) out += fmt::format("\n  and {} more", rows.size() - kListed);
   return out;

@@ -115,8 +115,9 @@ absl::StatusOr<UtcTime> parse_rfc3339(std::string_view text) {
   const auto hour = in.digits(2);
   if (!hour || !in.any_of(":")) return refuse(text, kExpected);
   const auto minute = in.digits(2);
-  if (!minute || !in.any_of(":")) return refuse(text, kExpected);
-  const auto second = in.seconds();
+  if (!minute) return refuse(text, kExpected);
+  // Without seconds, as ISO 8601 has it.
+  const auto second = in.any_of(":") ? in.seconds() : std::optional<double>(0);
   if (!second) return refuse(text, kExpected);
   if (in.at_end()) return refuse(text, absl::StrCat("it has no offset; ", kExpected));
 

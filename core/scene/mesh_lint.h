@@ -76,6 +76,12 @@ struct RepairLog {
   std::uint64_t dropped_vertices = 0;    // that no facet uses
   std::uint64_t turned_facets = 0;       // to agree with their neighbours, or to face outwards
   std::uint64_t unorientable_edges = 0;  // where no orientation agrees (a Moebius strip): left
+
+  [[nodiscard]] bool did_something() const {
+    return merged_vertices + dropped_duplicates + dropped_zero_area + dropped_vertices +
+               turned_facets >
+           0;
+  }
 };
 struct RepairedMesh {
   Mesh mesh;

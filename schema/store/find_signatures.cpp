@@ -136,12 +136,27 @@ absl::Status append_all(absl::StatusOr<Rows> rows, std::vector<StoredSignature>&
   }
 }
 
+void keep_range(const SignatureFilter& filter, std::size_t from,
+                std::vector<StoredSignature>& rows) {
+  if (!filter.range_m) return;
+  const double wanted = *filter.range_m;
+  rows.erase(std::remove_if(rows.begin() + static_cast<std::ptrdiff_t>(from), rows.end(),
+                            [&](const StoredSignature& s) {
+                              return !(std::abs(s.range_m - wanted) <= 1e-9 * wanted);
+                            }),
+             rows.end());
+}
+
 absl::Status append_viewpoint(Database& database, const SignatureFilter& filter,
                               std::int64_t viewpoint_id, std::vector<StoredSignature>& out) {
-  return append_all(database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
-                                   filter.time_utc, filter.band, filter.max_relative_error,
-                                   filter.row, static_cast<int>(filter.error_of), viewpoint_id),
-                    out);
+  const std::size_t before = out.size();
+  absl::Status status =
+      append_all(database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
+                                filter.time_utc, filter.band, filter.max_relative_error, filter.row,
+                                static_cast<int>(filter.error_of), viewpoint_id),
+                 out);
+  keep_range(filter, before, out);
+  return status;
 }
 
 struct Candidate {
@@ -278,6 +293,7 @@ absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
                                   filter.time_utc, filter.band, filter.max_relative_error,
                                   filter.row, static_cast<int>(filter.error_of)),
                    out));
+    keep_range(filter, 0, out);
     return out;
   }
   const auto [azimuth_deg, elevation_deg] = *filter.direction;

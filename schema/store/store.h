@@ -279,6 +279,7 @@ struct SignatureFilter {
   std::uint32_t nearest = 0;
   std::optional<double> within_deg;
   std::optional<std::uint64_t> row;
+  std::optional<double> range_m;  // of the viewpoint, to 1e-9 of it
 };
 
 // A sweep as it was submitted, and the bytes of its model file (empty: a generated model).

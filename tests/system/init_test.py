@@ -101,7 +101,7 @@ class Init(unittest.TestCase):
                 (('forward_axis = "+x"', 'forward_axis = "+y"'), "is it turned? forward_axis"),
                 (('forward_axis = "+x"          # the file\'s axis that points to the bow\nup_axis = "+z"',
                   'forward_axis = "+z"\nup_axis = "+x"'), "does it stand on end? up_axis"),
-                (("# draft_m = 5 ", "draft_m = 12.5 "), "% of the model's area lie below the waterline"),
+                (("# draft_m = 5 ", "draft_m = 11.5 "), "% of the model's area lie below the waterline"),
                 (("# draft_m = 5 ", "# "), "stands on the sea"),
                 (("relative_humidity_percent = 70", "relative_humidity_percent = 0.7"), "is it a fraction? 70 %"),
                 (("temperature_k = 297", "temperature_k = 24"), "is it in degrees Celsius? 24 C are 297.15 K"),

@@ -50,6 +50,11 @@ SWEEPS = [
     (r"^up_axis = .*", 'up_axis = "z"', r'expected one of "\+x"'),
     (r"^file = .*", 'file = "shipp.obj"', r'model.file "shipp.obj": No such file'),
     (r"^reference = .*", 'reference = "origin"\ndraft_m = -3', r"draft_m = -3, expected .*offset_m"),
+    (r"^reference = .*", 'reference = "origin"\ndraft_m = 60', r"model.draft_m: all of the target lies below the waterline"),
+    (r"^reference = .*", 'reference = "origin"\ndraft_m = 39', r"lie below the waterline", "warning"),
+    (r'^name = "summer"', 'name = "sumer"', r'did you mean "summer"\?', "warning"),
+    (r"^date = .*", "date = 1025-07-15", r"expected a year from 1900 to 2100"),
+    (r"^air_temperature_k = .*", "air_temperature_k = 19", r"is it in C\? 19 C are 292.15 K"),
     (r"^sun = true", 'sun = "yes"', r"transport.sun is a string, expected true or false"),
     (r"^\[\[season\]\]", '[[part]]\nname = "x"\nmatch = ["hull"]\nmaterial = "generic_grey_paint"\ntemperature_k = 300\n\n[[season]]',
      r'group "hull" of the model already belongs to part "hull"'),
@@ -63,6 +68,14 @@ COMMANDS = [
     (["--help", "nosuch"], r'unknown command "nosuch"'),
     (["model", "chek", "ship.obj"], r'"chek", expected disk.* or a command, particles or check'),
     (["run", "ship.toml"], r"--db is required"),
+    (["run", "few.sigdb", "--db", "x.sigdb"], r"few.sigdb: this is a database, expected a sweep file"),
+    (["plan", "ship.toml", "--relative-error", "1%"], r"--relative-error = 1%, expected a number without a unit \(1 % is 0.01\)"),
+    (["query", "DB", "--csv", "--out", "few.sigdb"], r"does not write .sigdb files"),
+    (["query", "DB", "--csv", "--out", "copy"], r"cannot write copy: it is a database, expected another name"),
+    (["plot", "DB", "--kind", "polar", "--out", "ship.toml"], r"does not write .toml files"),
+    (["model", "check", "ship.obj", "--repair", "ship.obj"], r"this is the model itself, expected another name"),
+    (["model", "check", "ship.obj", "--repair", "x.stl"], r"the copy is OBJ"),
+    (["query", "DB", "--at-range-m", "999"], r"no viewpoint at 999 m in this database; there is: \d+ m"),
     (["run", "nothere.toml", "--db", "x.sigdb"], r"nothere.toml: No such file"),
     (["run", "ship.obj", "--db", "x.sigdb"], r"this is a model, expected a sweep file: `irsig init --model ship.obj`"),
     (["run", "ship.toml", "--db", "nofolder/x.sigdb"], r"nofolder/x.sigdb: cannot be written"),
@@ -108,6 +121,7 @@ class WrongInput(unittest.TestCase):
         few = cls.sweep.replace("count = 12", "count = 2").replace("step_um = 0.1", "step_um = 0.11")
         (cls.path / "few.toml").write_text(few + "\n[output]\nthumbnail_px = 32\n")
         cls.irsig("run", "few.toml", "--db", "few.sigdb", "--relative-error", 0.1)
+        (cls.path / "copy").write_bytes((cls.path / "few.sigdb").read_bytes())
 
     @classmethod
     def irsig(cls, *arguments, code=0):
@@ -137,6 +151,12 @@ class WrongInput(unittest.TestCase):
                 words = ["few.sigdb" if a == "DB" else a for a in arguments]
                 self.assertRegex(self.irsig(*words, code=2).stderr, said)
         self.assertEqual(before, sorted(p.name for p in self.path.iterdir()), "something was left behind")
+        self.assertEqual((self.path / "copy").read_bytes()[:15], b"SQLite format 3")
+
+    def test_the_nearest_viewpoint_may_be_far(self):
+        found = self.irsig("query", "few.sigdb", "--aspect", "90,89", "--nearest", 1)
+        self.assertRegex(found.stderr, r"note: the viewpoints found are up to \d\d deg away from aspect 90,89")
+        self.assertNotIn("deg away", self.irsig("query", "few.sigdb", "--aspect", "0,5", "--nearest", 1).stderr)
 
 
 if __name__ == "__main__":

@@ -46,6 +46,7 @@ class FakeStoreReader : public StoreReader {
           (f.sweep.empty() || f.sweep == s.sweep) && (f.season.empty() || f.season == s.season) &&
           (f.time_utc.empty() || f.time_utc == s.time_utc) &&
           (f.band.empty() || f.band == s.band) && (!f.row || *f.row == s.row) &&
+          (!f.range_m || *f.range_m == s.range_m) &&
           (!f.max_relative_error || relative_error(s, f.error_of) <= *f.max_relative_error);
       if (match) out.push_back(s);
     }

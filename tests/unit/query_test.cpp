@@ -274,6 +274,17 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   EXPECT_FALSE(std::ifstream(path).good());
 }
 
+TEST(Query, OfOneRangeAmongSeveral) {
+  FakeStoreReader db = fake_database();
+  for (std::size_t i = 0; i < db.signatures.size(); i += 2) db.signatures[i].range_m = 3000;
+  const auto found = run_query(db, {.at_range_m = 3000});
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_EQ(found->size(), (db.signatures.size() + 1) / 2);
+  for (const QueryRow& row : *found) EXPECT_EQ(row.signature.range_m, 3000);
+  EXPECT_THAT(std::string(run_query(db, {.at_range_m = 4000}).status().message()),
+              HasSubstr("no viewpoint at 4000 m in this database; there is: 3000, "));
+}
+
 TEST(Thumbnail, OnACommonScale) {
   FakeStoreReader db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_scaled_test.png";

@@ -80,7 +80,16 @@ TEST_F(StoreDirection, AgreesWithASearchOverAll) {
       if (angle <= *filter.within_deg) expected.push_back(row);
     }
     EXPECT_EQ(rows(filter), expected) << *filter.within_deg;
+    filter.range_m = 5000;
+    EXPECT_EQ(rows(filter), expected) << *filter.within_deg;
+    filter.range_m = 5005;
+    EXPECT_TRUE(rows(filter).empty());
   }
+  SignatureFilter at;
+  at.range_m = 5000;
+  EXPECT_EQ(rows(at).size(), aspects.size());
+  at.range_m = 10000;
+  EXPECT_TRUE(rows(at).empty());
 }
 
 TEST_F(StoreDirection, AtThePolesTheAzimuthIsFree) {
