@@ -134,7 +134,7 @@ void check_low_sun(const schema::Sweep& sweep, schema::Condition& condition, dou
     return;
   if (elevation_deg < kSunriseDeg || elevation_deg > kGrazingGlitterDeg) return;
   condition.add_warning(absl::StrCat(
-      time_path(sweep, condition), " the sun stands at ", std::round(elevation_deg * 10) / 10,
+      time_path(sweep, condition), ": the sun stands at ", std::round(elevation_deg * 10) / 10,
       " deg: its glitter lacks the shadows of waves; contrast_model_error_w_sr holds them"));
 }
 

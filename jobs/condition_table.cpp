@@ -53,6 +53,9 @@ Written overlaid(Written base, const Written& over) {
   const bool stated = season.has_surroundings() || over.season.has_surroundings();
   season.MergeFrom(over.season);
   if (stated) *season.mutable_surroundings() = around;
+  // What is wrong with the name of a condition is wrong with the condition.
+  if (const auto own = over.where.find(""); own != over.where.end())
+    base.where[".name"] = own->second;
   for (const auto& [path, place] : over.where) base.where[path] = place;
   base.as = over.as;
   return base;
@@ -325,7 +328,9 @@ class Expansion {
       if (s.season.name() == row.season.season()) return s;
     add(row, ".season",
         absl::StrCat(".season = \"", one_line(row.season.season()), "\", ",
-                     suggestion(row.season.season(), names(seasons))));
+                     seasons.empty() ? std::string("but there is no [[season]]; conditions may do "
+                                                   "without: leave it out and give each a date")
+                                     : suggestion(row.season.season(), names(seasons))));
     return std::nullopt;
   }
 

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <set>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "jobs/expand.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
@@ -96,12 +98,24 @@ void check_model(std::string_view model_bytes, schema::ResolvedSweep& resolved,
 void check_part_temperature(const schema::Part& part, const SectionCheck& check,
                             const schema::Sweep& sweep) {
   if (part.has_temperature_k()) return;
-  std::vector<std::string> without;
-  for (const schema::Season& season : sweep.season()) {
-    if (!season.part_temperature_k().contains(part.name())) without.push_back(season.name());
+  std::vector<std::string> without, paths;
+  for (int s = 0; s < sweep.season_size(); ++s) {
+    const schema::Season& season = sweep.season(s);
+    if (season.part_temperature_k().contains(part.name())) continue;
+    without.push_back(season.name());
+    paths.push_back(absl::StrCat("season[", s, "]"));
   }
   if (without.empty() && sweep.season_size() > 0) return;
-  const std::string when = without.empty() ? "" : absl::StrCat(" in season ", quoted_list(without));
+  // Hours of one season share its name.
+  const bool hours = std::set<std::string>(without.begin(), without.end()).size() < without.size();
+  constexpr std::size_t kListed = 4;
+  const std::size_t more = paths.size() - std::min(paths.size(), kListed);
+  paths.resize(std::min(paths.size(), kListed));
+  const std::string when = without.empty() ? ""
+                           : !hours
+                               ? absl::StrCat(" in season ", quoted_list(without))
+                               : absl::StrCat(" in ", absl::StrJoin(paths, ", "),
+                                              more > 0 ? absl::StrCat(" and ", more, " more") : "");
   check.error("temperature_k",
               absl::StrCat("is missing", when, ", expected temperature_k here or \"", part.name(),
                            "\" in part_temperature_k of every season"));

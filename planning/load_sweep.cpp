@@ -35,7 +35,7 @@ std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
   for (const schema::Condition& condition : loaded.resolved.condition()) {
     for (const std::string& warning : condition.warning()) {
       const std::string line =
-          absl::StrCat(loaded.file.location(warning.substr(0, warning.find(' '))),
+          absl::StrCat(loaded.file.location(warning.substr(0, warning.find_first_of(": "))),
                        ": warning: ", loaded.file.as_written(warning));
       if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
     }
@@ -132,6 +132,10 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   if (!asked.any_size)
     if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   loaded.warnings = located_warnings(loaded);
+  // Stored with the conditions as they were written.
+  for (schema::Condition& condition : *loaded.resolved.mutable_condition())
+    for (std::string& warning : *condition.mutable_warning())
+      warning = loaded.file.as_written(warning);
   const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();

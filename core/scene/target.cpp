@@ -40,7 +40,8 @@ absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
       if (!matched)
         errors.push_back(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match",
                                       ": no group of the model matches \"", patterns[k],
-                                      "\" (its groups: ", absl::StrJoin(mesh.group, ", "), ")"));
+                                      "\" (its groups: ", absl::StrJoin(mesh.group, ", "),
+                                      "), expected match = [\"GROUP\"] or rest = true"));
     }
   }
   std::vector<bool> used(mesh.group.size(), false);

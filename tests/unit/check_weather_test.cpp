@@ -315,7 +315,7 @@ TEST(CheckWeather, OdditiesAreWarnings) {
        {.time = "[\"19:10Z\"]",
         .place = "latitude_deg = 40\nlongitude_deg = 0\nheading_deg = 0\n",
         .sun = "true"},
-       "time[0]",
+       "time[0]:",
        "its glitter lacks the shadows of waves"},
       {"a sun that never shines",
        {.time = "[\"00:00Z\", \"01:00Z\"]", .sun = "true"},
