@@ -7,6 +7,7 @@
 #include "absl/strings/str_split.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
+#include "core/scene/mesh_lint.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/sweep_template.h"
@@ -70,10 +71,15 @@ struct InitCommand {
     auto loaded = load_sweep(file.string(), {});
     if (!loaded.ok()) return loaded.status();
     for (const std::string& line : loaded->warnings) print_note("{}\n", line);
+    LintOptions sheets;
+    sheets.open_surfaces = true;  // two sides are proposed for them
+    if (lint(*mesh, sheets).has_errors())
+      print_note("irsig: note: the model has faults, which `irsig model check {}` lists\n", model);
     print_text(
-        "{}: {} facets, {} parts, {} viewpoints\n\n  irsig plan {}\n  irsig run {} --db {}\n",
+        "{}: {} facets, {} part{}, {} viewpoints\n\n  irsig plan {}\n  irsig run {} --db {}\n",
         file.string(), mesh->triangle.size(), loaded->resolved.sweep().part_size(),
-        loaded->resolved.viewpoint_size(), file.string(), file.string(), asked.name + ".sigdb");
+        loaded->resolved.sweep().part_size() == 1 ? "" : "s", loaded->resolved.viewpoint_size(),
+        file.string(), file.string(), asked.name + ".sigdb");
     return absl::OkStatus();
   }
 };

@@ -119,8 +119,8 @@ std::string as_text(const std::string& file, const LintReport& report, const Mod
     const bool vertex =
         f.fault == MeshFault::kUnusedVertex || f.fault == MeshFault::kDuplicateVertex;
     for (const LintFinding::Place& p : f.first)
-      out += fmt::format("          {} {} at {:.6g} {:.6g} {:.6g}\n", vertex ? "vertex" : "facet",
-                         p.number + 1, p.at.x, p.at.y, p.at.z);
+      out += fmt::format("          {} {} at forward {:.6g}, starboard {:.6g}, height {:.6g}\n",
+                         vertex ? "vertex" : "facet", p.number + 1, p.at.x, p.at.y, 0.0 - p.at.z);
   }
   if (report.finding.empty()) out += "nothing found\n";
   for (const PlacementNote& note : facts.note)

@@ -309,7 +309,13 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
       const toml::parse_error& error) {  // the library's way to say it; goes no further than this
     const toml::source_position at = error.source().begin;
     std::string what = one_line(std::string(error.description()));
-    if (what.ends_with("saw ','")) what += " (numbers have a decimal point: 54.3)";
+    for (const auto& [saying, meaning] :
+         {std::pair{"saw ','", " (numbers have a decimal point: 54.3)"},
+          std::pair{"could not determine value type", " (text stands in \"straight quotes\")"},
+          std::pair{"cannot redefine existing table",
+                    " (several of a kind are [[in two brackets]])"},
+          std::pair{"unknown escape sequence", " (names of files are written with /)"}})
+      if (what.find(saying) != std::string::npos) what += meaning;
     return absl::InvalidArgumentError(
         absl::StrCat(file.file_name, ":", at.line, ":", at.column, ": ", what));
   }

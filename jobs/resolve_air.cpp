@@ -105,7 +105,9 @@ void check_wind(const schema::Air& air, const schema::Surroundings& surroundings
     check.require(
         {"wind_speed_m_s"},
         absl::StrCat("expected the wind 10 m above the surface: ", why, " depends on it"));
-  } else if (check.has("wind_speed_m_s")) {
+  } else if (check.has("wind_speed_m_s") &&
+             (surroundings.kind() == "sea" || surroundings.kind() == "ground" ||
+              surroundings.kind() == "none")) {  // others are wrong themselves
     check.error("wind_speed_m_s",
                 "does not apply, expected only with sea_model \"cox_munk\" or aerosol "
                 "\"navy_maritime\"");

@@ -111,7 +111,7 @@ double round_up(double x) {
 
 absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mesh& mesh) {
   const auto* weather = std::find_if(kSeasons.begin(), kSeasons.end(), [&](const SeasonWeather& s) {
-    return s.name == asked.season;
+    return s.name == (asked.season == "fall" ? "autumn" : asked.season);
   });
   if (weather == kSeasons.end())
     return absl::InvalidArgumentError(absl::StrCat("--season ", one_line(asked.season),

@@ -231,9 +231,10 @@ absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
       viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
       " deg is inside the target's convex hull or hardly outside; the target reaches ",
       length(target.centre) + target.radius_m, " m from its reference point",
-      viewpoint.range_m <= 100 ? absl::StrCat(" (is it in km? ", viewpoint.range_m, " km are ",
-                                              1000 * viewpoint.range_m, " m)")
-                               : ""));
+      length(target.centre) + target.radius_m > 1000 ? " (is the model's unit right?)"
+      : viewpoint.range_m <= 100 ? absl::StrCat(" (is it in km? ", viewpoint.range_m, " km are ",
+                                                1000 * viewpoint.range_m, " m)")
+                                 : ""));
 }
 
 AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
