@@ -101,10 +101,8 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
   const auto workers = static_cast<std::uint32_t>(p.workers);
   const SweepCost cost = sweep_cost(view_costs(pilot, pilot.rule), pilot.views, pilot.jobs_per_view,
                                     workers, pilot.start_s);
-  fmt::print(out, "{}: {} viewpoints x {} condition{} x {} bands = {} rows, in {} jobs\n",
-             sweep.sweep().name(), pilot.views, sweep.condition_size(),
-             sweep.condition_size() == 1 ? "" : "s", sweep.sweep().band_size(), loaded.size.rows(),
-             p.jobs);
+  fmt::print(out, "{}: {}, in {} job{}\n", sweep.sweep().name(), rows_text(loaded.size), p.jobs,
+             p.jobs == 1 ? "" : "s");
   fmt::print(out, "asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
   fmt::print(
       out, "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",

@@ -49,15 +49,18 @@ SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t model_bytes
   return size;
 }
 
+std::string rows_text(const SweepSize& size) {
+  return fmt::format("{} x {} x {} = {}", counted(size.viewpoints, "viewpoint"),
+                     counted(size.conditions, "condition"), counted(size.bands, "band"),
+                     counted(size.rows(), "row"));
+}
+
 std::string size_text(const SweepSize& size) {
-  return fmt::format("{} x {} x {} = {}, {}{}, database about {}",
-                     counted(size.viewpoints, "viewpoint"), counted(size.conditions, "condition"),
-                     counted(size.bands, "band"), counted(size.rows(), "row"),
-                     counted(size.wavelengths, "wavelength"),
-                     size.profile_rows > 0
-                         ? fmt::format(", {}", counted(size.profile_rows, "row") + " of profiles")
-                         : "",
-                     bytes_text(size.database_bytes));
+  return fmt::format(
+      "{}, {}{}, database about {}", rows_text(size), counted(size.wavelengths, "wavelength"),
+      size.profile_rows > 0 ? fmt::format(", {} of profiles", counted(size.profile_rows, "row"))
+                            : "",
+      bytes_text(size.database_bytes));
 }
 
 absl::Status check_size(const SweepSize& size) {

@@ -23,6 +23,8 @@ struct SweepSize {
 // model_bytes: size of the model file, which the database holds; 0: a generated model.
 [[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t model_bytes);
 
+// "191 viewpoints x 3 conditions x 2 bands = 1146 rows".
+[[nodiscard]] std::string rows_text(const SweepSize& size);
 // "191 viewpoints x 3 conditions x 2 bands = 1146 rows, 122 wavelengths, database about 45 MB".
 [[nodiscard]] std::string size_text(const SweepSize& size);
 

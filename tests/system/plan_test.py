@@ -117,7 +117,7 @@ class Plan(unittest.TestCase):
     def test_profiles_are_predicted(self):
         self.sweep.write_text(CAVITY)
         plan = irsig("plan", self.sweep, "--db", self.db)
-        self.assertIn("1 viewpoints x 1 conditions x 1 bands = 1 rows, in 1 jobs", plan)
+        self.assertIn("1 viewpoint x 1 condition x 1 band = 1 row, in 1 job", plan)
         with_profiles = self.prediction()[0]
         bare = CAVITY[:CAVITY.index("# One point at mid width")]
         self.sweep.write_text(bare)
