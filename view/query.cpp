@@ -142,23 +142,31 @@ std::vector<std::string> notes_on(const std::vector<QueryRow>& rows) {
 }
 
 std::string far_note(const std::vector<QueryRow>& rows, const Query& query) {
-  if (!query.aspect || query.nearest == 0) return "";
-  const auto unit = [](double azimuth_deg, double elevation_deg) {
-    return body_from_aspect(azimuth_deg, elevation_deg);
-  };
-  const Vec<Body> asked =
-      unit(query.aspect->aspect_azimuth_deg, query.aspect->aspect_elevation_deg);
-  double farthest_deg = 0;
+  if (!query.aspect) return "";
+  const auto [azimuth_deg, elevation_deg] = *query.aspect;
+  const Vec<Body> asked = body_from_aspect(azimuth_deg, elevation_deg);
+  double farthest_deg = 0, lowest_deg = 90, highest_deg = -90;
   for (const QueryRow& row : rows) {
-    const Vec<Body> is = unit(row.signature.aspect_azimuth_deg, row.signature.aspect_elevation_deg);
+    const StoredSignature& s = row.signature;
+    const Vec<Body> is = body_from_aspect(s.aspect_azimuth_deg, s.aspect_elevation_deg);
     farthest_deg = std::max(farthest_deg, std::atan2(length(cross(asked, is)), dot(asked, is)) *
                                               180 / std::numbers::pi);
+    if (!row.interpolation) continue;
+    for (const StoredSignature& from : row.interpolation->from) {
+      lowest_deg = std::min(lowest_deg, from.aspect_elevation_deg);
+      highest_deg = std::max(highest_deg, from.aspect_elevation_deg);
+    }
   }
-  return farthest_deg > 30
-             ? fmt::format("the viewpoints found are up to {:.0f} deg away from aspect {:g},{:g}",
-                           farthest_deg, query.aspect->aspect_azimuth_deg,
-                           query.aspect->aspect_elevation_deg)
-             : "";
+  if (query.nearest > 0 && farthest_deg > 30)
+    return fmt::format("the viewpoints found are up to {:.0f} deg away from aspect {:g},{:g}",
+                       farthest_deg, azimuth_deg, elevation_deg);
+  if (query.interpolate && lowest_deg <= highest_deg &&
+      (elevation_deg > highest_deg + 0.1 || elevation_deg < lowest_deg - 0.1))
+    return fmt::format(
+        "elevation {:g} deg lies beyond the viewpoints' ({:.2f} to {:.2f} deg): "
+        "interpolated across the pole, with the error of that",
+        elevation_deg, lowest_deg, highest_deg);
+  return "";
 }
 
 absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,

@@ -72,7 +72,8 @@ struct QueryRow {
 // older irsig stored without contrast and background.
 [[nodiscard]] std::vector<std::string> notes_on(const std::vector<QueryRow>& rows);
 
-// Where the nearest viewpoints are far from the aspect that was asked for; empty: they are not.
+// Where the nearest viewpoints are far from the aspect that was asked for, or those that it is
+// interpolated between are all above or all below it; empty: neither.
 [[nodiscard]] std::string far_note(const std::vector<QueryRow>& rows, const Query& query);
 
 struct RowSpectrum {
