@@ -130,10 +130,11 @@ std::string any_material(Dice& dice, const std::vector<RandomBand>& bands) {
           "\nspecular_reflectance = ", number(dice.uniform(0.02, 0.3)),
           "\nroughness = ", number(rough), "\n");
     case 6:
+      // Below 3e-4 its tables gain a thousandth at 89.995 deg, and the program refuses it.
       return absl::StrCat(
           "kind = \"sandford_robertson\"\nemissivity = ", number(dice.uniform(0.2, 0.6)),
           "\ndiffuse_reflectance = ", number(dice.uniform(0.02, 0.2)),
-          "\ngrazing = ", number(dice.uniform(0, 0.3)),
+          "\ngrazing = ", number(std::max(0.001, dice.uniform(0, 0.3))),
           "\nlobe_width = ", number(std::max(rough, 0.02)), "\n");
     case 7:
       return absl::StrCat("kind = \"priest_germer\"\nn = ", number(dice.uniform(1.2, 4)),
