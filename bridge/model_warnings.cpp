@@ -70,9 +70,8 @@ void see_near_sensors(const schema::ResolvedSweep& sweep, const Mesh& mesh,
   if (near > 0)
     out.push_back(absl::StrFormat(
         "viewpoints.range_m: %d of %d viewpoints are nearer than the target reaches (%.6g m): "
-        "their "
-        "intensities are range^2 times radiance times solid angle, and what stands behind the "
-        "target is taken at the azimuth of the reference point",
+        "their intensities are range^2 times radiance times solid angle, and what stands behind "
+        "the target is taken at the azimuth of the reference point",
         near, sweep.viewpoint_size(), reach_m));
 }
 

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_join.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "core/base/printable.h"
@@ -53,17 +55,13 @@ void add_model(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ModelCommand>(*command);
   // Required unless a subcommand is named: checked when it is known that none was.
   const std::vector<CLI::Option*> required = {
-      command
-          ->add_option("KIND", options->what.kind,
-                       "disk, sphere, box, cylinder, cone, frigate or cooling_tower")
+      command->add_option("KIND", options->what.kind, absl::StrJoin(generator_kinds(), ", "))
           ->type_name("NAME")
           ->check([](const std::string& kind) -> std::string {
-            for (const char* known :
-                 {"disk", "sphere", "box", "cylinder", "cone", "frigate", "cooling_tower"})
-              if (kind == known) return "";
-            return "model \"" + kind +
-                   "\", expected disk, sphere, box, cylinder, cone, frigate or cooling_tower; or a "
-                   "command, particles or check";
+            const std::vector<std::string> known = generator_kinds();
+            if (std::find(known.begin(), known.end(), kind) != known.end()) return "";
+            return "model \"" + kind + "\", expected one of " + absl::StrJoin(known, ", ") +
+                   "; or a command, particles or check";
           }),
       command->add_option("--triangles", options->what.triangles, "About how many triangles")
           ->type_name("N"),

@@ -35,30 +35,50 @@ void print_line(std::ostream& out, const char* what, const std::optional<double>
 
 std::string whole(double count) { return fmt::format("{:.0f}", count); }
 
-void print_cost(std::ostream& out, const std::vector<StoredJobCost>& jobs,
-                const std::optional<StoredPrediction>& p, double bytes, std::size_t sweeps) {
-  std::vector<double> cpu_s;
-  double total_s = 0, first_s = INFINITY, last_s = 0;
+// What the done jobs of a sweep took together.
+struct JobSums {
+  std::vector<double> cpu_s;  // [job]
+  double total_s = 0, wall_s = NAN, rays = 0;
+  std::uint64_t backface = 0, nonfinite = 0, negative = 0, path_limit = 0;  // guarded events
+  std::uint64_t uncounted = 0;  // jobs that did not count negative weights
+};
+
+JobSums sums_of(const std::vector<StoredJobCost>& jobs) {
+  JobSums sums;
+  double first_s = INFINITY, last_s = 0;
   for (const StoredJobCost& job : jobs) {
-    cpu_s.push_back(job.cpu_s);
-    total_s += job.cpu_s;
+    sums.cpu_s.push_back(job.cpu_s);
+    sums.total_s += job.cpu_s;
+    sums.rays += static_cast<double>(job.rays);
     first_s = std::min(first_s, job.leased_unix_s);
     last_s = std::max(last_s, job.leased_unix_s + job.cpu_s);
+    sums.backface += job.guarded_backface_hits;
+    sums.nonfinite += job.guarded_nonfinite;
+    sums.path_limit += job.guarded_path_limit;
+    sums.negative += job.guarded_negative.value_or(0);
+    sums.uncounted += job.guarded_negative ? 0 : 1;
   }
+  if (!jobs.empty()) sums.wall_s = last_s - first_s;
+  return sums;
+}
+
+void print_cost(std::ostream& out, const JobSums& sums, const std::optional<StoredPrediction>& p,
+                double bytes, std::size_t sweeps) {
   const auto of = [&](auto member) {
     return p ? std::optional<double>(static_cast<double>((*p).*member)) : std::nullopt;
   };
   fmt::print(out, "  {:<24} {:>12} {:>12} {:>7}\n", "", p ? "predicted" : "no prediction", "real",
              p ? "ratio" : "");
-  print_line(out, "jobs", of(&StoredPrediction::jobs), static_cast<double>(jobs.size()), whole);
+  print_line(out, "jobs", of(&StoredPrediction::jobs), static_cast<double>(sums.cpu_s.size()),
+             whole);
   print_line(out, "median job, CPU time", of(&StoredPrediction::job_cpu_median_s),
-             quantile(cpu_s, 0.5), seconds_text);
+             quantile(sums.cpu_s, 0.5), seconds_text);
   print_line(out, "  first quartile", of(&StoredPrediction::job_cpu_quartile1_s),
-             quantile(cpu_s, 0.25), seconds_text);
+             quantile(sums.cpu_s, 0.25), seconds_text);
   print_line(out, "  third quartile", of(&StoredPrediction::job_cpu_quartile3_s),
-             quantile(cpu_s, 0.75), seconds_text);
-  print_line(out, "CPU time of all jobs", of(&StoredPrediction::cpu_s), total_s, seconds_text);
-  print_line(out, "wall time", of(&StoredPrediction::wall_s), last_s - first_s, seconds_text);
+             quantile(sums.cpu_s, 0.75), seconds_text);
+  print_line(out, "CPU time of all jobs", of(&StoredPrediction::cpu_s), sums.total_s, seconds_text);
+  print_line(out, "wall time", of(&StoredPrediction::wall_s), sums.wall_s, seconds_text);
   print_line(out, sweeps > 1 ? "database (all sweeps)" : "database",
              of(&StoredPrediction::database_bytes), bytes, bytes_text);
   fmt::print(
@@ -147,21 +167,11 @@ void print_shares(std::ostream& out, const std::vector<StoredSignature>& rows) {
     fmt::print(out, "  some rows are of an older format, which did not keep every bound apart\n");
 }
 
-void print_guards(std::ostream& out, const std::vector<StoredJobCost>& jobs) {
-  std::uint64_t backface = 0, nonfinite = 0, negative = 0, limit = 0, uncounted = 0;
-  for (const StoredJobCost& job : jobs) {
-    backface += job.guarded_backface_hits;
-    nonfinite += job.guarded_nonfinite;
-    limit += job.guarded_path_limit;
-    if (job.guarded_negative)
-      negative += *job.guarded_negative;
-    else
-      ++uncounted;
-  }
-  fmt::print(out, "guarded events: back faces {}, not finite {}, negative {}{}\n", backface,
-             nonfinite, negative,
-             uncounted > 0 ? fmt::format(" ({} jobs did not count)", uncounted) : "");
-  fmt::print(out, "paths alive after the last reflection: {}\n", limit);
+void print_guards(std::ostream& out, const JobSums& sums) {
+  fmt::print(out, "guarded events: back faces {}, not finite {}, negative {}{}\n", sums.backface,
+             sums.nonfinite, sums.negative,
+             sums.uncounted > 0 ? fmt::format(" ({} jobs did not count)", sums.uncounted) : "");
+  fmt::print(out, "paths alive after the last reflection: {}\n", sums.path_limit);
 }
 
 // All that the report on a sweep is made of.
@@ -169,17 +179,12 @@ struct SweepReport {
   SweepProgress progress;
   StoredSweep sweep;
   std::vector<StoredJobCost> jobs;
+  JobSums sums;  // of them
   std::optional<StoredPrediction> prediction;
   std::vector<StoredSignature> rows;
   std::size_t superseded = 0;                     // rows of an earlier version of the sweep
   std::map<std::string, std::uint64_t> warnings;  // how many conditions have it
   std::string back_faces;
-
-  [[nodiscard]] double rays() const {
-    double sum = 0;
-    for (const StoredJobCost& job : jobs) sum += static_cast<double>(job.rays);
-    return sum;
-  }
 };
 
 absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& progress) {
@@ -191,6 +196,7 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
   auto jobs = reader.job_costs(progress.name);
   if (!jobs.ok()) return jobs.status();
   report.jobs = *std::move(jobs);
+  report.sums = sums_of(report.jobs);
   auto prediction = reader.prediction(progress.sweep_sha256);
   if (!prediction.ok()) return prediction.status();
   report.prediction = *std::move(prediction);
@@ -211,7 +217,7 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
 
 void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::size_t sweeps) {
   fmt::print(out, "{}: {} of {} jobs done, {} rows, {}\n", r.progress.name, r.progress.done,
-             r.progress.jobs, r.rows.size(), count_text(r.rays(), "rays"));
+             r.progress.jobs, r.rows.size(), count_text(r.sums.rays, "rays"));
   if (r.superseded > 0)
     fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",
                r.superseded);
@@ -220,7 +226,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
                r.prediction ? "; " + prediction_line(*r.prediction) : std::string());
     return;
   }
-  print_cost(out, r.jobs, r.prediction, bytes, sweeps);
+  print_cost(out, r.sums, r.prediction, bytes, sweeps);
   if (r.prediction && r.jobs.size() < r.progress.jobs)
     fmt::print(out, "  the sweep is not complete: what is predicted is for all {} jobs\n",
                r.progress.jobs);
@@ -229,7 +235,7 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
                r.prediction->determinism_class);
   print_errors(out, r.rows, r.sweep.resolved.sweep().accuracy());
   print_shares(out, r.rows);
-  print_guards(out, r.jobs);
+  print_guards(out, r.sums);
   if (r.warnings.empty() && r.back_faces.empty()) fmt::print(out, "warnings: none\n");
   if (!r.back_faces.empty()) fmt::print(out, "warning: {}\n", r.back_faces);
   for (const auto& [warning, count] : r.warnings)
@@ -247,18 +253,7 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
     add("predicted_" + name, r.prediction ? Cell((*r.prediction).*member) : Cell());
     add(name, std::move(real));
   };
-  std::vector<double> cpu_s, errors;
-  double total_s = 0, first_s = INFINITY, last_s = 0;
-  std::uint64_t backface = 0, nonfinite = 0, limit = 0;
-  for (const StoredJobCost& job : r.jobs) {
-    cpu_s.push_back(job.cpu_s);
-    total_s += job.cpu_s;
-    first_s = std::min(first_s, job.leased_unix_s);
-    last_s = std::max(last_s, job.leased_unix_s + job.cpu_s);
-    backface += job.guarded_backface_hits;
-    nonfinite += job.guarded_nonfinite;
-    limit += job.guarded_path_limit;
-  }
+  std::vector<double> errors;
   std::map<std::string, std::uint64_t> stopped{{"target_reached", 0},
                                                {"floor_reached", 0},
                                                {"target_missed", 0},
@@ -278,12 +273,12 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   both("jobs", &StoredPrediction::jobs, r.progress.jobs);
   add("rows", std::uint64_t{r.rows.size()});
   add("superseded_rows", std::uint64_t{r.superseded});
-  add("rays", r.rays());
-  both("job_cpu_median_s", &StoredPrediction::job_cpu_median_s, at(cpu_s, 0.5));
-  both("job_cpu_quartile1_s", &StoredPrediction::job_cpu_quartile1_s, at(cpu_s, 0.25));
-  both("job_cpu_quartile3_s", &StoredPrediction::job_cpu_quartile3_s, at(cpu_s, 0.75));
-  both("cpu_s", &StoredPrediction::cpu_s, total_s);
-  both("wall_s", &StoredPrediction::wall_s, number(last_s - first_s));
+  add("rays", r.sums.rays);
+  both("job_cpu_median_s", &StoredPrediction::job_cpu_median_s, at(r.sums.cpu_s, 0.5));
+  both("job_cpu_quartile1_s", &StoredPrediction::job_cpu_quartile1_s, at(r.sums.cpu_s, 0.25));
+  both("job_cpu_quartile3_s", &StoredPrediction::job_cpu_quartile3_s, at(r.sums.cpu_s, 0.75));
+  both("cpu_s", &StoredPrediction::cpu_s, r.sums.total_s);
+  both("wall_s", &StoredPrediction::wall_s, number(r.sums.wall_s));
   add("predicted_workers", r.prediction ? Cell(r.prediction->workers) : Cell());
   both("database_bytes", &StoredPrediction::database_bytes, bytes);
   const schema::Accuracy& accuracy = r.sweep.resolved.sweep().accuracy();
@@ -299,9 +294,9 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
     std::replace(name.begin(), name.end(), ' ', '_');
     add("error_share_" + name, share.mean);
   }
-  add("guarded_backface_hits", backface);
-  add("guarded_nonfinite", nonfinite);
-  add("guarded_path_limit", limit);
+  add("guarded_backface_hits", r.sums.backface);
+  add("guarded_nonfinite", r.sums.nonfinite);
+  add("guarded_path_limit", r.sums.path_limit);
   std::vector<std::string> warnings;
   if (!r.back_faces.empty()) warnings.push_back(r.back_faces);
   for (const auto& [warning, count] : r.warnings) warnings.push_back(warning);

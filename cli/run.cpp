@@ -183,20 +183,21 @@ absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::strin
 absl::Status say_what_is_replaced(const std::string& db_path, const schema::ResolvedSweep& sweep) {
   auto reader = StoreReader::open(db_path);
   if (!reader.ok()) return reader.status();
-  SignatureFilter filter;
-  filter.sweep = sweep.sweep().name();
-  const auto rows = (*reader)->find(filter);
+  const std::string& name = sweep.sweep().name();
+  const auto rows = (*reader)->rows_of_jobs(name);
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return absl::OkStatus();
   std::set<std::string> keys;
   for (const schema::JobSpec& job : expand_jobs(sweep, physics_version()))
     keys.insert(job.job_key());
-  const auto replaced = std::count_if(rows->begin(), rows->end(), [&](const StoredSignature& row) {
-    return !keys.contains(row.job_key);
-  });
+  std::uint64_t stored = 0, replaced = 0;
+  for (const auto& [key, count] : *rows) {
+    stored += count;
+    if (!keys.contains(key)) replaced += count;
+  }
   if (replaced > 0)
     print_note("irsig: the sweep \"{}\" has changed: {} of its {} stored rows will be replaced\n",
-               filter.sweep, replaced, rows->size());
+               name, replaced, stored);
   return absl::OkStatus();
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/accuracy/cost_model.h"
 #include "fmt/format.h"
 #include "view/table.h"
 
@@ -19,12 +20,6 @@ std::string percent(double fraction) {
 }
 std::string seconds(double s) {
   return s < 0.1 ? fmt::format("{:.3g} ms", 1e3 * s) : fmt::format("{:.3g} s", s);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Something of a view, for each mesh.
@@ -88,8 +83,8 @@ class Tables {
         samples.push_back(v.samples);
         cpu_s.push_back(v.cpu_s);
       }
-      cells.insert(cells.end(), {fmt::format("{:.2g}", median(samples)), seconds(mesh.setup_cpu_s),
-                                 seconds(median(cpu_s))});
+      cells.insert(cells.end(), {fmt::format("{:.2g}", quantile(samples, 0.5)),
+                                 seconds(mesh.setup_cpu_s), seconds(quantile(cpu_s, 0.5))});
       t.row.push_back(std::move(cells));
     }
     return t;

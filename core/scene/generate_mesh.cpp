@@ -4,6 +4,7 @@
 #include "core/scene/generate_kinds.h"
 #include "core/scene/mesh_measure.h"
 #include "fmt/format.h"
+#include "fmt/ranges.h"
 
 namespace irsig {
 namespace {
@@ -27,14 +28,19 @@ constexpr std::uint64_t max_triangles = 50'000'000;
 
 }  // namespace
 
+std::vector<std::string> generator_kinds() {
+  std::vector<std::string> out;
+  for (const Kind& k : kinds) out.emplace_back(k.name);
+  return out;
+}
+
 absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what) {
   const Kind* kind = nullptr;
   for (const Kind& k : kinds)
     if (what.kind == k.name) kind = &k;
   if (kind == nullptr) {
-    return absl::InvalidArgumentError(fmt::format(
-        "model \"{}\", expected disk, sphere, box, cylinder, cone, frigate or cooling_tower",
-        what.kind));
+    return absl::InvalidArgumentError(fmt::format("model \"{}\", expected one of {}", what.kind,
+                                                  fmt::join(generator_kinds(), ", ")));
   }
   if (what.triangles < kind->min_triangles || what.triangles > max_triangles) {
     return absl::InvalidArgumentError(fmt::format("triangles = {}, expected {} to {} for a {}",

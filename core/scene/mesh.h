@@ -100,6 +100,7 @@ struct MeshGenerator {
   std::uint64_t triangles = 0;
   double radius_m = 0, length_m = 0, width_m = 0, height_m = 0;
 };
+[[nodiscard]] std::vector<std::string> generator_kinds();
 [[nodiscard]] absl::StatusOr<Mesh> generate_mesh(const MeshGenerator& what);
 
 // Wavefront OBJ, x forward, y PORT, z up (a right-handed frame of the usual kind), one object per

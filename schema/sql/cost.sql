@@ -36,6 +36,15 @@ JOIN stop_reason r ON r.stop_reason = s.stop_reason
 WHERE w.name = ?1
 GROUP BY r.stop_reason ORDER BY r.stop_reason;
 
+-- How many rows each job of a sweep has stored, superseded ones included.
+-- name: rows_of_jobs
+SELECT j.job_key, count(*)
+FROM sweep w
+JOIN job j USING (sweep_id)
+JOIN signature s USING (job_id)
+WHERE w.name = ?1
+GROUP BY j.job_id;
+
 -- Of how many of its views part was seen from behind, and the largest part.
 -- name: back_faces_of_sweep
 SELECT count(DISTINCT s.viewpoint_id), coalesce(max(s.backface_share), 0.0)

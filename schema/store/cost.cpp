@@ -59,6 +59,20 @@ absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
   }
 }
 
+absl::StatusOr<std::map<std::string, std::uint64_t>> find_rows_of_jobs(Database& database,
+                                                                       const std::string& sweep) {
+  absl::StatusOr<Rows> row = database.query(sql::rows_of_jobs, sweep);
+  if (!row.ok()) return row.status();
+  std::map<std::string, std::uint64_t> out;
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return out;
+    const std::string key = row->text();
+    out[key] = row->count();
+  }
+}
+
 absl::StatusOr<StoredOutcome> find_outcome(Database& database, const std::string& sweep) {
   StoredOutcome out;
   absl::StatusOr<Rows> row = database.query(sql::stops_of_sweep, sweep);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,8 @@ namespace irsig {
     Database& database, const std::string& sweep_sha256);
 [[nodiscard]] absl::StatusOr<std::vector<StoredJobCost>> find_job_costs(Database& database,
                                                                         const std::string& sweep);
+[[nodiscard]] absl::StatusOr<std::map<std::string, std::uint64_t>> find_rows_of_jobs(
+    Database& database, const std::string& sweep);
 [[nodiscard]] absl::StatusOr<StoredOutcome> find_outcome(Database& database,
                                                          const std::string& sweep);
 [[nodiscard]] absl::StatusOr<std::uint64_t> database_bytes(Database& database);

@@ -109,6 +109,11 @@ class SqliteReader final : public StoreReader {
     return find_job_costs(database_, sweep);
   }
 
+  absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(
+      const std::string& sweep) override {
+    return find_rows_of_jobs(database_, sweep);
+  }
+
   absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) override {
     return in_one_snapshot([&] { return find_outcome(database_, sweep); });
   }

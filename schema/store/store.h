@@ -315,6 +315,9 @@ class StoreReader {
   virtual absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) = 0;
   // Of its stored rows but superseded ones.
   virtual absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) = 0;
+  // How many rows each job of a sweep has stored, by its key; superseded jobs included.
+  virtual absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(
+      const std::string& sweep) = 0;
   // Size of the database as one plain file.
   virtual absl::StatusOr<std::uint64_t> bytes() = 0;
   // SHA-256 over everything that does not depend on when, where, by whom and in which pieces it was

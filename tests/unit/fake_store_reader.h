@@ -104,6 +104,9 @@ class FakeStoreReader : public StoreReader {
     return std::vector<StoredJobCost>();
   }
   absl::StatusOr<StoredOutcome> outcome(const std::string&) override { return StoredOutcome(); }
+  absl::StatusOr<std::map<std::string, std::uint64_t>> rows_of_jobs(const std::string&) override {
+    return std::map<std::string, std::uint64_t>();
+  }
   absl::StatusOr<std::uint64_t> bytes() override { return std::uint64_t{0}; }
   absl::StatusOr<std::string> digest() override { return std::string("fake"); }
 };
