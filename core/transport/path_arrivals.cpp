@@ -309,7 +309,12 @@ bool PathTracer::hidden_by_sea(Float3 p, Float3 d, float inverse_length) const {
   const double b = p.x * ex + p.y * ey + (radius + h) * up;
   const double c =
       static_cast<double>(p.x) * p.x + static_cast<double>(p.y) * p.y + 2 * radius * h + h * h;
-  return b < 0 && b * b > c;
+  if (!(b < 0 && b * b > c)) return false;
+  // Where the line enters the sphere; behind the sensor it may well do so.
+  const Vec<Body>& sensor = view_.frame.sensor;
+  const double entry_m = c / (-b + std::sqrt(b * b - c));
+  return entry_m < length(sensor - Vec<Body>{static_cast<double>(p.x), static_cast<double>(p.y),
+                                             static_cast<double>(p.z)});
 }
 
 #undef IRSIG_STAGE

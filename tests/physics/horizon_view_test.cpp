@@ -104,6 +104,22 @@ TEST(HorizonView, RefractionHidesLess) {
   EXPECT_GT(hidden_m[0] - hidden_m[1], 2.5) << "a third of what is hidden";
 }
 
+// Lines from high on the wall go on behind the sensor and meet the sea there.
+TEST(HorizonView, ALowSensorSeesAHighWall) {
+  constexpr double kSensorM = 2.7, kHighM = 22, kWidthM = 100;
+  ConditionSpec c;
+  c.surroundings = {SurroundingsKind::kSea, 150, 0, 290, 1, 0};
+  for (const int refraction : {-1, 0, 1})
+    for (const double along_m : {2e3, 5e3, 6.5e3, 12e3}) {
+      const double radius_m = equivalent_radius_m(refraction > 0, kSensorM);
+      const bool beyond = along_m > std::sqrt(2 * radius_m * kSensorM);
+      const double expected_m = beyond ? passes_m(kSensorM, along_m, radius_m) : 0;
+      const Seen seen = look_at(wall(0, kHighM, kWidthM), from(kSensorM, along_m), refraction, c);
+      EXPECT_NEAR(kHighM - seen.area_m2 / kWidthM, expected_m, 0.05)
+          << "refraction " << refraction << ", at " << along_m << " m";
+    }
+}
+
 TEST(HorizonView, OneStepOfTheBackgroundAtTheDip) {
   constexpr double kSensorM = 10, kAlongM = 5e3;
   for (const int refraction : {-1, 0, 1}) {  // -1: no atmosphere
