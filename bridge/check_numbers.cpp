@@ -111,6 +111,8 @@ void see_omitted(const std::string& row, const SignatureResult& r, Reasons& reas
   }
   reasons.see(row + "absolute_floor_w_sr", r.absolute_floor_w_sr, 0);
   reasons.see(row + "backface_share", r.backface_share, 0);
+  reasons.see(row + "temperature_bound_w_sr", r.temperature_bound_w_sr, 0);
+  reasons.see(row + "apparent_temperature_bound_w_sr", r.apparent_temperature_bound_w_sr, 0);
   constexpr double kAnySign = std::numeric_limits<double>::infinity();
   for (const LedgerEntry& e : r.effect) {
     const auto known = [&](const char* name, double value, double least) {

@@ -27,11 +27,12 @@ double cpu_seconds() {
 class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
-                std::shared_ptr<const Environment> environment,
+                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
                 std::optional<ThumbnailEncoder> encoder, std::vector<std::string> warnings)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
+        temperatures_(std::move(temperatures)),
         encoder_(std::move(encoder)),
         warnings_(std::move(warnings)) {}
 
@@ -65,7 +66,7 @@ class CoreJobRunner final : public JobRunner {
   }
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
-    auto request = request_from_job(sweep_, job, environment_);
+    auto request = request_from_job(sweep_, job, environment_, temperatures_);
     if (!request.ok()) return request.status();
     request->accepted_backface_share = accepted_backface_share();
     if (request->thumbnail_px > 0 && !encoder_)
@@ -112,6 +113,7 @@ class CoreJobRunner final : public JobRunner {
   schema::ResolvedSweep sweep_;
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
+  SweepTemperatures temperatures_;
   std::optional<ThumbnailEncoder> encoder_;
   std::vector<std::string> warnings_;
 };
@@ -129,9 +131,9 @@ std::string cpu_vendor() {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
-    const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    const schema::ResolvedSweep& sweep, const Assets& assets,
     std::optional<ThumbnailEncoder> encoder) {
-  auto scene = scene_from_sweep(sweep, model_bytes);
+  auto scene = scene_from_sweep(sweep, assets);
   if (!scene.ok()) return scene.status();
   if (const absl::Status status = check_above_surface(sweep, scene->mesh); !status.ok())
     return status;
@@ -156,7 +158,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
   return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
-                                         std::move(encoder), model_warnings(sweep, *scene));
+                                         scene->temperatures, std::move(encoder),
+                                         model_warnings(sweep, *scene));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

@@ -3,13 +3,13 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "bridge/job_memory.h"
 #include "bridge/thumbnail_encoder.h"
+#include "schema/assets.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 
@@ -28,7 +28,7 @@ class JobRunner {
   // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
   // run() refuses the others with FAILED_PRECONDITION.
   static absl::StatusOr<std::unique_ptr<JobRunner>> create(
-      const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+      const schema::ResolvedSweep& sweep, const Assets& assets,
       std::optional<ThumbnailEncoder> encoder = {});
   virtual ~JobRunner() = default;
 

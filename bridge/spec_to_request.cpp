@@ -10,6 +10,7 @@
 #include "bridge/environment/named.h"
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/material_from_message.h"
+#include "bridge/model_mesh.h"
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 
@@ -18,42 +19,6 @@ namespace {
 
 absl::Status at(const std::string& path, const absl::Status& status) {
   return {status.code(), absl::StrCat(path, ": ", status.message())};
-}
-
-absl::StatusOr<Mesh> mesh_as_it_is(const schema::ResolvedSweep& sweep,
-                                   std::string_view model_bytes) {
-  const schema::Model& model = sweep.sweep().model();
-  if (model.has_generate()) {
-    MeshGenerator generator;
-    generator.kind = model.generate();
-    generator.triangles = model.triangles();
-    generator.radius_m = model.radius_m();
-    generator.length_m = model.length_m();
-    generator.width_m = model.width_m();
-    generator.height_m = model.height_m();
-    auto mesh = generate_mesh(generator);
-    return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.generate", mesh.status()));
-  }
-  MeshImport how;
-  how.file_name = sweep.model_file_name();
-  how.unit_m = model.unit_m();
-  how.forward_axis = model.forward_axis();
-  how.up_axis = model.up_axis();
-  how.reference = model.reference();
-  auto mesh = import_mesh(model_bytes, how);
-  return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
-}
-
-absl::StatusOr<Mesh> mesh_of(const schema::ResolvedSweep& sweep, std::string_view model_bytes) {
-  auto mesh = mesh_as_it_is(sweep, model_bytes);
-  if (!mesh.ok()) return mesh;
-  const schema::Model& model = sweep.sweep().model();
-  MeshPlacement where;
-  if (model.has_draft_m()) where.draft_m = model.draft_m();
-  if (model.offset_m_size() == 3)
-    where.offset_m = {model.offset_m(0), model.offset_m(1), -model.offset_m(2)};
-  if (model.has_draft_m() || model.offset_m_size() > 0) place(*mesh, where);
-  return mesh;
 }
 
 absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
@@ -100,11 +65,11 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
 
 }  // namespace
 
-absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved,
-                                           std::string_view model_bytes) {
+absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
+                                            const Assets& assets) {
   const schema::Sweep& sweep = resolved.sweep();
-  SceneSpec scene;
-  auto mesh = mesh_of(resolved, model_bytes);
+  SweepScene scene;
+  auto mesh = model_mesh(resolved, assets);
   if (!mesh.ok()) return mesh.status();
   scene.mesh = *std::move(mesh);
   for (int i = 0; i < sweep.material_size(); ++i) {
@@ -138,6 +103,9 @@ absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& resolved
     scene.band.push_back(std::move(band));
   }
   scene.spectral_breaks_um = spectral_breaks_um(resolved);
+  auto temperatures = temperatures_from_sweep(resolved, assets, scene.mesh, scene.part);
+  if (!temperatures.ok()) return temperatures.status();
+  scene.temperatures = *std::move(temperatures);
   return scene;
 }
 
@@ -172,7 +140,8 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
 
 absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
                                              const schema::ViewJob& job,
-                                             std::shared_ptr<const Environment> environment) {
+                                             std::shared_ptr<const Environment> environment,
+                                             const SweepTemperatures& temperatures) {
   const schema::Sweep& sweep = resolved.sweep();
   if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
     return absl::InvalidArgumentError(absl::StrCat(
@@ -184,6 +153,13 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     ConditionSpec condition;
     condition.part_temperature_k.assign(c.part_temperature_k().begin(),
                                         c.part_temperature_k().end());
+    if (temperatures.emitters) {
+      const std::size_t index = request.condition.size();
+      condition.emitter = temperatures.condition[index];
+      for (std::size_t p = 0; p < condition.part_temperature_k.size(); ++p)
+        condition.part_temperature_k[p] =
+            std::max(condition.part_temperature_k[p], temperatures.part_k[index][p]);
+    }
     auto surroundings = surroundings_of(c.surroundings());
     if (!surroundings.ok()) return surroundings.status();
     condition.surroundings = *surroundings;
@@ -215,6 +191,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   if (has_atmosphere(resolved) && environment == nullptr)
     return absl::InternalError("a job of a sweep with the embedded atmosphere has no environment");
   request.environment = std::move(environment);
+  request.emitters = temperatures.emitters;
   auto air = air_from_message(sweep.air());
   if (!air.ok()) return air.status();
   request.air = *std::move(air);

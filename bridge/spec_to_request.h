@@ -1,10 +1,10 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "bridge/sweep_temperatures.h"
 #include "core/signature/simulator.h"
 #include "schema/job.pb.h"
 
@@ -13,10 +13,13 @@ namespace irsig {
 // Messages -> core: with result_to_proto (and bridge/environment for the air) the only bridge
 // between the two. Errors name the key's path in the sweep.
 
-// Geometry, parts, materials and bands. model_bytes: the model file's content; ignored for a
-// generated model.
-[[nodiscard]] absl::StatusOr<SceneSpec> scene_from_sweep(const schema::ResolvedSweep& sweep,
-                                                         std::string_view model_bytes);
+// Geometry, parts, materials, bands, and the temperatures of facets.
+struct SweepScene : SceneSpec {
+  SweepTemperatures temperatures;
+};
+// assets: its files.
+[[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
+                                                          const Assets& assets);
 
 // INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
 // with allow_energy_gain = true. `materials`: of the scene above, prepared.
@@ -29,10 +32,10 @@ namespace irsig {
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 
 // Everything of one view's job but the scene: the sun's position is computed here. `environment`:
-// of environment_from_sweep.
+// of environment_from_sweep; `temperatures`: of its scene.
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
     const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
-    std::shared_ptr<const Environment> environment);
+    std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures);
 
 // Where the sun stands in one condition.
 struct SunAngles {

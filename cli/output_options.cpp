@@ -80,6 +80,8 @@ absl::StatusOr<std::string> OutputOptions::format() const {
         fmt::format("--out {}: this command does not write {} files, expected {}{}", out_,
                     ending->ending, fmt::join(formats_, ", "),
                     formats_.front() == "svg" ? " (rsvg-convert makes a PNG of it)" : ""));
+  // A table of its own, which is written as CSV.
+  if (asked == "temperatures" && ending->format == "csv") return asked;
   if (!asked.empty() && asked != ending->format)
     return absl::InvalidArgumentError(fmt::format(
         "--out {}: the name ends as {}, but --format is {}", out_, ending->format, asked));

@@ -252,7 +252,7 @@ absl::Status run_sweep(RunAsked asked) {
   if (auto said = say_what_is_replaced(asked.db_path, loaded->resolved); !said.ok()) return said;
   hear_interruptions();
   const auto reply =
-      submit(farm.address(), loaded->resolved, loaded->model_bytes,
+      submit(farm.address(), loaded->resolved, loaded->assets,
              static_cast<std::uint32_t>(physics_version()), prediction ? &*prediction : nullptr);
   if (!reply.ok()) return reply.status();
   if (reply->jobs_to_compute() < reply->jobs()) {

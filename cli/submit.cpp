@@ -27,7 +27,7 @@ absl::Status submit_sweep(const std::string& sweep_path, const std::string& coor
                     "give relative_error or samples_per_replicate instead",
                     loaded->file.location("accuracy.time_budget_s")));
   }
-  const auto reply = submit(*address, loaded->resolved, loaded->model_bytes,
+  const auto reply = submit(*address, loaded->resolved, loaded->assets,
                             static_cast<std::uint32_t>(physics_version()));
   if (!reply.ok()) return reply.status();
   print_text("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),

@@ -209,6 +209,8 @@ class SeasonGate {
   // 0.0552 T^1.5 of the air's [swinbank1963], 20 K less where the air is driest.
   void check_part(int p) {
     const schema::Part& part = sweep_.part(p);
+    const auto& by_field = condition_.temperature_field().part();
+    if (std::find(by_field.begin(), by_field.end(), p) != by_field.end()) return;
     const double part_k = condition_.part_temperature_k(p);
     const bool in_season = season_.part_temperature_k().contains(part.name());
     const std::string path = in_season ? of_season("part_temperature_k." + part.name())

@@ -132,13 +132,15 @@ std::vector<Piece> cut_job(const schema::ResolvedSweep& sweep) {
   return pieces;
 }
 
+// ".csv" of "x/A.CSV": how to read a file; its name and folder do not matter.
+std::string ending_of(const std::string& file) {
+  return absl::AsciiStrToLower(file.substr(std::min(file.size(), file.rfind('.'))));
+}
+
 // What all jobs of the sweep have in common and what determines their results.
 std::string determining_encoding(schema::ResolvedSweep sweep) {
   sweep.clear_viewpoint();
-  // The ending says how to read the model's bytes; its name and folder do not matter.
-  const std::string& file = sweep.model_file_name();
-  sweep.set_model_file_name(
-      absl::AsciiStrToLower(file.substr(std::min(file.size(), file.rfind('.')))));
+  sweep.set_model_file_name(ending_of(sweep.model_file_name()));
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.mutable_model()->clear_file();
   asked.clear_name();
@@ -149,6 +151,7 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   asked.mutable_transport()->clear_job_size_vertices();
   // These were written out into the conditions, where they are complete.
   asked.clear_season();
+  asked.clear_temperature_field();
   asked.clear_time();
   asked.clear_surroundings();
   schema::Air& air = *asked.mutable_air();
@@ -161,6 +164,11 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   for (schema::Part& part : *asked.mutable_part()) part.clear_temperature_k();
   for (schema::Condition& condition : *sweep.mutable_condition()) {
     condition.clear_warning();
+    if (condition.has_temperature_field()) {
+      schema::ConditionField& from = *condition.mutable_temperature_field();
+      from.mutable_field()->clear_name();
+      from.set_file_name(ending_of(from.file_name()));
+    }
     if (!condition.has_weather()) continue;
     condition.mutable_weather()->clear_profile_file_name();
     condition.mutable_weather()->clear_modtran_file_name();

@@ -92,6 +92,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
 
     {"Part.temperature_k", 0, kHottestK, kTemperature},
     {"Season.part_temperature_k", 0, kHottestK, kTemperature},
+    {"TemperatureField.max_distance_m", 1e-9, 1e6, "the size of targets"},
+    {"TemperatureField.error_k", 0, 1000, "nothing is known of a temperature"},
     {"Season.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
     {"Season.air_temperature_k", 0, kHottestK, kTemperature},
     {"Season.relative_humidity_percent", 0, 1000,

@@ -28,6 +28,12 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
                            std::vector<std::string>& known, schema::Sweep& sweep,
                            Findings& findings);
 
+// [[temperature_field]], and where seasons name them.
+void check_temperature_fields(const SweepFile& file, Findings& findings);
+// Of a season's condition: which parts have their temperatures from its field.
+void resolve_temperature_field(const SweepFile& file, const schema::Season& season,
+                               schema::Condition& condition);
+
 // [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
 // if nothing was found so far. `file` has the text of the files that air and seasons name.
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);

@@ -189,8 +189,8 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
     return;
   }
   if (model == "vacuum" || model == "homogeneous")
-    check.only({"name", "date", "time", "part_temperature_k", "surroundings", "sun_irradiance_w_m2",
-                "air_temperature_k"},
+    check.only({"name", "date", "time", "part_temperature_k", "temperature_field", "surroundings",
+                "sun_irradiance_w_m2", "air_temperature_k"},
                absl::StrCat("to air.model \"", model, "\""));
   if (model == "homogeneous")
     check.require({"air_temperature_k"}, "expected the air's temperature: the air is homogeneous");

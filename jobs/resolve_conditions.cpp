@@ -201,6 +201,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
         condition.add_part_temperature_k(
             stated != season.part_temperature_k().end() ? stated->second : part.temperature_k());
       }
+      resolve_temperature_field(file, season, condition);
       *condition.mutable_surroundings() = surroundings[static_cast<std::size_t>(s)];
       resolve_sun(sweep, s, utc, condition, findings);
       if (sweep.air().model() == "homogeneous")

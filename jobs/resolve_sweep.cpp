@@ -102,7 +102,12 @@ void mark_hot_parts(schema::ResolvedSweep& resolved) {
     bool hot = false;
     for (const schema::Condition& condition : resolved.condition()) {
       const auto& temperatures_k = condition.part_temperature_k();
-      const double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
+      // Parts with a temperature field are not known here.
+      const auto& by_field = condition.temperature_field().part();
+      double coldest_k = kHottestK;
+      for (int p = 0; p < temperatures_k.size(); ++p)
+        if (std::find(by_field.begin(), by_field.end(), p) == by_field.end())
+          coldest_k = std::min(coldest_k, temperatures_k[p]);
       hot = hot || temperatures_k[i] >= coldest_k + kHotterK;
     }
     part.set_hot(hot);
@@ -116,6 +121,7 @@ void forget_files(schema::Sweep& sweep) {
     season.clear_profile_file();
     season.clear_modtran_file();
   }
+  for (schema::TemperatureField& field : *sweep.mutable_temperature_field()) field.clear_file();
 }
 
 void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
@@ -138,6 +144,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_name(file, *resolved.mutable_sweep(), findings);
   check_numbers(file.sweep, "", findings);
   resolve_target(model_bytes, resolved, findings);
+  check_temperature_fields(file, findings);
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);
   resolve_viewpoints(resolved, findings);

@@ -102,6 +102,7 @@ void check_part_temperature(const schema::Part& part, const SectionCheck& check,
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
     if (season.part_temperature_k().contains(part.name())) continue;
+    if (season.has_temperature_field()) continue;
     without.push_back(season.name());
     paths.push_back(absl::StrCat("season[", s, "]"));
   }
@@ -118,7 +119,7 @@ void check_part_temperature(const schema::Part& part, const SectionCheck& check,
                                               more > 0 ? absl::StrCat(" and ", more, " more") : "");
   check.error("temperature_k",
               absl::StrCat("is missing", when, ", expected temperature_k here or \"", part.name(),
-                           "\" in part_temperature_k of every season"));
+                           "\" in part_temperature_k of every season, or temperature_field there"));
 }
 
 void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findings& findings) {

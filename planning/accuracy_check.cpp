@@ -98,11 +98,13 @@ absl::StatusOr<std::vector<ViewRows>> stored_views(StoreReader& reader,
 class Checker {
  public:
   Checker(const schema::ResolvedSweep& sweep, const Simulator& simulator,
-          std::shared_ptr<const Environment> environment, std::vector<ViewRows> views, double times,
+          std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
+          std::vector<ViewRows> views, double times,
           const std::function<void(const CheckedViewpoint&)>& seen)
       : sweep_(sweep),
         simulator_(simulator),
         environment_(std::move(environment)),
+        temperatures_(std::move(temperatures)),
         views_(std::move(views)),
         times_(times),
         seen_(seen),
@@ -146,7 +148,7 @@ class Checker {
   [[nodiscard]] absl::StatusOr<CheckedErrors> check(const ViewRows& view) const {
     schema::ViewJob job;
     job.set_viewpoint_index(view.viewpoint);
-    auto request = request_from_job(sweep_, job, environment_);
+    auto request = request_from_job(sweep_, job, environment_, temperatures_);
     if (!request.ok()) return request.status();
     LongerRun longer;
     longer.times = times_;
@@ -160,6 +162,7 @@ class Checker {
   const schema::ResolvedSweep& sweep_;
   const Simulator& simulator_;
   std::shared_ptr<const Environment> environment_;
+  SweepTemperatures temperatures_;
   std::vector<ViewRows> views_;
   double times_;
   const std::function<void(const CheckedViewpoint&)>& seen_;
@@ -178,13 +181,14 @@ absl::StatusOr<CheckedDatabase> check_database_errors(
   const schema::ResolvedSweep& sweep = source.loaded.resolved;
   auto views = stored_views(*source.database, sweep, asked.views);
   if (!views.ok()) return views.status();
-  const auto scene = scene_from_sweep(sweep, source.loaded.model_bytes);
+  const auto scene = scene_from_sweep(sweep, source.loaded.assets);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
   const auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  Checker checker(sweep, **simulator, *environment, *std::move(views), asked.times, seen);
+  Checker checker(sweep, **simulator, *environment, scene->temperatures, *std::move(views),
+                  asked.times, seen);
   const std::uint32_t workers =
       asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);
   if (auto status = checker.run(workers); !status.ok()) return status;

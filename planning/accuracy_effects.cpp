@@ -43,12 +43,12 @@ std::string left_out_of(const SignatureResult& row, std::uint32_t allowed_reflec
 }  // namespace
 
 absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
-                                             const std::string& model_bytes,
-                                             const Viewpoint& viewpoint, std::uint32_t condition,
-                                             std::uint32_t band, const ReferenceValue& reference,
-                                             WorkBudget budget, const CpuClock& cpu_s) {
+                                             const Assets& assets, const Viewpoint& viewpoint,
+                                             std::uint32_t condition, std::uint32_t band,
+                                             const ReferenceValue& reference, WorkBudget budget,
+                                             const CpuClock& cpu_s) {
   const schema::ResolvedSweep row = one_row(sweep, condition, band);
-  const auto scene = scene_from_sweep(row, model_bytes);
+  const auto scene = scene_from_sweep(row, assets);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
@@ -61,7 +61,7 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
     // Each its own: what one has remembered of air and sky does not help the other.
     const auto environment = environment_from_sweep(row, (*simulator)->band_grids());
     if (!environment.ok()) return environment.status();
-    auto request = request_from_job(row, {}, *environment);
+    auto request = request_from_job(row, {}, *environment, scene->temperatures);
     if (!request.ok()) return request.status();
     request->viewpoint = viewpoint;
     request->selected_condition = request->selected_band = {0};

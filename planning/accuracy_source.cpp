@@ -57,7 +57,7 @@ absl::StatusOr<AccuracySource> load_accuracy_source(const std::string& path,
   out.loaded.file.file_name = path;
   out.loaded.file.sweep = stored->resolved.sweep();
   out.loaded.resolved = std::move(stored->resolved);
-  out.loaded.model_bytes = std::move(stored->model_bytes);
+  out.loaded.assets = std::move(stored->assets);
   out.database = *std::move(reader);
   return out;
 }

@@ -58,7 +58,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
         "say --relative-error");
   const auto rows = chosen_rows(sweep, asked);
   if (!rows.ok()) return rows.status();
-  const auto scene = scene_from_sweep(sweep, loaded.model_bytes);
+  const auto scene = scene_from_sweep(sweep, loaded.assets);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
@@ -73,7 +73,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
     job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
-    auto request = request_from_job(sweep, job, *for_chosen);
+    auto request = request_from_job(sweep, job, *for_chosen, scene->temperatures);
     if (!request.ok()) return request.status();
     request->effects = {EffectChoice::Mode::kAuto, {}};
     auto view = check_effects(**simulator, *std::move(request),

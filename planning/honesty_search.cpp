@@ -52,7 +52,7 @@ absl::StatusOr<Computed> compute(const RandomScene& scene) {
   auto resolved = resolve_sweep(*file, out.model);
   if (!resolved.ok()) return resolved.status();
   out.sweep = *std::move(resolved);
-  const auto runner = JobRunner::create(out.sweep, out.model);
+  const auto runner = JobRunner::create(out.sweep, model_alone(out.sweep, out.model));
   if (!runner.ok()) return runner.status();
   for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version())) {
     const auto result = (*runner)->run(job);
@@ -91,9 +91,9 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
 
 absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
                           SceneVerdict& verdict) {
-  const auto scene = scene_from_sweep(program.sweep, program.model);
+  const auto scene = scene_from_sweep(program.sweep, model_alone(program.sweep, program.model));
   if (!scene.ok()) return scene.status();
-  const auto request = request_from_job(program.sweep, program.job, nullptr);
+  const auto request = request_from_job(program.sweep, program.job, nullptr, scene->temperatures);
   if (!request.ok()) return request.status();
   const auto reference = ReferenceView::make(*scene, *request, 0);
   if (!reference.ok()) return reference.status();

@@ -9,6 +9,7 @@
 #include "absl/strings/str_split.h"
 #include "core/base/user_file.h"
 #include "jobs/material_files.h"
+#include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
 
 namespace irsig {
@@ -83,13 +84,18 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
         absl::StrCat(path, ": this is a database, expected a sweep file"));
   auto file = parse_sweep(*text, path);
   if (!file.ok()) return file.status();
-  const auto read_beside = [&](const std::string& name) {
-    return read_user_file((std::filesystem::path(path).parent_path() / name).string(),
-                          kMostTableBytes);
+  const auto reader = [&](std::uint64_t most_bytes) {
+    return [&path, most_bytes](const std::string& name) {
+      return read_user_file((std::filesystem::path(path).parent_path() / name).string(),
+                            most_bytes);
+    };
   };
-  for (const auto read : {read_material_files, read_weather_files}) {
-    if (const absl::Status status = read(*file, read_beside); !status.ok()) return status;
-  }
+  for (const auto read : {read_material_files, read_weather_files})
+    if (const absl::Status status = read(*file, reader(kMostTableBytes)); !status.ok())
+      return status;
+  if (const absl::Status status = read_temperature_files(*file, reader(kMostModelBytes));
+      !status.ok())
+    return status;
   return file;
 }
 
@@ -114,6 +120,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     if (absl::Status status = replace_effects(*asked.effects, loaded.file); !status.ok())
       return status;
   }
+  std::string model_bytes;
   if (loaded.file.sweep.model().has_file()) {
     const std::filesystem::path model = loaded.file.sweep.model().file();
     auto bytes = read_user_file((std::filesystem::path(path).parent_path() / model).string(),
@@ -123,12 +130,18 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
                                                      ": model.file \"", model.string(),
                                                      "\": ", bytes.status().message()));
     }
-    loaded.model_bytes = *std::move(bytes);
+    model_bytes = *std::move(bytes);
   }
-  auto resolved = resolve_sweep(loaded.file, loaded.model_bytes);
+  auto resolved = resolve_sweep(loaded.file, model_bytes);
   if (!resolved.ok()) return resolved.status();
   loaded.resolved = *std::move(resolved);
-  loaded.size = size_of(loaded.resolved, loaded.model_bytes.size());
+  if (!loaded.resolved.model_sha256().empty())
+    loaded.assets[loaded.resolved.model_sha256()] = std::move(model_bytes);
+  for (const schema::Condition& condition : loaded.resolved.condition())
+    if (condition.has_temperature_field())
+      loaded.assets[condition.temperature_field().sha256()] =
+          field_bytes(loaded.file, condition.temperature_field().field().name());
+  loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
   if (!asked.any_size)
     if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   loaded.warnings = located_warnings(loaded);
@@ -136,7 +149,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   for (schema::Condition& condition : *loaded.resolved.mutable_condition())
     for (std::string& warning : *condition.mutable_warning())
       warning = loaded.file.as_written(warning);
-  const auto runner = JobRunner::create(loaded.resolved, loaded.model_bytes);
+  const auto runner = JobRunner::create(loaded.resolved, loaded.assets);
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
   for (const std::string& warning : (*runner)->warnings())

@@ -24,7 +24,7 @@ struct AccuracyAsked {
 struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
-  std::string model_bytes;
+  Assets assets;
   // What is odd in it, one line each: its weather (jobs/check_weather.h), open shells of its model.
   std::vector<std::string> warnings;
   JobMemory memory = {};  // of one worker

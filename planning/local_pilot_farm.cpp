@@ -17,11 +17,10 @@ using Steady = std::chrono::steady_clock;
 
 class LocalPilotFarm final : public PilotFarm {
  public:
-  static absl::StatusOr<std::unique_ptr<LocalPilotFarm>> start(const std::string& model_bytes) {
+  static absl::StatusOr<std::unique_ptr<LocalPilotFarm>> start(const Assets& assets) {
     auto folder = ScratchFolder::make();
     if (!folder.ok()) return folder.status();
-    auto pilot =
-        std::unique_ptr<LocalPilotFarm>(new LocalPilotFarm(*std::move(folder), model_bytes));
+    auto pilot = std::unique_ptr<LocalPilotFarm>(new LocalPilotFarm(*std::move(folder), assets));
     hear_interruptions();
     auto farm =
         LocalFarm::start({.db_path = pilot->database(),
@@ -37,8 +36,8 @@ class LocalPilotFarm final : public PilotFarm {
   absl::StatusOr<std::vector<PilotStage>> run(std::vector<schema::ResolvedSweep> sweeps) override {
     for (schema::ResolvedSweep& sweep : sweeps) {
       sweep.mutable_sweep()->set_name(absl::StrCat("pilot ", ++sweeps_));
-      const auto sent = submit(farm_->address(), sweep, model_bytes_,
-                               static_cast<std::uint32_t>(physics_version()));
+      const auto sent =
+          submit(farm_->address(), sweep, assets_, static_cast<std::uint32_t>(physics_version()));
       if (!sent.ok()) return sent.status();
     }
     const auto start = Steady::now();
@@ -83,8 +82,8 @@ class LocalPilotFarm final : public PilotFarm {
   [[nodiscard]] double wall_s() const override { return wall_s_; }
 
  private:
-  LocalPilotFarm(std::unique_ptr<ScratchFolder> folder, const std::string& model_bytes)
-      : folder_(std::move(folder)), model_bytes_(model_bytes) {}
+  LocalPilotFarm(std::unique_ptr<ScratchFolder> folder, const Assets& assets)
+      : folder_(std::move(folder)), assets_(assets) {}
 
   [[nodiscard]] std::string database() const { return folder_->file("pilot.sigdb"); }
 
@@ -108,7 +107,7 @@ class LocalPilotFarm final : public PilotFarm {
   }
 
   std::unique_ptr<ScratchFolder> folder_;
-  const std::string& model_bytes_;
+  const Assets& assets_;
   std::unique_ptr<LocalFarm> farm_;  // ends before its folder goes
   int sweeps_ = 0;
   double cpu_s_ = 0, wall_s_ = 0;
@@ -116,8 +115,8 @@ class LocalPilotFarm final : public PilotFarm {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(const std::string& model_bytes) {
-  return LocalPilotFarm::start(model_bytes);
+absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(const Assets& assets) {
+  return LocalPilotFarm::start(assets);
 }
 
 }  // namespace irsig

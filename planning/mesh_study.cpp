@@ -114,7 +114,7 @@ MeshValue area_of(const schema::Estimate& area, std::uint64_t target_paths) {
 
 // What can be said of a mesh before anything is traced. `sweep` is that of the mesh.
 absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep, asked.file_bytes);
+  const auto scene = scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes));
   if (!scene.ok()) return scene.status();
   if (auto parts = part_of_groups(scene->mesh, scene->part); !parts.ok()) return parts.status();
   MeasuredMesh out;
@@ -129,7 +129,7 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
                    const ChosenRows& rows, const std::vector<std::uint64_t>& views,
                    const CpuClock& cpu_s, MeasuredMesh& out) {
   const double start_s = cpu_s();
-  const auto runner = JobRunner::create(sweep, asked.file_bytes);
+  const auto runner = JobRunner::create(sweep, model_alone(sweep, asked.file_bytes));
   if (!runner.ok()) return runner.status();
   out.setup_cpu_s = cpu_s() - start_s;
   for (const std::uint64_t viewpoint : views) {

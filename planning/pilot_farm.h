@@ -39,8 +39,7 @@ class PilotFarm {
 };
 
 // A coordinator and one worker, with a database that is thrown away: jobs that share the machine
-// with nothing but the plan itself. model_bytes outlives it.
-[[nodiscard]] absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(
-    const std::string& model_bytes);
+// with nothing but the plan itself. `assets` outlive it.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<PilotFarm>> start_pilot_farm(const Assets& assets);
 
 }  // namespace irsig

@@ -54,7 +54,7 @@ class Planner {
   absl::StatusOr<SweepPilot> run() {
     const auto before = farm_.bytes();
     if (!before.ok()) return before.status();
-    const auto model = static_cast<double>(loaded_.model_bytes.size());
+    const auto model = static_cast<double>(bytes_of(loaded_.assets));
     pilot_.database_fixed_bytes = *before + model + stored_sweep_bytes(loaded_.resolved);
     std::uint64_t wanted = kViewsAtFirst;
     do {
@@ -312,7 +312,7 @@ absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded, PilotFarm& far
 absl::StatusOr<SweepPilot> pilot_sweep(const LoadedSweep& loaded) {
   if (has_time_budget(loaded.resolved))
     return absl::FailedPreconditionError("a time budget has yet to be turned into samples");
-  auto farm = start_pilot_farm(loaded.model_bytes);
+  auto farm = start_pilot_farm(loaded.assets);
   if (!farm.ok()) return farm.status();
   return pilot_sweep(loaded, **farm);
 }

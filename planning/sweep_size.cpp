@@ -27,7 +27,7 @@ std::string counted(std::uint64_t count, const char* noun) {
 
 }  // namespace
 
-SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t model_bytes) {
+SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t asset_bytes) {
   const schema::Sweep& sweep = resolved.sweep();
   SweepSize size;
   size.viewpoints = static_cast<std::uint64_t>(resolved.viewpoint_size());
@@ -41,7 +41,7 @@ SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t model_bytes
   const double rows = static_cast<double>(size.rows());
   const double per_view = static_cast<double>(size.viewpoints * size.conditions);
   const double image_px = sweep.output().thumbnail_px();
-  size.database_bytes = kFixedBytes + static_cast<double>(model_bytes) +
+  size.database_bytes = kFixedBytes + static_cast<double>(asset_bytes) +
                         rows * (kBytesOfRow + kBytesOfPart * sweep.part_size()) +
                         per_view * static_cast<double>(size.wavelengths) * kBytesOfWavelength +
                         rows * image_px * image_px * kBytesOfSquarePixel +

@@ -20,8 +20,8 @@ struct SweepSize {
   [[nodiscard]] std::uint64_t rows() const { return viewpoints * conditions * bands; }
 };
 
-// model_bytes: size of the model file, which the database holds; 0: a generated model.
-[[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t model_bytes);
+// asset_bytes: of the files that the database holds: model, temperature fields.
+[[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t asset_bytes);
 
 // "191 viewpoints x 3 conditions x 2 bands = 1146 rows".
 [[nodiscard]] std::string rows_text(const SweepSize& size);

@@ -29,7 +29,7 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
   auto sweep = with_samples(loaded.resolved, samples);
   // Only workers encode thumbnails; 0.25 ms a row is nothing that a budget would notice.
   sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
-  const auto runner = JobRunner::create(sweep, loaded.model_bytes);
+  const auto runner = JobRunner::create(sweep, loaded.assets);
   if (!runner.ok()) return runner.status();
   Timing timing;
   for (const int view : views) {

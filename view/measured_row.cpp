@@ -55,6 +55,11 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
       return source ? 0 : row.depth_bound_w_sr;
     case BoundOf::kBackground:
       return intensity == IntensityOf::kContrast ? row.background_bound_w_sr : 0;
+    case BoundOf::kTemperature: {  // older rows had stated ones alone
+      const double bound =
+          source ? row.temperature_bound_w_sr : row.apparent_temperature_bound_w_sr;
+      return std::isnan(bound) ? 0 : bound;
+    }
     case BoundOf::kMoved:
       return 0;
   }

@@ -247,17 +247,19 @@ class LeaseLoop {
       return sweep.status();
     });
     if (!status.ok()) return status;
-    if (!sweep->model_sha256().empty() && sweep->model_sha256() != model_sha256_) {
-      absl::StatusOr<std::string> model;
+    const std::set<std::string> needed = needed_assets(*sweep);
+    std::erase_if(assets_, [&](const auto& have) { return !needed.contains(have.first); });
+    for (const std::string& sha256 : needed) {
+      if (assets_.contains(sha256)) continue;
+      absl::StatusOr<std::string> bytes;
       status = persist([&] {
-        model = fetch_model(*farm_, sweep->model_sha256(), kStream_s);
-        return model.status();
+        bytes = fetch_file(*farm_, sha256, kStream_s);
+        return bytes.status();
       });
       if (!status.ok()) return status;
-      model_ = *std::move(model);
-      model_sha256_ = sweep->model_sha256();
+      assets_[sha256] = *std::move(bytes);
     }
-    auto runner = make_runner_(*sweep, sweep->model_sha256().empty() ? std::string_view() : model_);
+    auto runner = make_runner_(*sweep, assets_);
     if (!runner.ok()) return absl::InternalError(runner.status().message());
     runner_ = *std::move(runner);
     runner_sweep_ = sweep_sha256;
@@ -291,7 +293,8 @@ class LeaseLoop {
   std::unique_ptr<schema::Farm::Stub> farm_;
   std::string worker_id_;
   std::unique_ptr<JobRunner> runner_;
-  std::string runner_sweep_, model_, model_sha256_;
+  std::string runner_sweep_;
+  Assets assets_;
   Heart heart_;
 };
 

@@ -42,7 +42,7 @@ int report(const absl::Status& status) {
 }
 
 absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
-    const irsig::schema::ResolvedSweep& sweep, std::string_view model_bytes) {
+    const irsig::schema::ResolvedSweep& sweep, const irsig::Assets& assets) {
   const irsig::ThumbnailEncoder encoder{
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_png({width_px, height_px, pixels});
@@ -50,7 +50,7 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_exr({width_px, height_px, pixels});
       }};
-  return irsig::JobRunner::create(sweep, model_bytes, encoder);
+  return irsig::JobRunner::create(sweep, assets, encoder);
 }
 
 }  // namespace

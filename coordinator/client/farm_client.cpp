@@ -44,9 +44,11 @@ absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
 
 }  // namespace
 
-absl::StatusOr<schema::SubmitReply> submit(
-    const Address& coordinator, const schema::ResolvedSweep& sweep, std::string_view model_bytes,
-    std::uint32_t physics_version, const schema::Prediction* prediction, double patience_s) {
+absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
+                                           const schema::ResolvedSweep& sweep, const Assets& assets,
+                                           std::uint32_t physics_version,
+                                           const schema::Prediction* prediction,
+                                           double patience_s) {
   const auto farm = stub_for(coordinator);
   grpc::ClientContext context;
   context.set_deadline(after(patience_s));
@@ -58,14 +60,16 @@ absl::StatusOr<schema::SubmitReply> submit(
   chunk.set_physics_version(physics_version);
   if (prediction != nullptr) *chunk.mutable_prediction() = *prediction;
   bool open = stream->Write(chunk);
-  if (open && !sweep.model_sha256().empty()) {
+  for (const std::string& sha256 : needed_assets(sweep)) {
+    if (!open) break;
+    const std::string_view bytes = asset(assets, sha256);
     schema::SubmitChunk header;
-    header.mutable_asset()->set_sha256(sweep.model_sha256());
-    header.mutable_asset()->set_size_bytes(model_bytes.size());
+    header.mutable_asset()->set_sha256(sha256);
+    header.mutable_asset()->set_size_bytes(bytes.size());
     open = stream->Write(header);
-    for (std::size_t at = 0; open && at < model_bytes.size(); at += kPieceBytes) {
+    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
       schema::SubmitChunk piece;
-      piece.set_piece(std::string(model_bytes.substr(at, kPieceBytes)));
+      piece.set_piece(std::string(bytes.substr(at, kPieceBytes)));
       open = stream->Write(piece);
     }
   }
@@ -136,11 +140,11 @@ absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& f
   return sweep;
 }
 
-absl::StatusOr<std::string> fetch_model(schema::Farm::StubInterface& farm,
-                                        const std::string& model_sha256, double patience_s) {
-  auto bytes = fetch_asset(farm, model_sha256, patience_s);
-  if (bytes.ok() && sha256_hex(*bytes) != model_sha256) {
-    return absl::DataLossError(absl::StrCat("the model ", model_sha256, " arrived damaged"));
+absl::StatusOr<std::string> fetch_file(schema::Farm::StubInterface& farm, const std::string& sha256,
+                                       double patience_s) {
+  auto bytes = fetch_asset(farm, sha256, patience_s);
+  if (bytes.ok() && sha256_hex(*bytes) != sha256) {
+    return absl::DataLossError(absl::StrCat("the file ", sha256, " arrived damaged"));
   }
   return bytes;
 }

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "coordinator/client/address.h"
+#include "schema/assets.h"
 #include "schema/farm.grpc.pb.h"
 #include "schema/farm.pb.h"
 
@@ -14,10 +15,10 @@ namespace irsig {
 // What a user asks of a coordinator. Each call connects, waits at most `patience_s` for an answer
 // and returns UNAVAILABLE, naming the address, when there is none.
 
-// Sends the sweep, its model (empty for a generated one) and what a pilot predicted of it (null:
+// Sends the sweep, the files that it needs and what a pilot predicted of it (null:
 // nothing did). Sending it again changes nothing.
 [[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(
-    const Address& coordinator, const schema::ResolvedSweep& sweep, std::string_view model_bytes,
+    const Address& coordinator, const schema::ResolvedSweep& sweep, const Assets& assets,
     std::uint32_t physics_version, const schema::Prediction* prediction = nullptr,
     double patience_s = 120);
 
@@ -39,8 +40,7 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
                                                                 const std::string& sweep_sha256,
                                                                 double patience_s);
-[[nodiscard]] absl::StatusOr<std::string> fetch_model(schema::Farm::StubInterface& farm,
-                                                      const std::string& model_sha256,
-                                                      double patience_s);
+[[nodiscard]] absl::StatusOr<std::string> fetch_file(schema::Farm::StubInterface& farm,
+                                                     const std::string& sha256, double patience_s);
 
 }  // namespace irsig

@@ -17,6 +17,7 @@ constexpr std::array<BoundInfo, kBounds> kInfo = {{
     {"omitted", true, "of effects that are off"},
     {"depth", true, "of one range for all of the target"},
     {"background", true, "between the directions behind the target"},
+    {"temperature", true, "of the temperatures of facets"},
     {"moved", true, "of bringing the row to another range"},
 }};
 

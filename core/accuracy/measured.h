@@ -17,8 +17,9 @@ enum class BoundOf : std::uint8_t {
   kSky,
   kOmitted,
   kDepth,
-  kBackground,  // of contrasts
-  kMoved        // of bringing a stored row to another range; the last
+  kBackground,   // of contrasts
+  kTemperature,  // of temperatures that are not stated, but measured or computed
+  kMoved         // of bringing a stored row to another range; the last
 };
 inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved) + 1;
 

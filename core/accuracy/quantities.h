@@ -76,7 +76,11 @@ namespace irsig {
          "of contrast_intensity_w_sr: of what is behind, between the directions at which it is " \
          "known")                                                                                \
   NUMBER(backface_share, kGuard, "1", 10,                                                        \
-         "of the silhouette: one-sided facets seen from behind, which send nothing")
+         "of the silhouette: one-sided facets seen from behind, which send nothing")             \
+  NUMBER(temperature_bound_w_sr, kBound, "W/sr", 11,                                             \
+         "of intensity_w_sr: of temperatures that are not stated, but measured or computed")     \
+  NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr", 11,                                    \
+         "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)  \
   IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \

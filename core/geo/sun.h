@@ -20,6 +20,9 @@ struct UtcTime {
 [[nodiscard]] std::string format_rfc3339_utc(
     const UtcTime& time);  // "2025-12-21T01:30:00Z"; fractions only if any
 
+// Seconds since 1970-01-01T00:00:00Z without leap seconds (a leap second counts as the next one).
+[[nodiscard]] double unix_seconds(const UtcTime& time);
+
 struct SunPosition {
   double azimuth_deg;  // clockwise from true north [0, 360); at the poles: from longitude_deg's
                        // meridian

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -175,6 +176,15 @@ std::string format_rfc3339_utc(const UtcTime& time) {
                                  std::chars_format::fixed);
   const std::string seconds(second.data(), end.ptr);
   return absl::StrCat(date.data(), time.second < 10.0 ? "0" : "", seconds, "Z");
+}
+
+double unix_seconds(const UtcTime& time) {
+  const std::chrono::year_month_day day{std::chrono::year(time.year),
+                                        std::chrono::month(static_cast<unsigned>(time.month)),
+                                        std::chrono::day(static_cast<unsigned>(time.day))};
+  const auto days = std::chrono::sys_days(day).time_since_epoch().count();
+  return 86400.0 * static_cast<double>(days) + 3600.0 * time.hour + 60.0 * time.minute +
+         time.second;
 }
 
 }  // namespace irsig

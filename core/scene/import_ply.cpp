@@ -141,7 +141,7 @@ absl::StatusOr<FileMesh> read_ply(std::string_view bytes, const std::string& fil
   FileErrors errors(file_name);
   const PlyHeader header = read_ply_header(cursor, errors);
   if (errors.any()) return errors.status();
-  if (!header.is_binary) return PlyReader(cursor, file_name).read(header);
+  if (!header.is_binary()) return PlyReader(cursor, file_name).read(header);
   for (const PlyElement& element : header.element)
     if (element.name == "tristrips" && element.count > 0)
       return absl::InvalidArgumentError(fmt::format(

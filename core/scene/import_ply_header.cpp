@@ -52,8 +52,11 @@ class HeaderReader {
   void read_format() {
     const Token form = cursor_.word_on_line();
     has_format_ = true;
-    header_.is_binary = form.text == "binary_little_endian" || form.text == "binary_big_endian";
-    if (!header_.is_binary && form.text != "ascii")
+    if (form.text == "binary_little_endian")
+      header_.form = PlyHeader::Form::kLittleEndian;
+    else if (form.text == "binary_big_endian")
+      header_.form = PlyHeader::Form::kBigEndian;
+    else if (form.text != "ascii")
       add_at(errors_, form, "expected format ascii, binary_little_endian or binary_big_endian");
   }
 
@@ -80,8 +83,9 @@ class HeaderReader {
       add_at(errors_, bytes_of(type.text) == 0 ? type : item,
              "expected: property TYPE NAME or property list TYPE TYPE NAME");
     } else {
-      header_.element.back().property.push_back(
-          {std::string(name.text), is_list, bytes_of(type.text)});
+      header_.element.back().property.push_back({std::string(name.text), is_list,
+                                                 bytes_of(type.text), std::string(type.text),
+                                                 std::string(item.text)});
     }
   }
 

@@ -12,6 +12,8 @@ struct PlyProperty {
   std::string name;
   bool is_list = false;
   int bytes = 0;  // the least that it takes in a binary file
+  // Names of types; item_type: of a list's items, whose number has `type`.
+  std::string type, item_type;
 };
 struct PlyElement {
   std::string name;
@@ -19,7 +21,8 @@ struct PlyElement {
   std::vector<PlyProperty> property;  // never empty where count > 0
 };
 struct PlyHeader {
-  bool is_binary = false;
+  enum class Form : std::uint8_t { kAscii, kLittleEndian, kBigEndian } form = Form::kAscii;
+  [[nodiscard]] bool is_binary() const { return form != Form::kAscii; }
   std::vector<PlyElement> element;  // with vertex.x, .y, .z and face.vertex_indices (or _index)
 };
 

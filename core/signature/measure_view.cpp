@@ -176,6 +176,8 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.apparent_omitted_bound_w_sr = apparent.of(BoundOf::kOmitted);
   r.contrast_omitted_bound_w_sr = contrast.of(BoundOf::kOmitted);
   r.background_bound_w_sr = contrast.of(BoundOf::kBackground);
+  r.temperature_bound_w_sr = source.of(BoundOf::kTemperature);
+  r.apparent_temperature_bound_w_sr = apparent.of(BoundOf::kTemperature);
   r.numerical_error_w_sr = source.numerical_error();
   r.apparent_numerical_error_w_sr = apparent.numerical_error();
   r.contrast_numerical_error_w_sr = contrast.numerical_error();

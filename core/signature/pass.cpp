@@ -31,7 +31,8 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
       sources_({.condition = request.condition,
                 .wanted = rows_.condition,
                 .parts = scene.target.part.size(),
-                .surface_z_m = scene.surface_z_m()},
+                .surface_z_m = scene.surface_z_m(),
+                .emitters = request.emitters},
                plan.effects, {view_, &view_->environments}, scene.axis.node_um()) {
   unseen_ = view_->unseen;
   if (unseen_ == nullptr)
@@ -76,7 +77,7 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
       in_band_.push_back(
           source_table(light(row), scene_.path_basis(), band.first_node, band.grid.band_weight));
     }
-  image_plan_ = kind == Kind::kStoredWithPictures ? plan_images() : ImagePlan{};
+  image_plan_ = kind == Kind::kStoredWithPictures ? plan_images(tracer.layout()) : ImagePlan{};
   image_.assign(
       static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px * image_plan_.padded,
       0.0);
@@ -94,27 +95,38 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   last_ = ReplicateStatistics(rows());
   beyond_ = ReplicateStatistics(plan_.effects.max_reflections + 1);
   const double inverse_replicates = 1.0 / accuracy_.replicates;
-  std::vector<SummedWeights> sums;
   std::vector<double> last(rows());
   for (const PathWeights& w : weights) {
     for (std::size_t k = 0; k < 3; ++k) beyond_m2_[k] += inverse_replicates * w.beyond_m2[k];
     beyond_.add(w.beyond_order_m2);
     front_area_m2_ += inverse_replicates * w.projected_area_m2;
     behind_area_m2_ += inverse_replicates * w.behind_area_m2;
-    sums.push_back(summed(w.weight, sources_.layout(), parts));
     if (!w.last.empty()) {
-      const SummedWeights of_last = summed(w.last, sources_.layout(), parts);
-      for (std::size_t row = 0; row < rows(); ++row)
+      SummedWeights of_last;
+      for (std::size_t row = 0; row < rows(); ++row) {
+        if (row == 0 || (light(row).by_element() && row % rows_.band.size() == 0))
+          of_last = summed_light(light(row), w.last, parts);
         last[row] = in_band_w_sr(light(row), of_last, in_band_[row]);
+      }
     }
     last_.add(last);
   }
-  if (kind != Kind::kPilot) find_energy(weights, sums);
   replicate_.assign(rows(), {});
+  for (auto* list : {&basis_w_sr_, &sky_w_sr_, &depth_w_sr_, &background_bound_w_sr_,
+                     &background_model_w_sr_, &temperature_w_sr_, &temperature_apparent_w_sr_})
+    list->assign(rows(), 0.0);
+  const SpectralBasis* basis = scene_.path_basis();
   std::vector<std::vector<double>> values;
+  std::optional<LitWeights> lit;  // of a condition; without temperatures by element: of all
+  SummedWeights mean;
+  std::vector<double> largest;
   for (std::size_t row = 0; row < rows(); ++row) {
-    evaluate(light(row), parts, weights, sums, scene_.path_basis(), axis_band(row),
-             kind != Kind::kPilot, values);
+    if (!lit || (light(row).by_element() && row % rows_.band.size() == 0)) {
+      lit.emplace(light(row), weights, parts);
+      mean = lit->mean();
+      if (basis != nullptr && !basis->identity()) largest = largest_on_nodes(mean, *basis);
+    }
+    evaluate(light(row), parts, *lit, basis, axis_band(row), kind != Kind::kPilot, values);
     ReplicateStatistics& s = statistics_.emplace_back(values.front().size());
     for (const std::vector<double>& of_replicate : values) {
       s.add(of_replicate);
@@ -122,128 +134,141 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
       replicate_[row][1].push_back(of_replicate[kApparentQuantity]);
       replicate_[row][2].push_back(of_replicate[contrast_quantity(parts)]);
     }
-  }
-  SummedWeights mean = sums.front();
-  for (std::size_t r = 1; r < sums.size(); ++r)
-    for (std::size_t k = 0; k < mean.value.size(); ++k) mean.value[k] += sums[r].value[k];
-  for (double& w : mean.value) w *= inverse_replicates;
-  find_basis_errors(mean);
-  find_sky_errors(mean);
-  if (kind != Kind::kPilot) {
-    find_background_errors(sums);
-    find_depth_errors(mean);
+    basis_w_sr_[row] = basis_error(row, largest);
+    sky_w_sr_[row] = sky_error(row, mean);
+    if (row % rows_.band.size() == 0) find_temperature_errors(row / rows_.band.size(), weights);
+    if (kind == Kind::kPilot) continue;
+    if (row == 0) find_energy(weights, lit->sums());
+    find_background_errors(row, lit->sums());
+    depth_w_sr_[row] = depth_error(row, mean);
   }
 }
 
-// Of the nodes between those that paths carry.
-void Pass::find_basis_errors(const SummedWeights& mean) {
-  basis_w_sr_.assign(rows(), 0.0);
-  const SpectralBasis* basis = scene_.path_basis();
-  if (basis == nullptr || basis->identity()) return;
-  const std::vector<double> largest = largest_on_nodes(mean, *basis);
-  for (std::size_t row = 0; row < rows(); ++row)
-    basis_w_sr_[row] =
-        basis->relative_error * largest_in_band_w_sr(light(row), largest, axis_band(row));
+// Of the nodes between those that paths carry, and of temperatures between blackbodies.
+double Pass::basis_error(std::size_t row, const std::vector<double>& largest) const {
+  const ConditionSources& light = this->light(row);
+  double out = 0;
+  if (!largest.empty())
+    out =
+        scene_.path_basis()->relative_error * largest_in_band_w_sr(light, largest, axis_band(row));
+  if (!light.by_element()) return out;
+  const ReplicateStatistics& s = statistics_[row];
+  const auto cause = [&](Cause which) {
+    return std::abs(s.estimate(1 + static_cast<std::size_t>(which)).value);
+  };
+  const double shortest_um = scene_.axis.node_um()[axis_band(row).first_node];
+  return out + light.emission_error(shortest_um) *
+                   (cause(Cause::kEmitted) + cause(Cause::kPartsReflected));
+}
+
+// By how much more the target would emit if all its temperatures were as much higher as they may
+// be wrong.
+void Pass::find_temperature_errors(std::size_t condition, std::span<const PathWeights> weights) {
+  const std::size_t first_row = condition * rows_.band.size();
+  const ConditionSources& light = this->light(first_row);
+  if (!light.has_temperature_errors()) return;
+  for (const PathWeights& w : weights) {
+    const SummedWeights change = light.temperature_errors(w.weight, scene_.target.part.size());
+    for (std::size_t row = first_row; row < first_row + rows_.band.size(); ++row) {
+      const SourceTable& table = in_band_[row];
+      for (const SourceId id : light.layout().all_emitted())
+        for (std::size_t k = 0; k < table.columns; ++k) {
+          const double share = change.row(id)[table.first_column + k] / accuracy_.replicates;
+          temperature_w_sr_[row] += share * table.row(id)[k];
+          temperature_apparent_w_sr_[row] +=
+              share * table.apparent[index_of(id) * table.columns + k];
+        }
+    }
+  }
 }
 
 // Of sky and sea between their nodes: where paths went to, whatever reflected them there. Lobes
 // that are wide see the mean over many cells, whose errors partly cancel.
-void Pass::find_sky_errors(const SummedWeights& mean) {
-  sky_w_sr_.assign(rows(), 0.0);
+double Pass::sky_error(std::size_t row, const SummedWeights& mean) const {
   const bool wide = std::all_of(
       scene_.material.begin(), scene_.material.end(),
       [](const Material& m) { return static_cast<double>(m.narrowest_slope()) >= kWideLobeSlope; });
   const SourceLayout& layout = sources_.layout();
-  for (std::size_t row = 0; row < rows(); ++row) {
-    const ConditionSources& light = this->light(row);
-    const ViewEnvironment& environment = light.environment();
-    const BandOnAxis band = axis_band(row);
-    const auto of_side = [&](SourceRange nodes, double relative, Cause cause) {
-      double each = 0;
-      for (const SourceId id : nodes)
-        each += nodes_w_sr(light.interpolation(id), scene_.path_basis(), band, mean.row(id));
-      const double lobes =
-          relative * std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(cause)).value);
-      return wide ? std::min(each, lobes) : each;
-    };
-    sky_w_sr_[row] = of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
-                     of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
-  }
+  const ConditionSources& light = this->light(row);
+  const ViewEnvironment& environment = light.environment();
+  const BandOnAxis band = axis_band(row);
+  const auto of_side = [&](SourceRange nodes, double relative, Cause cause) {
+    double each = 0;
+    for (const SourceId id : nodes)
+      each += nodes_w_sr(light.interpolation(id), scene_.path_basis(), band, mean.row(id));
+    const double lobes =
+        relative * std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(cause)).value);
+    return wide ? std::min(each, lobes) : each;
+  };
+  return of_side(layout.sky(), environment.sky_interpolation, Cause::kSkyReflected) +
+         of_side(layout.lower(), environment.lower_interpolation, Cause::kSeaReflected);
 }
 
 // The air is that in front of one place of the target. In front of another all that is added up to
 // the apparent radiance, sum_s w_s R_s T + P with sum_s w_s = 1 but for the sun, changes by
 //   | sum_s w_s (R_s dT + dP) |  <=  sum_s w_s |R_s dT + dP|,
 // where dT and dP are at most those of the target's ends. (docs/methods.md)
-void Pass::find_depth_errors(const SummedWeights& mean) {
-  depth_w_sr_.assign(rows(), 0.0);
+double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
   const SourceLayout& layout = sources_.layout();
   const std::size_t n = scene_.axis.node_um().size();
-  for (std::size_t row = 0; row < rows(); ++row) {
-    const ConditionSources& light = this->light(row);
-    const ViewEnvironment& e = light.environment();
-    if (e.end.empty()) continue;
-    const BandOnAxis band = axis_band(row);
-    std::vector<double> most(n), ones(n, 1.0);
-    const auto add = [&](SourceId id, bool radiance) {
-      const std::span<const double> of_source = light.radiance(id);
-      for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
-        most[i] = 0;
-        for (const AirPath& end : e.end) {
-          const double change =
-              of_source[i] * (end.transmittance[i] - e.transmittance[i]) +
-              (radiance ? end.path_radiance_w_m2_sr_um[i] - e.path_radiance[i] : 0);
-          most[i] = std::max(most[i], std::abs(change));
-        }
+  const ConditionSources& light = this->light(row);
+  const ViewEnvironment& e = light.environment();
+  if (e.end.empty()) return 0;
+  const BandOnAxis band = axis_band(row);
+  std::vector<double> most(n), ones(n, 1.0);
+  double sum = 0;
+  const auto add = [&](SourceId id, bool radiance) {
+    const std::span<const double> of_source = light.radiance(id);
+    for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
+      most[i] = 0;
+      for (const AirPath& end : e.end) {
+        const double change = of_source[i] * (end.transmittance[i] - e.transmittance[i]) +
+                              (radiance ? end.path_radiance_w_m2_sr_um[i] - e.path_radiance[i] : 0);
+        most[i] = std::max(most[i], std::abs(change));
       }
-      depth_w_sr_[row] += nodes_w_sr(most, scene_.path_basis(), band, mean.row(id));
-    };
-    const SourceRange radiances[] = {layout.all_emitted(), layout.sky(), layout.lower()};
-    for (const SourceRange range : radiances)
-      for (const SourceId id : range) add(id, true);
-    for (const auto& of_cause : light.causes())
-      for (const SourceRange range : of_cause)
-        for (const SourceId id : range)
-          if (std::none_of(std::begin(radiances), std::end(radiances),
-                           [&](SourceRange r) { return r.contains(id); }))
-            add(id, false);
-    // Of the silhouette from which nothing is known to come.
-    const BandGrid& grid = band.grid;
-    double weighed = 0, width_um = 0, lost = 0;
-    for (const SourceRange range : radiances)
-      for (const SourceId id : range)
-        weighed += nodes_w_sr(ones, scene_.path_basis(), band, mean.row(id));
-    for (std::size_t i = 0; i < band.nodes(); ++i) {
-      double change = 0;
-      for (const AirPath& end : e.end)
-        change = std::max(change, std::abs(end.path_radiance_w_m2_sr_um[band.first_node + i] -
-                                           e.path_radiance[band.first_node + i]));
-      width_um += grid.band_weight[i];
-      lost += grid.band_weight[i] * change;
     }
-    if (width_um > 0) depth_w_sr_[row] += std::abs(front_area_m2_ - weighed / width_um) * lost;
+    sum += nodes_w_sr(most, scene_.path_basis(), band, mean.row(id));
+  };
+  const SourceRange radiances[] = {layout.all_emitted(), layout.sky(), layout.lower()};
+  for (const SourceRange range : radiances)
+    for (const SourceId id : range) add(id, true);
+  for (const auto& of_cause : light.causes())
+    for (const SourceRange range : of_cause)
+      for (const SourceId id : range)
+        if (std::none_of(std::begin(radiances), std::end(radiances),
+                         [&](SourceRange r) { return r.contains(id); }))
+          add(id, false);
+  // Of the silhouette from which nothing is known to come.
+  const BandGrid& grid = band.grid;
+  double weighed = 0, width_um = 0, lost = 0;
+  for (const SourceRange range : radiances)
+    for (const SourceId id : range)
+      weighed += nodes_w_sr(ones, scene_.path_basis(), band, mean.row(id));
+  for (std::size_t i = 0; i < band.nodes(); ++i) {
+    double change = 0;
+    for (const AirPath& end : e.end)
+      change = std::max(change, std::abs(end.path_radiance_w_m2_sr_um[band.first_node + i] -
+                                         e.path_radiance[band.first_node + i]));
+    width_um += grid.band_weight[i];
+    lost += grid.band_weight[i] * change;
   }
+  if (width_um > 0) sum += std::abs(front_area_m2_ - weighed / width_um) * lost;
+  return sum;
 }
 
 // What stands behind the silhouette, in the directions in which it does.
-void Pass::find_background_errors(std::span<const SummedWeights> sums) {
-  background_bound_w_sr_.assign(rows(), 0.0);
-  background_model_w_sr_.assign(rows(), 0.0);
-  const SourceRange behind = sources_.layout().behind();
-  for (std::size_t row = 0; row < rows(); ++row) {
-    const ViewEnvironment& e = light(row).environment();
-    if (e.behind_interpolation.empty()) continue;
-    std::size_t node = 0;
-    for (const SourceId id : behind) {
-      // Nothing of the target's materials is in these weights: they are the same at each node.
-      double area_m2 = 0;
-      for (const SummedWeights& s : sums) area_m2 += s.row(id)[0];
-      area_m2 /= accuracy_.replicates;
-      background_bound_w_sr_[row] +=
-          area_m2 * in_band(e.behind_interpolation[node], axis_band(row));
-      background_model_w_sr_[row] += area_m2 * in_band(e.behind_model_error[node], axis_band(row));
-      ++node;
-    }
+void Pass::find_background_errors(std::size_t row, std::span<const SummedWeights> sums) {
+  const ViewEnvironment& e = light(row).environment();
+  if (e.behind_interpolation.empty()) return;
+  std::size_t node = 0;
+  for (const SourceId id : sources_.layout().behind()) {
+    // Nothing of the target's materials is in these weights: they are the same at each node.
+    double area_m2 = 0;
+    for (const SummedWeights& s : sums) area_m2 += s.row(id)[0];
+    area_m2 /= accuracy_.replicates;
+    background_bound_w_sr_[row] += area_m2 * in_band(e.behind_interpolation[node], axis_band(row));
+    background_model_w_sr_[row] += area_m2 * in_band(e.behind_model_error[node], axis_band(row));
+    ++node;
   }
 }
 
@@ -288,6 +313,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
   const Unseen unseen = this->unseen(row);
   all.of(BoundOf::kUnseen) = unseen.bound;
   all.of(BoundOf::kSky) = sky_w_sr_[row];
+  all.of(BoundOf::kTemperature) = temperature_w_sr_[row];
   RowBounds::Bound omitted;
   if (!plan_.omitted.empty()) omitted = plan_.omitted[planned_row(row)];
   const bool left_out = plan_.effects.max_reflections < allowed_reflections_;
@@ -319,6 +345,8 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
   Measured apparent = with(kApparentQuantity, omitted.apparent, unseen.apparent);
   if (!depth_w_sr_.empty())
     apparent.of(BoundOf::kDepth) = contrast.of(BoundOf::kDepth) = depth_w_sr_[row];
+  apparent.of(BoundOf::kTemperature) = contrast.of(BoundOf::kTemperature) =
+      temperature_apparent_w_sr_[row];
   return {with(0, omitted.source, unseen.source), apparent, contrast};
 }
 
@@ -422,9 +450,9 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
   };
   InBandLight out;
   for (const SourceId id : layout.behind()) out.behind = std::max(out.behind, of(id).seen);
-  for (std::uint32_t e = 0; e < layout.emitters(); ++e) {
-    out.emitter.push_back(of(layout.seen(e)));
-    raise(out.part, out.emitter.back());
+  for (std::uint32_t p = 0; p < scene_.target.part.size(); ++p) {
+    out.each.push_back(of(layout.seen(p)));
+    raise(out.part, out.each.back());
   }
   for (const SourceRange range : {layout.sky(), layout.lower()})
     for (const SourceId id : range) raise(out.around, of(id));
@@ -441,10 +469,9 @@ Pass::Unseen Pass::unseen(std::size_t row) const {
   const auto square = [](double x) { return x * x; };
   // What the sensor sees of the parts themselves, and of what stands behind them.
   double most_m2 = 0, emitted = 0, emitted_seen = 0, emitted_contrast = 0;
-  const Emitters& emitters = sources_.geometry().emitters;
-  for (std::uint32_t e = 0; e < sources_.layout().emitters(); ++e) {
-    const double m2 = sample_m2(view_->aimed->stratum_of_part[emitters.part_of(e)]);
-    const InBandLight::Radiance& one = known.emitter[e];
+  for (std::size_t p = 0; p < known.each.size(); ++p) {
+    const double m2 = sample_m2(view_->aimed->stratum_of_part[p]);
+    const InBandLight::Radiance& one = known.each[p];
     most_m2 = std::max(most_m2, m2);
     emitted = std::max(emitted, m2 * one.here);
     emitted_seen = std::max(emitted_seen, m2 * one.seen);
@@ -488,7 +515,8 @@ Pass::Unseen Pass::unseen(std::size_t row) const {
   return out;
 }
 
-ImagePlan Pass::plan_images() const {
+// Paths end on emitters, which are made up of lights.
+ImagePlan Pass::plan_images(const SourceLayout& paths) const {
   const ViewFrame& frame = this->frame();
   ImagePlan plan;
   const double longest = std::max(frame.width_m, frame.height_m);
@@ -502,19 +530,42 @@ ImagePlan Pass::plan_images() const {
   plan.padded = (plan.images + 7) / 8 * 8;
   const bool spectral = scene_.path_basis() != nullptr;
   const std::size_t nodes = scene_.carried_material().front().nodes();
-  const SourceRange all = sources_.layout().all();
+  const SourceRange all = paths.all();
   plan.source.assign(all.size() * (spectral ? plan.images * nodes : plan.padded), 0.0f);
-  for (const SourceId id : all)
-    for (std::uint32_t k = 0; k < plan.images; ++k) {
-      const SourceTable& table = in_band_[k];
-      const double* of_source = table.row(id);
+  for (std::uint32_t k = 0; k < plan.images; ++k) {
+    const SourceTable& table = in_band_[k];
+    const ConditionSources& light = this->light(k);
+    const SourceLayout& lights = light.layout();
+    std::vector<double> row(table.columns);
+    const auto put = [&](SourceId id) {
       if (spectral)
-        std::copy_n(
-            of_source, table.columns,
-            plan.source.data() + (index_of(id) * plan.images + k) * nodes + table.first_column);
+        std::copy(row.begin(), row.end(),
+                  plan.source.begin() +
+                      static_cast<std::ptrdiff_t>((index_of(id) * plan.images + k) * nodes +
+                                                  table.first_column));
       else
-        plan.source[index_of(id) * plan.padded + k] = static_cast<float>(*of_source);
+        plan.source[index_of(id) * plan.padded + k] = static_cast<float>(row[0]);
+    };
+    const auto put_emitter = [&](std::uint32_t emitter, SourceId id, SourceId first_light) {
+      const ConditionSources::EmitterShare share = light.share_of(emitter);
+      std::fill(row.begin(), row.end(), 0.0);
+      for (std::uint32_t n = 0; n < share.count; ++n)
+        for (std::size_t c = 0; c < row.size(); ++c)
+          row[c] +=
+              share.weight[n] * table.row(SourceId{index_of(first_light) + share.first + n})[c];
+      put(id);
+    };
+    for (std::uint32_t e = 0; e < paths.emitters(); ++e) {
+      put_emitter(e, paths.seen(e), lights.seen(0));
+      put_emitter(e, paths.reflected(e), lights.reflected(0));
     }
+    const std::uint32_t beyond = paths.all_emitted().last;
+    for (const SourceId id : SourceRange{beyond, paths.count()}) {
+      const SourceId of_light{index_of(id) - beyond + lights.all_emitted().last};
+      std::copy_n(table.row(of_light), table.columns, row.begin());
+      put(id);
+    }
+  }
   return plan;
 }
 

@@ -114,22 +114,24 @@ class Pass {
   }
   [[nodiscard]] PathSettings path_settings(std::uint64_t samples, std::uint64_t stage) const;
   void collect(std::span<const PathWeights> weights, Kind kind);
-  void find_basis_errors(const SummedWeights& mean);
-  void find_sky_errors(const SummedWeights& mean);
-  void find_depth_errors(const SummedWeights& mean);
-  void find_background_errors(std::span<const SummedWeights> sums);
+  // Of one row each.
+  [[nodiscard]] double basis_error(std::size_t row, const std::vector<double>& largest) const;
+  [[nodiscard]] double sky_error(std::size_t row, const SummedWeights& mean) const;
+  [[nodiscard]] double depth_error(std::size_t row, const SummedWeights& mean) const;
+  void find_background_errors(std::size_t row, std::span<const SummedWeights> sums);
+  void find_temperature_errors(std::size_t condition, std::span<const PathWeights> weights);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
   struct Unseen {                                              // [W/sr]
     double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
   };
   [[nodiscard]] Unseen unseen(std::size_t row) const;
-  // In-band radiances that unseen() asks for again and again: of a row's emitters, and the largest
+  // In-band radiances that unseen() asks for again and again: of a row's parts, and the largest
   // of what is around the target and of what stands behind it, at the target and at the sensor.
   struct InBandLight {
     struct Radiance {
       double here = 0, seen = 0;
     };
-    std::vector<Radiance> emitter;
+    std::vector<Radiance> each;  // [part]: its hottest
     Radiance part, around;
     double behind = 0;
   };
@@ -137,7 +139,7 @@ class Pass {
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
-  [[nodiscard]] ImagePlan plan_images() const;
+  [[nodiscard]] ImagePlan plan_images(const SourceLayout& paths) const;
 
   const PreparedScene& scene_;
   AccuracySpec accuracy_;
@@ -155,6 +157,7 @@ class Pass {
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;                                // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_, sky_w_sr_, depth_w_sr_;  // [row]
+  std::vector<double> temperature_w_sr_, temperature_apparent_w_sr_;
   std::vector<double> background_bound_w_sr_, background_model_w_sr_;  // [row]
   std::array<double, 3> beyond_m2_{};
   double front_area_m2_ = 0, behind_area_m2_ = 0;  // of the silhouette, means over replicates

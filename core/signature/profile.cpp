@@ -39,12 +39,14 @@ class LineShading {
                   .wanted = conditions,
                   .parts = scene.target.part.size(),
                   .surface_z_m = scene.surface_z_m(),
-                  .contrast = false},
+                  .contrast = false,
+                  .emitters = request.emitters},
                  EffectSet::everything(request.condition.size(), 1), std::move(environments),
                  scene.axis.node_um()),
         spectral_(std::any_of(scene.material.begin(), scene.material.end(),
                               [](const Material& m) { return !m.grey(); })),
-        columns_(spectral_ ? scene.axis.nodes() : 1) {
+        columns_(spectral_ ? scene.axis.nodes() : 1),
+        bands_(bands.size()) {
     for (std::size_t i = 0; i < conditions.size(); ++i)
       for (const std::uint32_t b : bands)
         table_.push_back(table_of(sources_.wanted(i), scene.axis.band(b)));
@@ -53,6 +55,9 @@ class LineShading {
   [[nodiscard]] const ViewSources& sources() const { return sources_; }
   // Of a table, for one source.
   [[nodiscard]] std::size_t columns() const { return columns_; }
+  [[nodiscard]] const ConditionSources& light(std::size_t row) const {
+    return sources_.wanted(row / bands_);
+  }
   // Conditions x bands.
   [[nodiscard]] const std::vector<PointTable>& tables() const { return table_; }
 
@@ -82,7 +87,7 @@ class LineShading {
 
   ViewSources sources_;
   bool spectral_;
-  std::size_t columns_;
+  std::size_t columns_, bands_;
   std::vector<PointTable> table_;
 };
 
@@ -158,7 +163,11 @@ class PointMeasurement {
     };
     std::size_t next = 0;
     for (std::uint32_t order = 0; order <= profile_.reflections.back(); ++order) {
-      const SourceWeights& of_order = weights.of_order[order];
+      const SourceWeights& of_paths = weights.of_order[order];
+      const ConditionSources& light = shading.light(row);
+      SourceWeights lit;
+      if (light.by_element()) lit = light.lit(of_paths);
+      const SourceWeights& of_order = light.by_element() ? lit : of_paths;
       for (std::uint32_t first = 0; first < parts; ++first)
         of_order.for_each(first, shading.sources().layout().all(), add);
       // Behind the target nothing is reflected: the sky or the lower hemisphere itself.
@@ -272,6 +281,8 @@ double quadrature_bound(const PreparedScene& scene, const ConditionSpec& conditi
     coldest = std::min(coldest, t);
     hottest = std::max(hottest, t);
   }
+  if (condition.emitter && condition.emitter->hottest_k > 0)
+    coldest = std::min(coldest, condition.emitter->coldest_k);
   if (condition.surroundings.sky_temperature_k > 0)
     coldest = std::min(coldest, condition.surroundings.sky_temperature_k);
   return std::abs(value) * quadrature_relative_bound(scene.band[band], scene.axis.grids()[band],

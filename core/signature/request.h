@@ -9,6 +9,7 @@
 #include "core/environment/environment.h"
 #include "core/geo/viewpoint.h"
 #include "core/sources/condition.h"
+#include "core/sources/source_geometry.h"
 
 namespace irsig {
 
@@ -30,6 +31,8 @@ struct AccuracySpec {
 struct ViewRequest {
   Viewpoint viewpoint;
   std::vector<ConditionSpec> condition;
+  // Where conditions state temperatures of emitters: which those are. Null: the parts.
+  std::shared_ptr<const Emitters> emitters = nullptr;
   Air air;
   // The embedded atmosphere, for the same conditions in the same order: takes the place of `air`
   // and of the conditions' surroundings but for their kind, and of sun_scale. Null: none.

@@ -101,6 +101,31 @@ Shares shares(const SummedWeights& sums, const SourceLayout& layout, const Sourc
   return {sum(layout.all_emitted()), sum(layout.sky()), sum(layout.lower())};
 }
 
+LitWeights::LitWeights(const ConditionSources& light, std::span<const PathWeights> weights,
+                       std::size_t parts) {
+  own_.reserve(weights.size());
+  for (const PathWeights& w : weights) {
+    weight_.push_back(light.by_element() ? &own_.emplace_back(light.lit(w.weight)) : &w.weight);
+    sum_.push_back(summed(*weight_.back(), light.layout(), parts));
+    area_m2_.push_back(w.projected_area_m2);
+  }
+}
+
+SummedWeights LitWeights::mean() const {
+  const double share = 1.0 / static_cast<double>(sum_.size());
+  SummedWeights mean = sum_.front();
+  for (std::size_t r = 1; r < sum_.size(); ++r)
+    for (std::size_t k = 0; k < mean.value.size(); ++k) mean.value[k] += sum_[r].value[k];
+  for (double& w : mean.value) w *= share;
+  return mean;
+}
+
+SummedWeights summed_light(const ConditionSources& light, const SourceWeights& weights,
+                           std::size_t parts) {
+  if (!light.by_element()) return summed(weights, light.layout(), parts);
+  return summed(light.lit(weights), light.layout(), parts);
+}
+
 double in_band_w_sr(const ConditionSources& light, const SummedWeights& sums,
                     const SourceTable& in_band) {
   double sum = 0;
@@ -118,15 +143,14 @@ double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sum
   return sum;
 }
 
-void evaluate(const ConditionSources& light, std::size_t parts,
-              std::span<const PathWeights> weights, std::span<const SummedWeights> sums,
+void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
               const SpectralBasis* basis, const BandOnAxis& band, bool spectra,
               std::vector<std::vector<double>>& values) {
   const BandGrid& grid = band.grid;
   const std::vector<double>& path_radiance = light.environment().path_radiance;
   const SourceLayout& layout = light.layout();
   const std::size_t bins = grid.lambda_um.size();
-  values.assign(weights.size(), std::vector<double>(quantities(parts, grid, spectra), 0.0));
+  values.assign(weights.replicates(), std::vector<double>(quantities(parts, grid, spectra), 0.0));
 
   const auto causes = light.causes();
   // One integral over wavelength: what of each replicate goes where.
@@ -134,20 +158,21 @@ void evaluate(const ConditionSources& light, std::size_t parts,
     std::size_t total, cause, cause_stride, apparent, contrast, background;
   };
   const auto integrate = [&](const SourceTable& table, double path, const Out& to) {
-    for (std::size_t r = 0; r < weights.size(); ++r) {
+    for (std::size_t r = 0; r < weights.replicates(); ++r) {
+      const SummedWeights& sum = weights.sum(r);
       double* out = values[r].data();
       double total = 0, seen = 0;
       for (std::size_t c = 0; c < kCauses; ++c) {
         double value = 0;
         for (const SourceRange& piece : causes[c]) {
-          value += over(piece, table.source, table, sums[r]);
-          seen += over(piece, table.apparent, table, sums[r]);
+          value += over(piece, table.source, table, sum);
+          seen += over(piece, table.apparent, table, sum);
         }
         out[to.cause + c * to.cause_stride] = value;
         total += value;
       }
-      const double instead = over(layout.behind(), table.apparent, table, sums[r]);
-      const double area = weights[r].projected_area_m2;
+      const double instead = over(layout.behind(), table.apparent, table, sum);
+      const double area = weights.area_m2(r);
       out[to.total] = total;
       out[to.apparent] = seen + area * path;
       out[to.contrast] = seen - instead;
@@ -161,11 +186,11 @@ void evaluate(const ConditionSources& light, std::size_t parts,
   for (std::size_t i = 0; i < band.nodes(); ++i)
     path += grid.band_weight[i] * path_radiance[band.first_node + i];
   integrate(whole, path, {0, 1, 1, kApparentQuantity, at_contrast, at_contrast + 1});
-  for (std::size_t r = 0; r < weights.size(); ++r) {
-    values[r][kAreaQuantity] = weights[r].projected_area_m2;
+  for (std::size_t r = 0; r < weights.replicates(); ++r) {
+    values[r][kAreaQuantity] = weights.area_m2(r);
     for (std::uint32_t p = 0; p < parts; ++p) {
       double sum = 0;
-      weights[r].weight.for_each(p, layout.of_intensity(), [&](SourceId id, const double* w) {
+      weights.weight(r).for_each(p, layout.of_intensity(), [&](SourceId id, const double* w) {
         sum += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
       });
       values[r][part_quantity(p)] = sum;

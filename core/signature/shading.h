@@ -33,12 +33,39 @@ struct SourceTable {
 [[nodiscard]] SourceTable unit_table(const SpectralBasis* basis, std::size_t first_node,
                                      std::span<const double> weight);
 
+// Weights as the light of one condition meets them, and their sums over parts, for each replicate.
+class LitWeights {
+ public:
+  // weights: of paths; they outlive this.
+  LitWeights(const ConditionSources& light, std::span<const PathWeights> weights,
+             std::size_t parts);
+  LitWeights(const LitWeights&) = delete;  // refers to its own
+  LitWeights& operator=(const LitWeights&) = delete;
+
+  [[nodiscard]] std::size_t replicates() const { return sum_.size(); }
+  [[nodiscard]] const SourceWeights& weight(std::size_t replicate) const {
+    return *weight_[replicate];
+  }
+  [[nodiscard]] const SummedWeights& sum(std::size_t replicate) const { return sum_[replicate]; }
+  [[nodiscard]] std::span<const SummedWeights> sums() const { return sum_; }
+  [[nodiscard]] double area_m2(std::size_t replicate) const { return area_m2_[replicate]; }
+  [[nodiscard]] SummedWeights mean() const;
+
+ private:
+  std::vector<SourceWeights> own_;
+  std::vector<const SourceWeights*> weight_;
+  std::vector<SummedWeights> sum_;
+  std::vector<double> area_m2_;
+};
+// Of one table of weights.
+[[nodiscard]] SummedWeights summed_light(const ConditionSources& light,
+                                         const SourceWeights& weights, std::size_t parts);
+
 // Everything that is stored of one band, for each replicate. In-band: total; the kCauses; apparent;
 // projected area; parts; contrast; background radiance. With `spectra`, on the stored wavelengths:
 // the total, each cause, apparent, contrast, background radiance. values[replicate][quantity].
 // `parts`: how many parts can be seen first.
-void evaluate(const ConditionSources& light, std::size_t parts,
-              std::span<const PathWeights> weights, std::span<const SummedWeights> sums,
+void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
               const SpectralBasis* basis, const BandOnAxis& band, bool spectra,
               std::vector<std::vector<double>>& values);
 

@@ -1,15 +1,19 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/environment/surroundings.h"
 #include "core/geo/frames.h"
+#include "core/sources/emission.h"
 
 namespace irsig {
 
 // One season at one time.
 struct ConditionSpec {
-  std::vector<double> part_temperature_k;  // in the order of the scene's parts
+  // In the order of the scene's parts; where facets have temperatures of their own, the hottest.
+  std::vector<double> part_temperature_k;
+  std::shared_ptr<const EmitterTemperatures> emitter = nullptr;  // null: parts have one each
   Surroundings surroundings;
   bool sun = false;         // whether direct sun is part of this condition
   Vec<Body> sun_direction;  // unit vector towards the sun

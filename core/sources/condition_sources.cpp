@@ -25,25 +25,37 @@ double in_band(std::span<const double> spectrum, const BandOnAxis& band) {
 
 ConditionSources::ConditionSources(const ConditionSpec& condition,
                                    const ViewEnvironment& environment,
-                                   const SourceGeometry& geometry, const SourceLayout& layout,
+                                   const SourceGeometry& geometry, const LightLayout& layout,
                                    std::vector<LitSun> suns, const std::vector<double>& node_um,
                                    const EffectSet& effects)
     : layout_(layout),
+      emitter_(condition.emitter),
       sun_(std::move(suns)),
       coldest_k_(1e9),
       hottest_k_(1),
+      parts_(condition.part_temperature_k.size()),
       none_(node_um.size(), 0.0),
       environment_(&environment) {
   const std::size_t nodes = node_um.size();
+  const auto add_blackbody = [&](double kelvin) {
+    Spectrum& radiance = emitted_.emplace_back(nodes);
+    Spectrum& seen = emitted_apparent_.emplace_back(nodes);
+    for (std::size_t i = 0; i < nodes; ++i) {
+      radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], kelvin);
+      seen[i] = radiance[i] * environment.transmittance[i];
+    }
+  };
   for (const double t : condition.part_temperature_k) {
     coldest_k_ = std::min(coldest_k_, t);
     hottest_k_ = std::max(hottest_k_, t);
-    Spectrum& radiance = part_.emplace_back(nodes);
-    Spectrum& seen = part_apparent_.emplace_back(nodes);
-    for (std::size_t i = 0; i < nodes; ++i) {
-      radiance[i] = planck_radiance_w_m2_sr_um(node_um[i], t);
-      seen[i] = radiance[i] * environment.transmittance[i];
-    }
+    add_blackbody(t);
+  }
+  for (std::uint32_t k = 0; k < layout_.nodes.count(); ++k) add_blackbody(layout_.nodes.kelvin(k));
+  if (emitter_ && emitter_->hottest_k > 0) {
+    coldest_k_ = std::min(coldest_k_, emitter_->coldest_k);
+    hottest_k_ = std::max(hottest_k_, emitter_->hottest_k);
+    has_temperature_errors_ = std::any_of(emitter_->error_k.begin(), emitter_->error_k.end(),
+                                          [](float e) { return e > 0; });
   }
   coldest_k_ = std::clamp(coldest_k_, 1.0, hottest_k_);
   if (geometry.glitters())
@@ -61,14 +73,15 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
         }
       }
     }
-  light_.reserve(layout.count());
-  for (const SourceId id : layout.all()) light_.push_back(light_of(id, geometry.emitters, effects));
+  light_.reserve(layout_.light.count());
+  for (const SourceId id : layout_.light.all())
+    light_.push_back(light_of(id, geometry.emitters, effects));
 }
 
 ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& emitters,
                                                    const EffectSet& effects) const {
   using Kind = SourceLayout::Kind;
-  const SourceLayout::Place at = layout_.place_of(id);
+  const SourceLayout::Place at = layout_.light.place_of(id);
   const Light dark{none_.data(), none_.data(), none_.data()};
   const auto light = [&](const Spectrum& radiance, const Spectrum& apparent) {
     return Light{radiance.data(), apparent.data(), none_.data()};
@@ -80,9 +93,9 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
     return node;
   };
   const auto of_emitter = [&] {
-    const std::uint32_t part = emitters.part_of(at.index);
-    IRSIG_CHECK(part < part_.size());
-    return light(part_[part], part_apparent_[part]);
+    const std::uint32_t which = by_element() ? at.index : emitters.part_of(at.index);
+    IRSIG_CHECK(which < emitted_.size());
+    return light(emitted_[which], emitted_apparent_[which]);
   };
   // Which of those that shine; another condition's: behind the last.
   const auto lit = static_cast<std::size_t>(
@@ -110,20 +123,81 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
   return dark;
 }
 
+ConditionSources::EmitterShare ConditionSources::share_of(std::uint32_t emitter) const {
+  if (!by_element()) return {emitter};
+  if (!emitter_ || std::isnan(emitter_->kelvin[emitter])) return {emitter};
+  const BlackbodyNodes::Share share =
+      layout_.nodes.share(static_cast<double>(emitter_->kelvin[emitter]));
+  return {static_cast<std::uint32_t>(parts_) + share.first, 4, share.weight};
+}
+
+SourceWeights ConditionSources::lit(const SourceWeights& of_paths) const {
+  const SourceLayout &paths = layout_.paths, &light = layout_.light;
+  const std::size_t columns = of_paths.columns();
+  SourceWeights out(of_paths.firsts(), light, columns);
+  const auto add = [&](std::uint32_t first, SourceId to, double factor, const double* row) {
+    double* at = out.row(first, to);
+    for (std::size_t k = 0; k < columns; ++k) at[k] += factor * row[k];
+  };
+  for (std::uint32_t first = 0; first < of_paths.firsts(); ++first) {
+    of_paths.for_each(first, paths.all_emitted(), [&](SourceId id, const double* row) {
+      if (std::all_of(row, row + columns, [](double w) { return w == 0; })) return;
+      const bool reflected = index_of(id) >= paths.emitters();
+      const EmitterShare share = share_of(index_of(id) - (reflected ? paths.emitters() : 0));
+      for (std::uint32_t k = 0; k < share.count; ++k)
+        add(first, reflected ? light.reflected(share.first + k) : light.seen(share.first + k),
+            share.weight[k], row);
+    });
+    const std::uint32_t beyond = paths.all_emitted().last;
+    of_paths.for_each(first, {beyond, paths.count()}, [&](SourceId id, const double* row) {
+      add(first, SourceId{index_of(id) - beyond + light.all_emitted().last}, 1, row);
+    });
+  }
+  return out;
+}
+
+SummedWeights ConditionSources::temperature_errors(const SourceWeights& of_paths,
+                                                   std::size_t parts) const {
+  const SourceLayout &paths = layout_.paths, &light = layout_.light;
+  const std::size_t columns = of_paths.columns();
+  SummedWeights out{light.count(), columns, {}};
+  out.value.assign(light.count() * columns, 0.0);
+  const auto add = [&](std::uint32_t from, double kelvin, double sign, const double* row) {
+    const BlackbodyNodes::Share share = layout_.nodes.share(kelvin);
+    for (std::uint32_t n = 0; n < share.weight.size(); ++n) {
+      double* to = out.value.data() + (from + share.first + n) * columns;
+      for (std::size_t k = 0; k < columns; ++k) to[k] += sign * share.weight[n] * row[k];
+    }
+  };
+  for (std::uint32_t first = 0; first < parts; ++first)
+    of_paths.for_each(first, paths.all_emitted(), [&](SourceId id, const double* row) {
+      const bool reflected = index_of(id) >= paths.emitters();
+      const std::uint32_t e = index_of(id) - (reflected ? paths.emitters() : 0);
+      const double kelvin = static_cast<double>(emitter_->kelvin[e]),
+                   error_k = static_cast<double>(emitter_->error_k[e]);
+      if (!(error_k > 0)) return;
+      const std::uint32_t from =
+          (reflected ? light.emitters() : 0) + static_cast<std::uint32_t>(parts_);
+      add(from, kelvin + error_k, 1, row);
+      add(from, kelvin, -1, row);
+    });
+  return out;
+}
+
 std::array<std::vector<SourceRange>, kCauses> ConditionSources::causes() const {
   std::vector<std::uint32_t> shining;
   for (const LitSun& sun : sun_) shining.push_back(sun.index);
-  return layout_.causes(shining);
+  return layout_.light.causes(shining);
 }
 
 double ConditionSources::part_w_m2_sr(std::uint32_t part, const BandOnAxis& band) const {
-  return in_band(part_[part], band);
+  return in_band(emitted_[part], band);
 }
 
 double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const {
   double thermal = 0;
   for (const Spectrum& node : environment_->node) thermal = std::max(thermal, in_band(node, band));
-  for (const Spectrum& p : part_) thermal = std::max(thermal, in_band(p, band));
+  for (std::size_t p = 0; p < parts_; ++p) thermal = std::max(thermal, in_band(emitted_[p], band));
   return thermal;
 }
 

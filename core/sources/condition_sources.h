@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/environment/environment.h"
 #include "core/sources/condition.h"
 #include "core/sources/source_layout.h"
+#include "core/sources/source_weights.h"
 #include "core/spectral/spectral_axis.h"
 
 namespace irsig {
@@ -21,6 +23,14 @@ struct LitSun {
   std::vector<double> irradiance, apparent;
 };
 
+// Where weights stand: as paths leave them, by emitter, and as light meets them. The two differ
+// where emitters have temperatures of their own: their places are taken by the parts (each at the
+// temperature that is stated for it) and then by blackbodies.
+struct LightLayout {
+  SourceLayout paths, light;
+  BlackbodyNodes nodes;  // none: both layouts are the same
+};
+
 // The light of every source under one condition, on the sweep's nodes. What the effects leave out
 // is dark.
 class ConditionSources {
@@ -29,7 +39,7 @@ class ConditionSources {
 
   // environment: outlives this.
   ConditionSources(const ConditionSpec& condition, const ViewEnvironment& environment,
-                   const SourceGeometry& geometry, const SourceLayout& layout,
+                   const SourceGeometry& geometry, const LightLayout& layout,
                    std::vector<LitSun> suns, const std::vector<double>& node_um,
                    const EffectSet& effects);
   ConditionSources(ConditionSources&&) = default;
@@ -51,7 +61,26 @@ class ConditionSources {
     return {light_[index_of(id)].interpolation, none_.size()};
   }
 
-  [[nodiscard]] const SourceLayout& layout() const { return layout_; }
+  [[nodiscard]] const SourceLayout& layout() const { return layout_.light; }
+  // Whether weights of paths must be brought to lights before they meet them: by lit().
+  [[nodiscard]] bool by_element() const { return layout_.nodes.count() > 0; }
+  [[nodiscard]] SourceWeights lit(const SourceWeights& of_paths) const;
+  // What an emitter that paths end on is made up of: lights from SourceLayout::seen(first) on.
+  struct EmitterShare {
+    std::uint32_t first = 0, count = 1;
+    std::array<double, 4> weight{1};
+  };
+  [[nodiscard]] EmitterShare share_of(std::uint32_t emitter) const;
+  // Of sums over parts of one replicate's weights: by how much more would be emitted if every
+  // temperature were as much higher as it may be wrong. B is convex in T, so that less would change
+  // less. [source of layout(), emitters alone]
+  [[nodiscard]] SummedWeights temperature_errors(const SourceWeights& of_paths,
+                                                 std::size_t parts) const;
+  [[nodiscard]] bool has_temperature_errors() const { return has_temperature_errors_; }
+  // The most by which a radiance between blackbodies can be wrong, relative to it.
+  [[nodiscard]] double emission_error(double shortest_um) const {
+    return by_element() ? layout_.nodes.relative_error(shortest_um) : 0;
+  }
   [[nodiscard]] const ViewEnvironment& environment() const { return *environment_; }
   [[nodiscard]] const std::vector<LitSun>& suns() const { return sun_; }
   // What makes up each cause.
@@ -75,10 +104,14 @@ class ConditionSources {
   [[nodiscard]] Light light_of(SourceId id, const Emitters& emitters,
                                const EffectSet& effects) const;
 
-  SourceLayout layout_;
+  LightLayout layout_;
+  std::shared_ptr<const EmitterTemperatures> emitter_;  // null: each part has one
+  bool has_temperature_errors_ = false;
   std::vector<LitSun> sun_;
   double coldest_k_, hottest_k_;
-  std::vector<Spectrum> part_, part_apparent_;                 // blackbody radiance of each part
+  std::size_t parts_;
+  // Blackbody radiance of each part, then of each node.
+  std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
   Spectrum none_;
   std::vector<Light> light_;  // [source]

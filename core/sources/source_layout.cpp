@@ -6,15 +6,20 @@
 namespace irsig {
 
 SourceLayout::SourceLayout(std::size_t parts, const SourceGeometry& geometry)
-    : emitters_(geometry.emitters.count(parts)),
-      suns_(static_cast<std::uint32_t>(geometry.sun.size())),
-      glint_nodes_(geometry.glitters() ? static_cast<std::uint32_t>(kGlintCosines.size()) : 0),
-      behind_nodes_(geometry.behind ? geometry.behind->count() : 0) {
-  sky_ = 2 * emitters_;
-  lower_ = sky_ + geometry.directions.sky();
-  sun_ = lower_ + geometry.directions.lower();
-  glint_ = sun_ + suns_;
-  behind_ = glint_ + suns_ * glint_nodes_;
+    : SourceLayout(with_emitters(geometry.emitters.count(parts), geometry)) {}
+
+SourceLayout SourceLayout::with_emitters(std::uint32_t emitters, const SourceGeometry& geometry) {
+  SourceLayout out;
+  out.emitters_ = emitters;
+  out.suns_ = static_cast<std::uint32_t>(geometry.sun.size());
+  out.glint_nodes_ = geometry.glitters() ? static_cast<std::uint32_t>(kGlintCosines.size()) : 0;
+  out.behind_nodes_ = geometry.behind ? geometry.behind->count() : 0;
+  out.sky_ = 2 * emitters;
+  out.lower_ = out.sky_ + geometry.directions.sky();
+  out.sun_ = out.lower_ + geometry.directions.lower();
+  out.glint_ = out.sun_ + out.suns_;
+  out.behind_ = out.glint_ + out.suns_ * out.glint_nodes_;
+  return out;
 }
 
 SourceLayout::Place SourceLayout::place_of(SourceId id) const {

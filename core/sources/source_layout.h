@@ -56,6 +56,9 @@ class SourceLayout {
  public:
   SourceLayout() = default;
   SourceLayout(std::size_t parts, const SourceGeometry& geometry);
+  // The same places with other emitters than paths can end on.
+  [[nodiscard]] static SourceLayout with_emitters(std::uint32_t emitters,
+                                                  const SourceGeometry& geometry);
 
   enum class Kind : std::uint8_t { kSeen, kReflected, kSky, kLower, kSun, kGlint, kBehind };
   struct Place {

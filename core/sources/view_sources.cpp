@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "core/base/constants.h"
 
@@ -29,7 +30,7 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
                          std::shared_ptr<const ViewEnvironments> environments,
                          const std::vector<double>& node_um)
     : environments_(std::move(environments)) {
-  geometry_.emitters = request.emitters;
+  if (request.emitters) geometry_.emitters = *request.emitters;
   // Paths are traced once for all conditions: theirs is one boundary (check_request).
   const std::optional<Environment::Horizon>& horizon = environments_->horizon;
   geometry_.boundary =
@@ -57,12 +58,27 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
                 0, effects.sun[c].mirrored ? condition.sea_wind_m_s : 0, condition.sun_horizon_z}),
            effects.sun[c].direct, environment.sun, environment.sun_apparent});
   }
-  layout_ = SourceLayout(request.parts, geometry_);
+  // Of all conditions, so that no bit depends on which are wanted.
+  double coldest_k = 0, hottest_k = 0;
+  for (const ConditionSpec& c : request.condition) {
+    if (!c.emitter || c.emitter->hottest_k == 0) continue;
+    coldest_k = hottest_k == 0 ? c.emitter->coldest_k : std::min(coldest_k, c.emitter->coldest_k);
+    hottest_k = std::max(hottest_k, c.emitter->hottest_k);
+  }
+  const SourceLayout paths(request.parts, geometry_);
+  layout_ = paths;
+  BlackbodyNodes nodes;
+  if (hottest_k > 0) {
+    nodes = BlackbodyNodes(coldest_k, hottest_k);
+    layout_ = SourceLayout::with_emitters(static_cast<std::uint32_t>(request.parts) + nodes.count(),
+                                          geometry_);
+  }
   condition_.reserve(request.wanted.size());
   for (std::size_t i = 0; i < request.wanted.size(); ++i) {
     const std::uint32_t c = request.wanted[i];
-    condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_, layout_,
-                            std::move(lit[i]), node_um, effects);
+    condition_.emplace_back(request.condition[c], environments_->condition[c], geometry_,
+                            LightLayout{paths, layout_, nodes}, std::move(lit[i]), node_um,
+                            effects);
   }
 }
 

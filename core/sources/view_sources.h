@@ -27,7 +27,8 @@ struct SourceRequest {
   std::size_t parts = 0;
   double surface_z_m = 0;  // of sea or ground, relative to the target's centre
   bool contrast = true;    // whether what stands behind the target is wanted
-  Emitters emitters = {};
+  // Of the scene; needed where conditions state temperatures of emitters.
+  std::shared_ptr<const Emitters> emitters = nullptr;
 };
 
 // All light of a view: where it is (what paths can end on), and how bright under each condition.
@@ -40,6 +41,7 @@ class ViewSources {
               const std::vector<double>& node_um);
 
   [[nodiscard]] const SourceGeometry& geometry() const { return geometry_; }
+  // Of the light: paths end on emitters (PathTracer::layout), light comes from blackbodies.
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   // The i-th of those wanted.
   [[nodiscard]] const ConditionSources& wanted(std::size_t i) const { return condition_[i]; }

@@ -44,7 +44,8 @@ ViewSources ViewEstimator::sources_of(std::span<const std::uint32_t> conditions,
            .wanted = conditions,
            .parts = scene.target.part.size(),
            .surface_z_m = scene.surface_z_m(),
-           .contrast = contrast},
+           .contrast = contrast,
+           .emitters = request_.emitters},
           EffectSet::everything(request_.condition.size(), 1),
           environments_,
           scene.axis.node_um()};
@@ -91,15 +92,14 @@ void ViewEstimator::trace_together(std::span<const ViewRow> rows, const PathSett
   PathCounts counts;
   const std::vector<PathWeights> weights = tracer.trace({}, no_image, counts);
   const std::size_t parts = target.part.size();
-  std::vector<SummedWeights> sums;
-  for (const PathWeights& w : weights) sums.push_back(summed(w.weight, tracer.layout(), parts));
   const SpectralBasis* basis = simulator_.scene().path_basis();
   std::vector<std::vector<double>> values;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ViewRow& row = rows[i];
     const BandOnAxis band = simulator_.scene().axis.band(row.band);
     const BandGrid& grid = band.grid;
-    evaluate(sources.wanted(i), parts, weights, sums, basis, band, true, values);
+    const LitWeights lit(sources.wanted(i), weights, parts);
+    evaluate(sources.wanted(i), parts, lit, basis, band, true, values);
     ReplicateStatistics s(values.front().size());
     for (const auto& of_replicate : values) s.add(of_replicate);
     const std::size_t spectrum = spectrum_quantity(parts);
@@ -145,11 +145,11 @@ void ViewEstimator::trace_each_wavelength(const ViewRow& row, PathSettings setti
                       in_band = source_table(light, basis, node, {&grid.band_weight[first], nodes});
     double bin = 0;
     for (const PathWeights& w : weights) {
-      const SummedWeights sums = summed(w.weight, tracer.layout(), target.part.size());
+      const SummedWeights sums = summed_light(light, w.weight, target.part.size());
       const double share = 1.0 / static_cast<double>(weights.size());
       bin += share * in_band_w_sr(light, sums, of_bin);
       value.intensity_w_sr += share * in_band_w_sr(light, sums, in_band);
-      value.emitted_w_sr += share * emitted_in_band_w_sr(tracer.layout(), sums, in_band);
+      value.emitted_w_sr += share * emitted_in_band_w_sr(light.layout(), sums, in_band);
       value.projected_area_m2 +=
           share * w.projected_area_m2 / static_cast<double>(grid.lambda_um.size());
     }

@@ -15,9 +15,14 @@ SELECT condition_id, condition_index, superseded, season, time_utc, sun_irradian
 FROM condition WHERE sweep_id = ?1 ORDER BY condition_index, superseded, definition_sha256;
 
 -- name: digest_part_temperatures
-SELECT p.name, t.temperature_k
-FROM part_temperature t JOIN part p USING (part_id)
-WHERE t.condition_id = ?1 ORDER BY p.part_index, p.name;
+SELECT name, temperature FROM (
+  SELECT p.part_index AS place, p.name, t.temperature_k AS temperature
+  FROM part_temperature t JOIN part p USING (part_id)
+  WHERE t.condition_id = ?1
+  UNION ALL
+  SELECT 1000000000, 'temperature field', temperature_field
+  FROM condition WHERE condition_id = ?1 AND temperature_field IS NOT NULL)
+ORDER BY place, name;
 
 -- name: digest_bands
 SELECT band_id, band_index, superseded, name, lambda_min_um, lambda_max_um, lambda_um

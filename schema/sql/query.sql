@@ -76,9 +76,7 @@ JOIN band b USING (band_id)
 WHERE signature_id = ?1;
 
 -- name: sweep_by_name
-SELECT w.resolved_sweep, a.bytes
-FROM sweep w LEFT JOIN asset a ON a.sha256 = w.model_sha256
-WHERE w.name = ?1;
+SELECT resolved_sweep FROM sweep WHERE name = ?1;
 
 -- name: parts_of_signature
 SELECT p.name, i.intensity_w_sr, i.intensity_stderr_w_sr

@@ -79,8 +79,8 @@ RETURNING condition_id;
 INSERT INTO condition (sweep_id, definition_sha256, condition_index, season, time_utc, sun_irradiance_w_m2,
                        air_temperature_k, surroundings, sky_temperature_k, sky_radiance_w_m2_sr_um,
                        sea_temperature_k, sea_emissivity, lower_radiance_w_m2_sr_um, sea_model,
-                       ground_temperature_k, ground_emissivity, weather, warning)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)
+                       ground_temperature_k, ground_emissivity, weather, warning, temperature_field)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)
 RETURNING condition_id;
 
 -- name: insert_part_temperature

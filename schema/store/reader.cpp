@@ -47,7 +47,13 @@ class SqliteReader final : public StoreReader {
     StoredSweep sweep;
     if (!sweep.resolved.ParseFromString(row->text()))
       return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
-    sweep.model_bytes = row->text();
+    for (const std::string& sha256 : needed_assets(sweep.resolved)) {
+      absl::StatusOr<Rows> file = database_.query(sql::asset_bytes, sha256);
+      if (!file.ok()) return file.status();
+      const absl::StatusOr<bool> there = file->next();
+      if (!there.ok()) return there.status();
+      if (*there) sweep.assets[sha256] = file->text();
+    }
     return sweep;
   }
 

@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/accuracy/quantities.h"
+#include "schema/assets.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
 
@@ -282,10 +283,10 @@ struct SignatureFilter {
   std::optional<double> range_m;  // of the viewpoint, to 1e-9 of it
 };
 
-// A sweep as it was submitted, and the bytes of its model file (empty: a generated model).
+// A sweep as it was submitted, and its files.
 struct StoredSweep {
   schema::ResolvedSweep resolved;
-  std::string model_bytes;
+  Assets assets;
 };
 
 // The reading side: any number of readers, also while the coordinator writes. One object belongs to

@@ -1,5 +1,6 @@
 #include "schema/store/sweep_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -48,6 +49,7 @@ std::string condition_definition(const schema::Condition& condition,
   definition.clear_time_index();
   definition.clear_sun_irradiance_from_distance();
   definition.clear_warning();
+  if (definition.has_temperature_field()) definition.mutable_temperature_field()->clear_file_name();
   Sha256 hash;
   hash.add(serialized(definition));
   for (const schema::Part& part : sweep.sweep().part())
@@ -71,6 +73,18 @@ absl::StatusOr<std::optional<std::string>> weather_text(const schema::Condition&
   const auto status = google::protobuf::util::MessageToJsonString(weather, &json, options);
   if (!status.ok()) return absl::InternalError(absl::StrCat("weather: ", status.ToString()));
   return json;
+}
+
+// For people and for the digest: which file, and how it is read.
+std::optional<std::string> field_text(const schema::Condition& condition) {
+  if (!condition.has_temperature_field()) return std::nullopt;
+  const schema::ConditionField& from = condition.temperature_field();
+  const schema::TemperatureField& field = from.field();
+  return absl::StrCat(field.name(), ": ", from.sha256(), ", ", field.unit(), ", by ", field.match(),
+                      field.has_max_distance_m()
+                          ? absl::StrCat(" within ", field.max_distance_m(), " m")
+                          : std::string(),
+                      field.has_error_k() ? absl::StrCat(", +- ", field.error_k(), " K") : "");
 }
 
 // Adds or updates one sweep, step by step in the order of its methods.
@@ -113,15 +127,15 @@ class SweepUpdate {
       IRSIG_STORE_TRY(database_.run(sql::insert_asset, asset.sha256, Blob{asset.bytes}));
       IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, asset.sha256));
     }
-    if (!sweep_.model_sha256().empty()) {
-      const absl::StatusOr<std::int64_t> there =
-          database_.integer(sql::asset_exists, sweep_.model_sha256());
+    for (const std::string& sha256 : needed_assets(sweep_)) {
+      const absl::StatusOr<std::int64_t> there = database_.integer(sql::asset_exists, sha256);
       if (!there.ok()) return there.status();
       if (*there == 0) {
         return absl::InvalidArgumentError(
-            absl::StrCat("the model file ", sweep_.model_sha256(), " is not among the assets"));
+            absl::StrCat(sha256 == sweep_.model_sha256() ? "the model file " : "the file ", sha256,
+                         " is not among the assets"));
       }
-      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sweep_.model_sha256()));
+      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sha256));
     }
     return database_.run(sql::delete_unused_assets);
   }
@@ -267,9 +281,11 @@ class SweepUpdate {
         around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
         if_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
         if_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
-        warnings(condition));
+        warnings(condition), field_text(condition));
     if (!id.ok()) return id.status();
+    const auto& by_field = condition.temperature_field().part();
     for (std::size_t part = 0; part < part_ids_.size(); ++part) {
+      if (std::find(by_field.begin(), by_field.end(), part) != by_field.end()) continue;
       IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, *id, part_ids_[part],
                                     condition.part_temperature_k(static_cast<int>(part))));
     }

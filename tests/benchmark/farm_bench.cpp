@@ -66,10 +66,10 @@ int main(int argc, char** argv) {
     usleep(10000);
   }
   const auto sweep = frigate_sweep(jobs);
-  if (auto reply = submit(*address, sweep, "", 1); !reply.ok()) return 1;
+  if (auto reply = submit(*address, sweep, {}, 1); !reply.ok()) return 1;
   const RunnerFactory factory =
       [&](const schema::ResolvedSweep&,
-          std::string_view) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
+          const Assets& /*assets*/) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
     return std::make_unique<RepeatingRunner>(sweep);
   };
   const std::atomic<bool> stop = false;

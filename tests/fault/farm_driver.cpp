@@ -14,7 +14,7 @@ int main(int, char** argv) {
                                        .worker_executable = IRSIG_SYNTHETIC_WORKER,
                                        .worker_arguments = {"--seconds", "1000"}});
   if (!farm.ok()) return std::puts(std::string(farm.status().message()).c_str()), 1;
-  if (!irsig::submit((*farm)->address(), irsig::frigate_sweep(4), "", 1).ok()) return 1;
+  if (!irsig::submit((*farm)->address(), irsig::frigate_sweep(4), {}, 1).ok()) return 1;
   if (!(*farm)->start_workers().ok()) return 1;
   pause();
 }

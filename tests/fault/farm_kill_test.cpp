@@ -71,7 +71,7 @@ class FarmKillTest : public testing::Test {
     auto farm = LocalFarm::start(plan);
     EXPECT_TRUE(farm.ok()) << farm.status();
     if (!farm.ok()) return {};
-    EXPECT_TRUE(submit((*farm)->address(), sweep, "", 1).ok());
+    EXPECT_TRUE(submit((*farm)->address(), sweep, {}, 1).ok());
     EXPECT_TRUE((*farm)->start_workers().ok());
     std::uint64_t settled = 0;
     const auto deadline = steady_clock::now() + std::chrono::seconds(120);
@@ -156,7 +156,7 @@ TEST_F(FarmKillTest, ASweepGoesOnInAnotherRun) {
   {
     auto farm = LocalFarm::start(plan("resumed.sigdb", 2, {"--seconds", "0.05"}));
     ASSERT_TRUE(farm.ok()) << farm.status();
-    ASSERT_TRUE(submit((*farm)->address(), sweep, "", 1).ok());
+    ASSERT_TRUE(submit((*farm)->address(), sweep, {}, 1).ok());
     ASSERT_TRUE((*farm)->start_workers().ok());
     std::this_thread::sleep_for(milliseconds(400));
     for (const auto& child : children_of(getpid())) kill(child.pid, SIGKILL);
@@ -180,7 +180,7 @@ TEST_F(FarmKillTest, AnotherDeterminismClassEndsTheRunWithItsReason) {
   {
     auto farm = LocalFarm::start(plan("class.sigdb", 1, {"--failing", "1"}));
     ASSERT_TRUE(farm.ok());
-    ASSERT_TRUE(submit((*farm)->address(), sweep, "", 1).ok());
+    ASSERT_TRUE(submit((*farm)->address(), sweep, {}, 1).ok());
     ASSERT_TRUE((*farm)->start_workers().ok());
     while (farm_status((*farm)->address())->sweep(0).done() == 0) {
       std::this_thread::sleep_for(milliseconds(5));
@@ -189,7 +189,7 @@ TEST_F(FarmKillTest, AnotherDeterminismClassEndsTheRunWithItsReason) {
   }
   auto farm = LocalFarm::start(plan("class.sigdb", 1, {"--class", "another"}));
   ASSERT_TRUE(farm.ok());
-  ASSERT_TRUE(submit((*farm)->address(), sweep, "", 1).ok());
+  ASSERT_TRUE(submit((*farm)->address(), sweep, {}, 1).ok());
   ASSERT_TRUE((*farm)->start_workers().ok());
   absl::Status alive;
   for (int i = 0; i < 500 && alive.ok(); ++i) {
@@ -238,7 +238,7 @@ TEST_F(FarmKillTest, AStoppedWorkerLosesItsJobAndItsLateResultIsRefused) {
                                    seconds,
                                    [](const absl::Status& status) { ADD_FAILURE() << status; }});
   ASSERT_TRUE(server.ok()) << server.status();
-  ASSERT_TRUE(submit(address, frigate_sweep(1), "", 1).ok());
+  ASSERT_TRUE(submit(address, frigate_sweep(1), {}, 1).ok());
   auto slow = ChildProcess::start({IRSIG_SYNTHETIC_WORKER, "--coordinator", address.text, "--name",
                                    "slow", "--seconds", "0.3", "--exit-when-finished"},
                                   folder_ + "/slow.log", SIGKILL);

@@ -136,7 +136,7 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
 
 RunnerFactory synthetic_runner(const SyntheticWork& work) {
   return [work](const schema::ResolvedSweep& sweep,
-                std::string_view) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
+                const Assets& /*assets*/) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
     return std::make_unique<SyntheticRunner>(sweep, work);
   };
 }

@@ -18,7 +18,8 @@ absl::Status tried(const RandomScene& scene, bool prepared) {
   const std::string model = model_obj(scene);
   const auto resolved = resolve_sweep(*file, model);
   if (!resolved.ok()) return resolved.status();
-  return prepared ? JobRunner::create(*resolved, model).status() : absl::OkStatus();
+  return prepared ? JobRunner::create(*resolved, model_alone(*resolved, model)).status()
+                  : absl::OkStatus();
 }
 
 TEST(RandomScene, EveryOneIsASweepThatCanRun) {

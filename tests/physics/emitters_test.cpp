@@ -10,6 +10,7 @@
 
 #include "core/signature/shading.h"
 #include "core/sources/view_sources.h"
+#include "core/spectral/planck.h"
 #include "scene_fixture.h"
 
 namespace irsig {
@@ -131,13 +132,12 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
                                .wanted = wanted,
                                .parts = 2,
                                .contrast = false,
-                               .emitters = around.emitters},
+                               .emitters = std::make_shared<const Emitters>(around.emitters)},
                               EffectSet::everything(1, 3), environments, axis.node_um());
-    std::vector<SummedWeights> sums;
-    for (const PathWeights& w : weights) sums.push_back(summed(w.weight, sources.layout(), 2));
+    const LitWeights lit(sources.wanted(0), weights, 2);
     std::vector<std::vector<double>> values;
-    evaluate(sources.wanted(0), 2, weights, sums, simulator->scene().path_basis(), axis.band(0),
-             true, values);
+    evaluate(sources.wanted(0), 2, lit, simulator->scene().path_basis(), axis.band(0), true,
+             values);
     return values;
   };
   const auto of_parts = values_of(by_part, a), of_elements = values_of(by_element, b);
@@ -146,6 +146,104 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
     ASSERT_EQ(of_parts[r].size(), of_elements[r].size());
     for (std::size_t q = 0; q < of_parts[r].size(); ++q)
       EXPECT_NEAR(of_elements[r][q], of_parts[r][q], 1e-11 * std::abs(of_parts[r][0])) << q;
+  }
+}
+
+ElementEmission emission_of(const Target& target, std::span<const FacetTemperatures> condition) {
+  std::vector<std::uint32_t> part;
+  for (const Target::Facet& f : target.facet) part.push_back(f.part);
+  return make_element_emission(part, target.part.size(), condition);
+}
+
+// A blackbody's radiance from four of the nodes, over the range of temperatures and wavelengths.
+TEST(Emitters, NodesGiveEveryBlackbody) {
+  const BlackbodyNodes nodes(150, 3000);
+  EXPECT_LT(nodes.count(), 330u);
+  for (const double um : {1.0, 2.0, 3.0, 4.5, 10.0, 14.0}) {
+    double worst = 0;
+    for (double t = 150; t <= 3000; t *= 1.0007) {
+      const BlackbodyNodes::Share share = nodes.share(t);
+      double sum = 0;
+      for (std::uint32_t k = 0; k < 4; ++k)
+        sum += share.weight[k] * planck_radiance_w_m2_sr_um(um, nodes.kelvin(share.first + k));
+      worst = std::max(worst, std::abs(sum / planck_radiance_w_m2_sr_um(um, t) - 1));
+    }
+    EXPECT_LE(worst, nodes.relative_error(um)) << um;
+    EXPECT_GE(worst, 0.1 * nodes.relative_error(um)) << um;
+  }
+  EXPECT_LT(BlackbodyNodes(250, 330).relative_error(3), 4e-6);
+  EXPECT_LT(BlackbodyNodes(250, 330).relative_error(8), 1e-6);
+}
+
+// The same paths with the temperatures stated by part and by facet. The bound of the temperatures'
+// errors is what the view gains when all are as much higher.
+TEST(Emitters, TemperaturesOfTheirOwn) {
+  for (const bool is_grey : {true, false}) {
+    SceneSpec scene = scene_of(
+        generated("frigate", 8000),
+        is_grey
+            ? grey(0.7)
+            : MaterialSpec{"paint",
+                           Lambert{{{2.9, 0.9}, {3.4, 0.5}, {3.9, 0.8}, {4.3, 0.3}, {5.1, 0.6}}}},
+        mwir());
+    scene.part = {{"ship", {"hull", "deck", "superstructure"}, 0, false, false},
+                  {"mast", {"mast", "turret"}, 0, false, false},
+                  {"funnel", {"funnel", "*_*"}, 0, false, false}};
+    const auto simulator = simulator_of(scene);
+    const Target& target = simulator->target();
+    const auto simulate = [&](std::vector<double> kelvin, double error_k, bool by_facet) {
+      ViewRequest r = request(*simulator, 40, 20, 5000, kelvin);
+      r.accuracy.samples_per_replicate = 1024;
+      r.max_reflections = 3;
+      r.thumbnail_px = 40;
+      if (by_facet) {
+        // The ship's temperature stays stated.
+        FacetTemperatures facets;
+        for (const Target::Facet& f : target.facet) {
+          facets.kelvin.push_back(f.part == 0 ? NAN : static_cast<float>(kelvin[f.part]));
+          facets.error_k.push_back(f.part == 0 ? NAN : static_cast<float>(error_k));
+        }
+        const ElementEmission emission = emission_of(target, {&facets, 1});
+        r.emitters = std::make_shared<const Emitters>(emission.emitters);
+        r.condition[0].emitter = std::make_shared<const EmitterTemperatures>(emission.condition[0]);
+      }
+      auto result = simulator->simulate(r);
+      EXPECT_TRUE(result.ok()) << result.status();
+      return *std::move(result);
+    };
+    const ViewResult stated = simulate({290, 330, 420}, 0, false),
+                     facets = simulate({290, 330, 420}, 0, true);
+    const SignatureResult &a = stated.row[0], &b = facets.row[0];
+    const double within = 4e-6 * a.intensity_w_sr.value;
+    EXPECT_NEAR(b.intensity_w_sr.value, a.intensity_w_sr.value, within);
+    EXPECT_NEAR(b.intensity_w_sr.stderr_, a.intensity_w_sr.stderr_, within);
+    EXPECT_NEAR(b.apparent_intensity_w_sr.value, a.apparent_intensity_w_sr.value, within);
+    EXPECT_NEAR(b.contrast_intensity_w_sr.value, a.contrast_intensity_w_sr.value, within);
+    for (std::size_t c = 0; c < kCauses; ++c)
+      EXPECT_NEAR(b.cause_w_sr[c].value, a.cause_w_sr[c].value, within) << c;
+    EXPECT_GT(a.cause_w_sr[static_cast<std::size_t>(Cause::kPartsReflected)].value, 100 * within);
+    for (std::size_t p = 0; p < a.part_w_sr.size(); ++p)
+      EXPECT_NEAR(b.part_w_sr[p].value, a.part_w_sr[p].value, within) << p;
+    for (std::size_t k = 0; k < a.spectral.value.size(); ++k)
+      EXPECT_NEAR(b.spectral.value[k], a.spectral.value[k], 1e-5 * a.spectral.value[k]) << k;
+    ASSERT_EQ(b.image_w_m2_sr.size(), a.image_w_m2_sr.size());
+    for (std::size_t i = 0; i < a.image_w_m2_sr.size(); ++i)
+      EXPECT_NEAR(b.image_w_m2_sr[i], a.image_w_m2_sr[i], 1e-5F * a.image_w_m2_sr[i]) << i;
+    EXPECT_GT(b.basis_bound_w_sr, a.basis_bound_w_sr);
+    EXPECT_LT(b.basis_bound_w_sr, a.basis_bound_w_sr + within);
+    EXPECT_EQ(b.temperature_bound_w_sr, 0);
+
+    const ViewResult uncertain = simulate({290, 330, 420}, 2, true),
+                     warmer = simulate({290, 332, 422}, 0, true);
+    const double more = warmer.row[0].intensity_w_sr.value - b.intensity_w_sr.value;
+    EXPECT_EQ(uncertain.row[0].intensity_w_sr.value, b.intensity_w_sr.value);
+    EXPECT_NEAR(uncertain.row[0].temperature_bound_w_sr, more, 1e-3 * more);
+    // Bounds add up before they join the rest of an error.
+    const double bound = more / std::sqrt(3.0);
+    EXPECT_LE(uncertain.row[0].numerical_error_w_sr, 1.001 * (b.numerical_error_w_sr + bound));
+    EXPECT_GE(uncertain.row[0].numerical_error_w_sr,
+              0.999 * std::hypot(b.numerical_error_w_sr, bound));
+    EXPECT_GT(more, 100 * within);
   }
 }
 

@@ -7,12 +7,12 @@ import math, pathlib, re, sqlite3, subprocess, sys, tempfile, unittest
 IRSIG, ROOT = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
 COMMON = "truncation_bound_w_sr + quadrature_bound_w_sr + unseen_bound_w_sr + sky_bound_w_sr"
 ERRORS = {  # numerical error: standard error, sum of bounds; the basis is contained in the quadrature
-    "numerical_error_w_sr": ("intensity_stderr_w_sr", f"{COMMON} + omitted_bound_w_sr"),
+    "numerical_error_w_sr": ("intensity_stderr_w_sr", f"{COMMON} + omitted_bound_w_sr + temperature_bound_w_sr"),
     "apparent_numerical_error_w_sr":
-        ("apparent_intensity_stderr_w_sr", f"{COMMON} + apparent_omitted_bound_w_sr + depth_bound_w_sr"),
+        ("apparent_intensity_stderr_w_sr", f"{COMMON} + apparent_omitted_bound_w_sr + depth_bound_w_sr + apparent_temperature_bound_w_sr"),
     "contrast_numerical_error_w_sr":
         ("contrast_intensity_stderr_w_sr", f"{COMMON} + contrast_omitted_bound_w_sr + depth_bound_w_sr"
-                                            " + background_bound_w_sr"),
+                                            " + background_bound_w_sr + apparent_temperature_bound_w_sr"),
 }
 
 

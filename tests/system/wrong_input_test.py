@@ -99,7 +99,7 @@ COMMANDS = [
     (["explain", "DB", "--row", "9999"], r"no row 9999 in this database; the last one is"),
     (["plot", "DB", "--kind", "polar", "--out", "a.png"], r"does not write .png files, expected svg"),
     (["plot", "DB", "--kind", "pie", "--out", "a.svg"], r"pie not in \{polar,"),
-    (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf"),
+    (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf, temperatures"),
     (["export", "DB", "--netcdf", "--out", "-"], r"netcdf needs a file"),
     (["model", "tank", "--triangles", "100", "--out", "x.obj"], r'model "tank", expected one of disk, sphere'),
     (["model", "box", "--triangles", "12", "--out", "x.stl"], r"does not write .stl files, expected obj"),

@@ -126,7 +126,7 @@ TEST_F(ServerTest, ASweepGoesThroughARealSocketAndLeavesOnePlainFile) {
   EXPECT_EQ(there.st_mode & 0777, 0600U);
   const auto address = *parse_address(socket());
   const auto sweep = frigate_sweep(5);
-  const auto reply = submit(address, sweep, "", 1);
+  const auto reply = submit(address, sweep, {}, 1);
   ASSERT_TRUE(reply.ok()) << reply.status();
   EXPECT_EQ(reply->jobs(), 5U);
   EXPECT_EQ(reply->jobs_to_compute(), 5U);
@@ -144,7 +144,7 @@ TEST_F(ServerTest, ASweepGoesThroughARealSocketAndLeavesOnePlainFile) {
   const auto status = farm_status(address);
   ASSERT_TRUE(status.ok()) << status.status();
   EXPECT_EQ(status->sweep(0).done(), 5U);
-  EXPECT_EQ(submit(address, sweep, "", 1)->jobs_to_compute(), 0U);
+  EXPECT_EQ(submit(address, sweep, {}, 1)->jobs_to_compute(), 0U);
   EXPECT_TRUE((*server)->stop().ok());
   std::vector<std::string> left;
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
@@ -160,7 +160,7 @@ TEST_F(ServerTest, ASweepWithEscapeSequencesInItsNamesIsRefused) {
   const auto address = *parse_address(socket());
   auto sweep = frigate_sweep(1);
   sweep.mutable_sweep()->set_name("frigate\x1b]0;owned\x07");
-  const auto reply = submit(address, sweep, "", 1);
+  const auto reply = submit(address, sweep, {}, 1);
   EXPECT_TRUE(absl::IsInvalidArgument(reply.status())) << reply.status();
   EXPECT_THAT(std::string(reply.status().message()), HasSubstr("frigate?]0;owned?"));
   const auto status = farm_status(address);
@@ -199,7 +199,7 @@ TEST_F(ServerTest, AResultThatWasCutIsNotTakenForAResult) {
   ASSERT_TRUE(server.ok()) << server.status();
   const auto address = *parse_address(socket());
   const auto sweep = frigate_sweep(1);
-  ASSERT_TRUE(submit(address, sweep, "", 1).ok());
+  ASSERT_TRUE(submit(address, sweep, {}, 1).ok());
   const auto farm = schema::Farm::NewStub(connect(address));
   schema::RegisterRequest request;
   request.set_worker_name("a");
@@ -267,18 +267,19 @@ TEST_F(ServerTest, ADamagedModelIsRefused) {
   auto sweep = frigate_sweep(1);
   sweep.set_model_sha256(sha256_hex("the model"));
   const auto address = *parse_address(socket());
-  EXPECT_TRUE(absl::IsInvalidArgument(submit(address, sweep, "another model", 1).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      submit(address, sweep, model_alone(sweep, "another model"), 1).status()));
   EXPECT_EQ(farm_status(address)->sweep_size(), 0);
-  EXPECT_TRUE(submit(address, sweep, "the model", 1).ok());
+  EXPECT_TRUE(submit(address, sweep, model_alone(sweep, "the model"), 1).ok());
   const auto farm = schema::Farm::NewStub(connect(address));
-  EXPECT_EQ(*fetch_model(*farm, sweep.model_sha256(), 5), "the model");
+  EXPECT_EQ(*fetch_file(*farm, sweep.model_sha256(), 5), "the model");
 }
 
 TEST_F(ServerTest, CancelByNameByHashAndByNothing) {
   auto server = start(socket());
   ASSERT_TRUE(server.ok()) << server.status();
   const auto address = *parse_address(socket());
-  ASSERT_TRUE(submit(address, frigate_sweep(4), "", 1).ok());
+  ASSERT_TRUE(submit(address, frigate_sweep(4), {}, 1).ok());
   const auto unknown = cancel(address, "no such sweep");
   EXPECT_TRUE(absl::IsNotFound(unknown.status()));
   EXPECT_THAT(std::string(unknown.status().message()), HasSubstr("frigate"));
@@ -290,7 +291,7 @@ TEST_F(ServerTest, CancelByNameByHashAndByNothing) {
 TEST_F(ServerTest, AWorkerOutlivesARestartOfTheCoordinator) {
   auto server = start(socket());
   ASSERT_TRUE(server.ok()) << server.status();
-  ASSERT_TRUE(submit(*parse_address(socket()), frigate_sweep(20), "", 1).ok());
+  ASSERT_TRUE(submit(*parse_address(socket()), frigate_sweep(20), {}, 1).ok());
   absl::Status ended = absl::UnknownError("still running");
   std::thread a([&] {
     SyntheticWork work;

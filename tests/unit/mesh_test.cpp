@@ -443,7 +443,7 @@ TEST(Generate, DimensionsAndTheirMistakes) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     return std::string(status.message());
   };
-  EXPECT_THAT(refused({"boat", 500}), HasSubstr("model \"boat\", expected disk"));
+  EXPECT_THAT(refused({"boat", 500}), HasSubstr("model \"boat\", expected one of disk"));
   EXPECT_THAT(refused({"box", 500, 1}), HasSubstr("a box has no radius_m"));
   EXPECT_THAT(refused({"disk", 500, 0, 1}), HasSubstr("a disk has no length_m"));
   EXPECT_THAT(refused({"disk", 500, -1}), HasSubstr("radius_m = -1"));

@@ -197,7 +197,7 @@ TEST_F(StoreContent, TheSweepComesBack) {
   const auto sweep = reader_->sweep("ship");
   ASSERT_OK(sweep.status());
   EXPECT_TRUE(MessageDifferencer::Equals(sweep->resolved, sweep_));
-  EXPECT_EQ(sweep->model_bytes, "");
+  EXPECT_TRUE(sweep->assets.empty());
   EXPECT_TRUE(absl::IsNotFound(reader_->sweep("boat").status()));
 }
 

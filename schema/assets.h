@@ -1,0 +1,27 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// The bytes of files that a resolved sweep refers to, by their SHA-256.
+using Assets = std::map<std::string, std::string>;
+
+// Those that it needs: its model's (unless it is generated), its temperature fields'.
+[[nodiscard]] std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep);
+
+// Empty: the sweep has no such file.
+[[nodiscard]] std::string_view asset(const Assets& assets, const std::string& sha256);
+
+// Of a sweep whose only file is its model; none if that is generated.
+[[nodiscard]] Assets model_alone(const schema::ResolvedSweep& sweep, std::string_view bytes);
+
+// Of all files together.
+[[nodiscard]] std::size_t bytes_of(const Assets& assets);
+
+}  // namespace irsig
