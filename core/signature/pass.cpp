@@ -41,6 +41,10 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   for (const SunDirection& sun : sources_.geometry().sun)
     glitter_.push_back(brightest_glitter(sun));
   for (std::size_t row = 0; row < this->rows(); ++row) {
+    const BandOnAxis band = axis_band(row);
+    in_band_.push_back(
+        source_table(light(row), scene_.path_basis(), band.first_node, band.grid.band_weight));
+    brightest_thermal_.push_back(light(row).brightest_thermal_w_m2_sr(band));
     brightest_.push_back(find_brightest_w_m2_sr(row, request));
     in_band_light_.push_back(in_band_light(row));
   }
@@ -71,12 +75,6 @@ PathSettings Pass::path_settings(std::uint64_t samples, std::uint64_t stage) con
 void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   const PathTracer tracer(scene_.target, scene_.carried_material(), *view_->aimed,
                           sources_.geometry(), path_settings(samples, stage));
-  if (in_band_.empty())
-    for (std::size_t row = 0; row < rows(); ++row) {
-      const BandOnAxis band = axis_band(row);
-      in_band_.push_back(
-          source_table(light(row), scene_.path_basis(), band.first_node, band.grid.band_weight));
-    }
   image_plan_ = kind == Kind::kStoredWithPictures ? plan_images(tracer.layout()) : ImagePlan{};
   image_.assign(
       static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px * image_plan_.padded,
@@ -126,7 +124,8 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
       mean = lit->mean();
       if (basis != nullptr && !basis->identity()) largest = largest_on_nodes(mean, *basis);
     }
-    evaluate(light(row), parts, *lit, basis, axis_band(row), kind != Kind::kPilot, values);
+    evaluate(light(row), parts, *lit, basis, axis_band(row), in_band_[row], kind != Kind::kPilot,
+             values);
     ReplicateStatistics& s = statistics_.emplace_back(values.front().size());
     for (const std::vector<double>& of_replicate : values) {
       s.add(of_replicate);
@@ -305,10 +304,10 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
                                 light.hottest_k());
   // Of materials' tables between the corners that cut the quadrature: emission and reflection may
   // change by twice what is left out, reflectances of optical constants by four times.
-  all.of(BoundOf::kQuadrature) += 4 * scene_.corners_left_out[band_of(row)] *
-                                      s.estimate(kAreaQuantity).value *
-                                      light.brightest_w_m2_sr(axis_band(row)) +
-                                  scene_.sun_quadrature[band_of(row)] * cause(Cause::kSunReflected);
+  all.of(BoundOf::kQuadrature) +=
+      4 * scene_.corners_left_out[band_of(row)] * s.estimate(kAreaQuantity).value *
+          light.brightest_w_m2_sr(axis_band(row), brightest_thermal_[row]) +
+      scene_.sun_quadrature[band_of(row)] * cause(Cause::kSunReflected);
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
   const Unseen unseen = this->unseen(row);
   all.of(BoundOf::kUnseen) = unseen.bound;
@@ -352,7 +351,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
 
 double Pass::find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const {
   const ConditionSources& light = this->light(row);
-  double sum = light.brightest_thermal_w_m2_sr(axis_band(row));
+  double sum = brightest_thermal_[row];
   for (const LitSun& sun : light.suns())
     sum += in_band(sun.irradiance, axis_band(row)) *
                unseen_->of(sources_.geometry().sun[sun.index]).brightest_per_sr +
@@ -441,7 +440,12 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
   const ConditionSources& light = this->light(row);
   const BandOnAxis band = axis_band(row);
   const SourceLayout& layout = sources_.layout();
+  // Of grey materials the table has these very numbers.
+  const SourceTable& table = in_band_[row];
+  const bool known = scene_.path_basis() == nullptr;
   const auto of = [&](SourceId id) {
+    if (known)
+      return InBandLight::Radiance{table.source[index_of(id)], table.apparent[index_of(id)]};
     return InBandLight::Radiance{in_band(light.radiance(id), band),
                                  in_band(light.apparent(id), band)};
   };

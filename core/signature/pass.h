@@ -150,10 +150,10 @@ class Pass {
   std::uint64_t seed_;
   ViewSources sources_;
   std::shared_ptr<const UnseenLight> unseen_;
-  std::vector<std::vector<SeaGlint>> glitter_;  // [sun of the geometry]
-  std::vector<double> brightest_;               // [row]
-  std::vector<InBandLight> in_band_light_;      // [row]
-  std::vector<SourceTable> in_band_;            // [row]
+  std::vector<std::vector<SeaGlint>> glitter_;         // [sun of the geometry]
+  std::vector<double> brightest_, brightest_thermal_;  // [row]
+  std::vector<InBandLight> in_band_light_;             // [row]
+  std::vector<SourceTable> in_band_;                   // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;                                // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_, sky_w_sr_, depth_w_sr_;  // [row]

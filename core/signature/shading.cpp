@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/clones.h"
 #include "core/base/ordered_dot.h"
 
 namespace irsig {
@@ -23,6 +24,104 @@ double over(SourceRange range, const std::vector<double>& entry, const SourceTab
 
 std::size_t quantities(std::size_t parts, const BandGrid& grid, bool spectra) {
   return spectrum_quantity(parts) + (spectra ? (4 + kCauses) * grid.lambda_um.size() : 0);
+}
+
+// a += factor x b: each element by itself, the same bits however many at once.
+IRSIG_CLONES void add_scaled(double factor, const double* b, std::size_t n, double* a) {
+  for (std::size_t i = 0; i < n; ++i) a[i] += factor * b[i];
+}
+
+// One source's spectrum as weights that paths carry want it: a mean over each bin, of every column.
+class BinRows {
+ public:
+  BinRows(const SpectralBasis* basis, const BandOnAxis& band)
+      : basis_(basis), band_(band), bins_(band.grid.lambda_um.size()) {
+    by_node_ = basis != nullptr && basis->identity();
+    columns_ = basis == nullptr ? 1 : by_node_ ? 0 : basis->columns();
+    value_.resize(by_node_ ? band.nodes() : columns_ * bins_);
+  }
+
+  void set(std::span<const double> radiance) {
+    const double* of_band = radiance.data() + band_.first_node;
+    const std::vector<double>& weight = band_.grid.bin_weight;
+    if (by_node_) {
+      for (std::size_t i = 0; i < value_.size(); ++i) value_[i] = weight[i] * of_band[i];
+      return;
+    }
+    std::fill(value_.begin(), value_.end(), 0.0);
+    for (std::size_t bin = 0; bin < bins_; ++bin)
+      for (std::size_t i = band_.grid.bin_first[bin]; i < band_.grid.bin_first[bin + 1]; ++i) {
+        const double mean = weight[i] * of_band[i];
+        if (basis_ == nullptr) {
+          value_[bin] += mean;
+          continue;
+        }
+        const double* expand = basis_->expand.data() + (band_.first_node + i) * columns_;
+        for (std::size_t k = 0; k < columns_; ++k) value_[k * bins_ + bin] += mean * expand[k];
+      }
+  }
+
+  // weight: of the source.
+  void add_to(const double* weight, double* spectrum) const {
+    if (!by_node_) {
+      for (std::size_t k = 0; k < columns_; ++k)
+        if (weight[k] != 0) add_scaled(weight[k], value_.data() + k * bins_, bins_, spectrum);
+      return;
+    }
+    for (std::size_t bin = 0; bin < bins_; ++bin)
+      for (std::size_t i = band_.grid.bin_first[bin]; i < band_.grid.bin_first[bin + 1]; ++i)
+        spectrum[bin] += weight[band_.first_node + i] * value_[i];
+  }
+
+ private:
+  const SpectralBasis* basis_;
+  const BandOnAxis& band_;
+  std::size_t bins_, columns_ = 1;
+  bool by_node_ = false;
+  std::vector<double> value_;  // [column][bin], or [node]
+};
+
+// Total, causes, apparent, contrast and background on the stored wavelengths, source by source:
+// each spectrum is gone through once for all replicates.
+void add_spectra(const ConditionSources& light, const LitWeights& weights,
+                 const SpectralBasis* basis, const BandOnAxis& band, std::size_t first,
+                 std::vector<std::vector<double>>& values) {
+  const BandGrid& grid = band.grid;
+  const std::size_t bins = grid.lambda_um.size();
+  const auto spectrum = [&](std::size_t replicate, std::size_t which) {
+    return values[replicate].data() + first + which * bins;
+  };
+  constexpr std::size_t kApparent = 1 + kCauses, kContrast = 2 + kCauses, kBackground = 3 + kCauses;
+  BinRows source(basis, band), apparent(basis, band);
+  const auto causes = light.causes();
+  for (std::size_t c = 0; c < kCauses; ++c)
+    for (const SourceRange& piece : causes[c])
+      for (const SourceId id : piece) {
+        source.set(light.radiance(id));
+        apparent.set(light.apparent(id));
+        for (std::size_t r = 0; r < weights.replicates(); ++r) {
+          source.add_to(weights.sum(r).row(id), spectrum(r, 1 + c));
+          apparent.add_to(weights.sum(r).row(id), spectrum(r, kApparent));
+        }
+      }
+  for (const SourceId id : light.layout().behind()) {
+    apparent.set(light.apparent(id));
+    for (std::size_t r = 0; r < weights.replicates(); ++r)
+      apparent.add_to(weights.sum(r).row(id), spectrum(r, kBackground));
+  }
+  for (std::size_t bin = 0; bin < bins; ++bin) {
+    double path = 0;
+    for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
+      path += grid.bin_weight[i] * light.environment().path_radiance[band.first_node + i];
+    for (std::size_t r = 0; r < weights.replicates(); ++r) {
+      const double area = weights.area_m2(r), seen = spectrum(r, kApparent)[bin],
+                   instead = spectrum(r, kBackground)[bin];
+      for (std::size_t c = 0; c < kCauses; ++c) spectrum(r, 0)[bin] += spectrum(r, 1 + c)[bin];
+      spectrum(r, kApparent)[bin] = seen + area * path;
+      spectrum(r, kContrast)[bin] = seen - instead;
+      spectrum(r, kBackground)[bin] = area > 0 ? instead / area + path : path;
+    }
+  }
 }
 
 }  // namespace
@@ -144,70 +243,43 @@ double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sum
 }
 
 void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
-              const SpectralBasis* basis, const BandOnAxis& band, bool spectra,
-              std::vector<std::vector<double>>& values) {
+              const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
+              bool spectra, std::vector<std::vector<double>>& values) {
   const BandGrid& grid = band.grid;
   const std::vector<double>& path_radiance = light.environment().path_radiance;
   const SourceLayout& layout = light.layout();
-  const std::size_t bins = grid.lambda_um.size();
   values.assign(weights.replicates(), std::vector<double>(quantities(parts, grid, spectra), 0.0));
-
   const auto causes = light.causes();
-  // One integral over wavelength: what of each replicate goes where.
-  struct Out {
-    std::size_t total, cause, cause_stride, apparent, contrast, background;
-  };
-  const auto integrate = [&](const SourceTable& table, double path, const Out& to) {
-    for (std::size_t r = 0; r < weights.replicates(); ++r) {
-      const SummedWeights& sum = weights.sum(r);
-      double* out = values[r].data();
-      double total = 0, seen = 0;
-      for (std::size_t c = 0; c < kCauses; ++c) {
-        double value = 0;
-        for (const SourceRange& piece : causes[c]) {
-          value += over(piece, table.source, table, sum);
-          seen += over(piece, table.apparent, table, sum);
-        }
-        out[to.cause + c * to.cause_stride] = value;
-        total += value;
-      }
-      const double instead = over(layout.behind(), table.apparent, table, sum);
-      const double area = weights.area_m2(r);
-      out[to.total] = total;
-      out[to.apparent] = seen + area * path;
-      out[to.contrast] = seen - instead;
-      out[to.background] = area > 0 ? instead / area + path : path;
-    }
-  };
-
   const std::size_t at_contrast = contrast_quantity(parts);
-  const SourceTable whole = source_table(light, basis, band.first_node, grid.band_weight);
   double path = 0;
   for (std::size_t i = 0; i < band.nodes(); ++i)
     path += grid.band_weight[i] * path_radiance[band.first_node + i];
-  integrate(whole, path, {0, 1, 1, kApparentQuantity, at_contrast, at_contrast + 1});
   for (std::size_t r = 0; r < weights.replicates(); ++r) {
-    values[r][kAreaQuantity] = weights.area_m2(r);
+    const SummedWeights& sum = weights.sum(r);
+    double* out = values[r].data();
+    double seen = 0;
+    for (std::size_t c = 0; c < kCauses; ++c) {
+      for (const SourceRange& piece : causes[c]) {
+        out[1 + c] += over(piece, whole.source, whole, sum);
+        seen += over(piece, whole.apparent, whole, sum);
+      }
+      out[0] += out[1 + c];
+    }
+    const double instead = over(layout.behind(), whole.apparent, whole, sum);
+    const double area = weights.area_m2(r);
+    out[kApparentQuantity] = seen + area * path;
+    out[kAreaQuantity] = area;
+    out[at_contrast] = seen - instead;
+    out[at_contrast + 1] = area > 0 ? instead / area + path : path;
     for (std::uint32_t p = 0; p < parts; ++p) {
-      double sum = 0;
+      double of_part = 0;
       weights.weight(r).for_each(p, layout.of_intensity(), [&](SourceId id, const double* w) {
-        sum += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
+        of_part += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
       });
-      values[r][part_quantity(p)] = sum;
+      out[part_quantity(p)] = of_part;
     }
   }
-  if (!spectra) return;
-  const std::size_t at_spectra = spectrum_quantity(parts);
-  for (std::size_t k = 0; k < bins; ++k) {
-    const std::size_t first = grid.bin_first[k], count = grid.bin_first[k + 1] - first;
-    const std::span<const double> weight(grid.bin_weight.data() + first, count);
-    double path_in_bin = 0;
-    for (std::size_t i = 0; i < count; ++i)
-      path_in_bin += weight[i] * path_radiance[band.first_node + first + i];
-    const auto at = [&](std::size_t spectrum) { return at_spectra + spectrum * bins + k; };
-    integrate(source_table(light, basis, band.first_node + first, weight), path_in_bin,
-              {at(0), at(1), bins, at(1 + kCauses), at(2 + kCauses), at(3 + kCauses)});
-  }
+  if (spectra) add_spectra(light, weights, basis, band, spectrum_quantity(parts), values);
 }
 
 double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,

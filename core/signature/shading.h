@@ -64,10 +64,11 @@ class LitWeights {
 // Everything that is stored of one band, for each replicate. In-band: total; the kCauses; apparent;
 // projected area; parts; contrast; background radiance. With `spectra`, on the stored wavelengths:
 // the total, each cause, apparent, contrast, background radiance. values[replicate][quantity].
+// `whole`: source_table() over the band.
 // `parts`: how many parts can be seen first.
 void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
-              const SpectralBasis* basis, const BandOnAxis& band, bool spectra,
-              std::vector<std::vector<double>>& values);
+              const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
+              bool spectra, std::vector<std::vector<double>>& values);
 
 // Where evaluate() puts some of them.
 inline constexpr std::size_t kEmittedQuantity = 1, kApparentQuantity = 1 + kCauses,

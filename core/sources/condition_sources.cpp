@@ -201,8 +201,8 @@ double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const
   return thermal;
 }
 
-double ConditionSources::brightest_w_m2_sr(const BandOnAxis& band) const {
-  double sum = brightest_thermal_w_m2_sr(band);
+double ConditionSources::brightest_w_m2_sr(const BandOnAxis& band, double brightest_thermal) const {
+  double sum = brightest_thermal;
   for (const LitSun& sun : sun_) sum += in_band(sun.irradiance, band) / std::numbers::pi;
   return sum;
 }

@@ -92,7 +92,10 @@ class ConditionSources {
   [[nodiscard]] double brightest_thermal_w_m2_sr(const BandOnAxis& band) const;
   // The largest in-band radiance of any source, a sunlit white surface included: what a lost path
   // can have carried at most. [W/(m2 sr)]
-  [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band) const;
+  [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band) const {
+    return brightest_w_m2_sr(band, brightest_thermal_w_m2_sr(band));
+  }
+  [[nodiscard]] double brightest_w_m2_sr(const BandOnAxis& band, double brightest_thermal) const;
   // Of what surfaces emit, at least 1 K each.
   [[nodiscard]] double coldest_k() const { return coldest_k_; }
   [[nodiscard]] double hottest_k() const { return hottest_k_; }

@@ -99,7 +99,9 @@ void ViewEstimator::trace_together(std::span<const ViewRow> rows, const PathSett
     const BandOnAxis band = simulator_.scene().axis.band(row.band);
     const BandGrid& grid = band.grid;
     const LitWeights lit(sources.wanted(i), weights, parts);
-    evaluate(sources.wanted(i), parts, lit, basis, band, true, values);
+    const SourceTable whole =
+        source_table(sources.wanted(i), basis, band.first_node, grid.band_weight);
+    evaluate(sources.wanted(i), parts, lit, basis, band, whole, true, values);
     ReplicateStatistics s(values.front().size());
     for (const auto& of_replicate : values) s.add(of_replicate);
     const std::size_t spectrum = spectrum_quantity(parts);

@@ -136,7 +136,10 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
                               EffectSet::everything(1, 3), environments, axis.node_um());
     const LitWeights lit(sources.wanted(0), weights, 2);
     std::vector<std::vector<double>> values;
-    evaluate(sources.wanted(0), 2, lit, simulator->scene().path_basis(), axis.band(0), true,
+    const SpectralBasis* basis = simulator->scene().path_basis();
+    const BandOnAxis band = axis.band(0);
+    evaluate(sources.wanted(0), 2, lit, basis, band,
+             source_table(sources.wanted(0), basis, band.first_node, band.grid.band_weight), true,
              values);
     return values;
   };
