@@ -106,6 +106,10 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
   auto temperatures = temperatures_from_sweep(resolved, assets, scene.mesh, scene.part);
   if (!temperatures.ok()) return temperatures.status();
   scene.temperatures = *std::move(temperatures);
+  for (int p = 0; p < sweep.part_size(); ++p)
+    if (!sweep.part(p).has_hot() && scene.temperatures.emitters)
+      scene.part[static_cast<std::size_t>(p)].hot =
+          is_hot(resolved, scene.temperatures, static_cast<std::size_t>(p));
   return scene;
 }
 

@@ -160,4 +160,20 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   return out;
 }
 
+bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& temperatures,
+            std::size_t part) {
+  constexpr double kHotterK = 30;
+  for (std::size_t c = 0; c < temperatures.condition.size(); ++c) {
+    const auto& stated = sweep.condition(static_cast<int>(c)).part_temperature_k();
+    const std::vector<double>& hottest_k = temperatures.part_k[c];
+    double coldest_k = INFINITY;
+    for (std::size_t p = 0; p < hottest_k.size(); ++p)
+      coldest_k = std::min(coldest_k, hottest_k[p] > 0 ? temperatures.condition[c]->coldest_k
+                                                       : stated[static_cast<int>(p)]);
+    if (std::max(hottest_k[part], stated[static_cast<int>(part)]) >= coldest_k + kHotterK)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace irsig

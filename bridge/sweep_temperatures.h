@@ -26,6 +26,11 @@ struct SweepTemperatures {
     const schema::ResolvedSweep& sweep, const Assets& assets, const Mesh& mesh,
     const std::vector<std::uint32_t>& part_of_facet);
 
+// Whether a part is 30 K or more above the coldest part in any condition, its hottest facet
+// counted: what Part.hot is by default (jobs/resolve_sweep.cpp, where all temperatures are stated).
+[[nodiscard]] bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& temperatures,
+                          std::size_t part);
+
 [[nodiscard]] absl::StatusOr<SweepTemperatures> temperatures_from_sweep(
     const schema::ResolvedSweep& sweep, const Assets& assets, const Mesh& mesh,
     const std::vector<PartSpec>& parts);

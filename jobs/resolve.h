@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,9 +31,13 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
 
 // [[temperature_field]], and where seasons name them.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
-// Of a season's condition: which parts have their temperatures from its field.
-void resolve_temperature_field(const SweepFile& file, const schema::Season& season,
-                               schema::Condition& condition);
+// By name, with the hashes of their files; then of a season's condition, with the parts that have
+// their temperatures from it.
+[[nodiscard]] std::map<std::string, schema::ConditionField> resolve_temperature_fields(
+    const SweepFile& file);
+void take_temperature_field(const std::map<std::string, schema::ConditionField>& fields,
+                            const schema::Sweep& sweep, const schema::Season& season,
+                            schema::Condition& condition);
 
 // [place] [[season]] time [air] transport.sun and the surroundings: writes ResolvedSweep.condition,
 // if nothing was found so far. `file` has the text of the files that air and seasons name.

@@ -184,6 +184,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
   }
   if (!findings.empty()) return;
 
+  const auto fields = resolve_temperature_fields(file);
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
     schema::Weather weather;
@@ -201,7 +202,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
         condition.add_part_temperature_k(
             stated != season.part_temperature_k().end() ? stated->second : part.temperature_k());
       }
-      resolve_temperature_field(file, season, condition);
+      take_temperature_field(fields, sweep, season, condition);
       *condition.mutable_surroundings() = surroundings[static_cast<std::size_t>(s)];
       resolve_sun(sweep, s, utc, condition, findings);
       if (sweep.air().model() == "homogeneous")

@@ -96,18 +96,16 @@ std::string stem(const std::string& file_name) {
 // at 300 K, 30 K more are 1.57 times the radiance in 8-12 um and 2.71 times in 3-5 um.
 void mark_hot_parts(schema::ResolvedSweep& resolved) {
   constexpr double kHotterK = 30;
+  // Temperatures that stand in files are known where the mesh is (bridge/sweep_temperatures.h).
+  for (const schema::Condition& condition : resolved.condition())
+    if (condition.has_temperature_field()) return;
   for (int i = 0; i < resolved.sweep().part_size(); ++i) {
     schema::Part& part = *resolved.mutable_sweep()->mutable_part(i);
     if (part.has_hot()) continue;
     bool hot = false;
     for (const schema::Condition& condition : resolved.condition()) {
       const auto& temperatures_k = condition.part_temperature_k();
-      // Parts with a temperature field are not known here.
-      const auto& by_field = condition.temperature_field().part();
-      double coldest_k = kHottestK;
-      for (int p = 0; p < temperatures_k.size(); ++p)
-        if (std::find(by_field.begin(), by_field.end(), p) == by_field.end())
-          coldest_k = std::min(coldest_k, temperatures_k[p]);
+      const double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
       hot = hot || temperatures_k[i] >= coldest_k + kHotterK;
     }
     part.set_hot(hot);

@@ -65,19 +65,28 @@ void check_temperature_fields(const SweepFile& file, Findings& findings) {
   }
 }
 
-void resolve_temperature_field(const SweepFile& file, const schema::Season& season,
-                               schema::Condition& condition) {
-  if (!season.has_temperature_field()) return;
-  schema::ConditionField& from = *condition.mutable_temperature_field();
+std::map<std::string, schema::ConditionField> resolve_temperature_fields(const SweepFile& file) {
+  std::map<std::string, schema::ConditionField> out;
+  const auto bytes = fields_of(file);
   for (const schema::TemperatureField& field : file.sweep.temperature_field()) {
-    if (field.name() != season.temperature_field()) continue;
+    schema::ConditionField& from = out[field.name()];
     *from.mutable_field() = field;
     from.mutable_field()->clear_file();
     from.set_file_name(field.file().substr(field.file().find_last_of('/') + 1));
-    from.set_sha256(sha256_hex(field_bytes(file, field.name())));
+    if (const auto at = bytes.find(field.name()); at != bytes.end())
+      from.set_sha256(sha256_hex(at->second));
   }
-  for (int p = 0; p < file.sweep.part_size(); ++p)
-    if (!is_stated(season, file.sweep.part(p))) from.add_part(static_cast<std::uint32_t>(p));
+  return out;
+}
+
+void take_temperature_field(const std::map<std::string, schema::ConditionField>& fields,
+                            const schema::Sweep& sweep, const schema::Season& season,
+                            schema::Condition& condition) {
+  if (!season.has_temperature_field()) return;
+  schema::ConditionField& from = *condition.mutable_temperature_field();
+  from = fields.at(season.temperature_field());
+  for (int p = 0; p < sweep.part_size(); ++p)
+    if (!is_stated(season, sweep.part(p))) from.add_part(static_cast<std::uint32_t>(p));
 }
 
 }  // namespace irsig

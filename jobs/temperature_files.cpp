@@ -26,13 +26,13 @@ absl::Status read_temperature_files(SweepFile& file, const FileReader& read) {
   return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
 }
 
-std::string field_bytes(const SweepFile& file, const std::string& name) {
+std::map<std::string, std::string_view> fields_of(const SweepFile& file) {
+  std::map<std::string, std::string_view> out;
   for (int i = 0; i < file.sweep.temperature_field_size(); ++i) {
-    if (file.sweep.temperature_field(i).name() != name) continue;
     const auto at = file.content.find(path_of(i));
-    return at == file.content.end() ? std::string() : at->second;
+    if (at != file.content.end()) out[file.sweep.temperature_field(i).name()] = at->second;
   }
-  return "";
+  return out;
 }
 
 }  // namespace irsig

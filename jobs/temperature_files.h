@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
 #include "jobs/material_files.h"
@@ -13,7 +15,7 @@ namespace irsig {
 // that cannot be read. What is in it is read where the mesh is known.
 [[nodiscard]] absl::Status read_temperature_files(SweepFile& file, const FileReader& read);
 
-// Of a field, by its name. Empty: there is none.
-[[nodiscard]] std::string field_bytes(const SweepFile& file, const std::string& name);
+// The bytes of the fields' files, by their names.
+[[nodiscard]] std::map<std::string, std::string_view> fields_of(const SweepFile& file);
 
 }  // namespace irsig

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "core/base/user_file.h"
+#include "jobs/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
@@ -137,10 +138,8 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   loaded.resolved = *std::move(resolved);
   if (!loaded.resolved.model_sha256().empty())
     loaded.assets[loaded.resolved.model_sha256()] = std::move(model_bytes);
-  for (const schema::Condition& condition : loaded.resolved.condition())
-    if (condition.has_temperature_field())
-      loaded.assets[condition.temperature_field().sha256()] =
-          field_bytes(loaded.file, condition.temperature_field().field().name());
+  for (const auto& [name, bytes] : fields_of(loaded.file))
+    loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
   if (!asked.any_size)
     if (absl::Status status = check_size(loaded.size); !status.ok()) return status;

@@ -49,15 +49,16 @@ class CsvReader {
     std::size_t column;
   };
 
-  static std::vector<Cell> cells_of(std::string_view line) {
-    std::vector<Cell> out;
+  // Of the line alone, valid until the next one.
+  const std::vector<Cell>& cells_of(std::string_view line) {
+    cell_.clear();
     for (std::size_t at = 0;;) {
       const std::size_t end = std::min(line.find(',', at), line.size());
       std::size_t first = at, last = end;
       while (first < last && (line[first] == ' ' || line[first] == '\t')) ++first;
       while (last > first && (line[last - 1] == ' ' || line[last - 1] == '\t')) --last;
-      out.push_back({line.substr(first, last - first), first + 1});
-      if (end == line.size()) return out;
+      cell_.push_back({line.substr(first, last - first), first + 1});
+      if (end == line.size()) return cell_;
       at = end + 1;
     }
   }
@@ -89,6 +90,11 @@ class CsvReader {
                         : FieldRows::Of::kPlace;
     rows_.has_index = facet || vertex;
     rows_.has_place = place;
+    index_at_ = facet ? find("facet") : find("vertex");
+    place_at_ = {find("x"), find("y"), find("z")};
+    temperature_at_ = find("temperature");
+    error_at_ = find("error");
+    time_at_ = find("time");
   }
 
   void read_row(const std::vector<Cell>& cells) {
@@ -97,10 +103,9 @@ class CsvReader {
                   fmt::format("{} cells, expected {}", cells.size(), column_.size()));
       return;
     }
-    const auto number = [&](const char* name, double absent) {
-      const auto at = at_.find(name);
-      if (at == at_.end()) return absent;
-      const Cell& cell = cells[at->second];
+    const auto number = [&](const char* name, std::optional<std::size_t> at, double absent) {
+      if (!at) return absent;
+      const Cell& cell = cells[*at];
       const std::optional<double> value = number_of(cell.text);
       if (value && std::isfinite(*value)) return *value;
       errors_.add(line_, cell.column,
@@ -109,30 +114,40 @@ class CsvReader {
     };
     FieldRows::Row row;
     row.line = line_;
-    for (const char* name : {"facet", "vertex"}) {
-      if (!at_.contains(name)) continue;
-      const Cell& cell = cells[at_.at(name)];
+    if (index_at_) {
+      const Cell& cell = cells[*index_at_];
       const std::optional<std::int64_t> index = integer_of(cell.text);
       if (!index || *index < 0)
         errors_.add(line_, cell.column,
-                    fmt::format("{} = \"{}\", expected a whole number from 0", name, cell.text));
+                    fmt::format("{} = \"{}\", expected a whole number from 0", column_[*index_at_],
+                                cell.text));
       else
         row.index = *index;
     }
-    row.place = {number("x", 0), number("y", 0), number("z", 0)};
-    row.temperature = number("temperature", 0);
-    row.error = number("error", kNone);
-    if (row.error < 0) errors_.add(line_, cells[at_.at("error")].column, "an error below 0");
-    row.unix_s = kNone;
-    if (at_.contains("time")) {
-      const Cell& cell = cells[at_.at("time")];
-      const auto time = parse_rfc3339(cell.text);
-      if (time.ok())
-        row.unix_s = unix_seconds(*time);
-      else
-        errors_.add(line_, cell.column, std::string(time.status().message()));
-    }
+    row.place = {number("x", place_at_[0], 0), number("y", place_at_[1], 0),
+                 number("z", place_at_[2], 0)};
+    row.temperature = number("temperature", temperature_at_, 0);
+    row.error = number("error", error_at_, kNone);
+    if (row.error < 0) errors_.add(line_, cells[*error_at_].column, "an error below 0");
+    row.unix_s = time_at_ ? time_of(cells[*time_at_]) : kNone;
     rows_.row.push_back(row);
+  }
+
+  // Most rows have the time of the one before.
+  double time_of(const Cell& cell) {
+    if (cell.text == last_time_) return last_unix_s_;
+    const auto time = parse_rfc3339(cell.text);
+    if (!time.ok()) {
+      errors_.add(line_, cell.column, std::string(time.status().message()));
+      return kNone;
+    }
+    last_time_ = cell.text;
+    return last_unix_s_ = unix_seconds(*time);
+  }
+
+  [[nodiscard]] std::optional<std::size_t> find(const char* name) const {
+    const auto at = at_.find(name);
+    return at == at_.end() ? std::nullopt : std::optional(at->second);
   }
 
   std::string_view text_;
@@ -140,6 +155,11 @@ class CsvReader {
   std::size_t line_ = 0;
   std::vector<std::string> column_;
   std::map<std::string, std::size_t> at_;
+  std::optional<std::size_t> index_at_, temperature_at_, error_at_, time_at_;
+  std::array<std::optional<std::size_t>, 3> place_at_;
+  std::vector<Cell> cell_;
+  std::string last_time_;
+  double last_unix_s_ = kNone;
   FieldRows rows_;
 };
 
