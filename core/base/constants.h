@@ -15,6 +15,9 @@ inline constexpr double kBoltzmannJK = 1.380649e-23;
 inline constexpr double kC1LWUm4M2Sr = 1.1910429723971884e8;  // 2 h c^2      [W um^4 m^-2 sr^-1]
 inline constexpr double kC2UmK = 1.4387768775039338e4;        // h c / k      [um K]
 
+// Stefan-Boltzmann constant, 2 pi^5 k^4 / (15 h^3 c^2), rounded once.   [W m^-2 K^-4]
+inline constexpr double kStefanBoltzmannWM2K4 = 5.6703744191844294e-8;
+
 inline constexpr double kAstronomicalUnitM = 149597870700.0;  // exact       [iau2012_b2]
 inline constexpr double kSolarRadiusM = 6.957e8;              // nominal     [iau2015_b3]
 

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/thermal/conduction_grid.h"
+
+namespace irsig {
+
+// Steps of TR-BDF2 for kHeatLanes elements of one wall side by side. Private to core/thermal.
+inline constexpr std::size_t kHeatLanes = 16;
+using HeatLane = std::array<double, kHeatLanes>;
+
+// One step and its elimination. The matrix is that of the inside alone, so it is the same for all
+// elements and both stages: K = capacities + implicit_s x conduction.
+struct HeatStep {
+  HeatStep(const ConductionGrid& grid, double length_s, double begin, double middle, double end);
+
+  double length_s, implicit_s;
+  double begin, middle, end;  // of the interval between two knots, as shares of it
+
+  // T_i = near_i T_(i-1) + far_i T_last + s_i inside. [node]
+  std::vector<double> near, far;
+  std::vector<double> conduction;     // of s_(i+1) in s_i
+  std::vector<double> inverse_pivot;  // of the right side in s_i
+  std::vector<double> at_last;        // dT_i / dT_last where T_0 = 0
+  // K with the inside eliminated: outer T_0 + across (T_0 - T_last), and the same from inside.
+  double outer, across, inner;
+};
+
+// One face of the lanes; values at the two ends of an interval, linear between.
+struct HeatFace {
+  struct Varying {
+    HeatLane begin, change;
+  };
+  Varying gain_w_m2;  // absorbed
+  Varying fluid_k;
+  Varying forced_w_m2_k;
+  HeatLane emission_w_m2_k4;  // emissivity x Stefan-Boltzmann constant
+  HeatLane natural_warm, natural_cold, mixing;
+};
+
+struct HeatLanes {
+  HeatFace outer, inner;
+  bool inner_fixed;               // T_last is inner.fluid_k
+  std::vector<HeatLane> t;        // [node]
+  std::vector<HeatLane> t_middle, right;  // scratch
+  // Largest so far of a step: |stored heat - what came in| over its length.
+  HeatLane closure_w_m2;
+};
+
+// All the steps of one interval.
+void advance(const ConductionGrid& grid, const std::vector<HeatStep>& steps, HeatLanes& lanes);
+
+}  // namespace irsig
