@@ -19,8 +19,9 @@ namespace {
 // Elements that are computed together: their temperatures stay in the processor's cache, and the
 // elimination of a step, which is common to them, costs little of each.
 constexpr std::size_t kGroup = 512;
-// The first step of an interval at level 0 is at most so long, the others are each as long as all
-// before them: what changes at a knot at once fades like the square root of time.
+// Steps of an interval at level 0: its length in units of this, the square root of it many, and the
+// first halved until it is no longer than the unit: what changes at a knot at once fades like the
+// square root of time.
 constexpr double kFirstStepS = 60;
 // Of rounding and of Newton's method, see kLastStepK.
 constexpr double kArithmeticErrorK = 1e-6;
@@ -130,7 +131,8 @@ absl::Status check(const HeatRequest& request) {
 }
 
 std::vector<double> interval_steps(double length_s, int level) {
-  std::vector<double> step{length_s};
+  const double count = std::ceil(std::sqrt(length_s / kFirstStepS));
+  std::vector<double> step(static_cast<std::size_t>(count), length_s / count);
   while (step.front() > kFirstStepS) {
     step.front() /= 2;
     step.insert(step.begin(), step.front());
@@ -321,7 +323,7 @@ class LevelRun {
     HeatLanes lanes;
     lanes.inner_fixed = request_.inner_side == InnerSide::kFixedTemperature;
     lanes.t.resize(grid_.last() + 1);
-    lanes.t_middle = lanes.right = lanes.t;
+    lanes.t_other = lanes.inside = lanes.t;
     at_knot(first, field);
     for (std::size_t k = first; k < last; ++k) {
       if (absl::Status s = table.fill(k, element, exposure_of_); !s.ok()) return s;

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "core/base/clones.h"
 
@@ -69,25 +70,31 @@ struct FaceHeat {
   }
 }
 
-// Solves one stage. In: its right side, with the heat of the faces still to come, and a guess of the
-// two faces in t. Out: t, and the heat into the faces.
+// Solves one stage. In: right(i, j), its right side of node i and lane j without the stage's own heat
+// of the faces, and a guess of the two faces in t. Out: t, and the heat into the faces.
+template <typename RightSide>
 [[gnu::always_inline]] inline void solve_stage(const ConductionGrid& grid, const HeatStep& step,
-                                               const HeatLanes& lanes, double share,
-                                               std::vector<HeatLane>& right,
+                                               HeatLanes& lanes, double share,
+                                               const RightSide& right, HeatLane t0, HeatLane t1,
                                                std::vector<HeatLane>& t, HeatLane& outer_w_m2,
                                                HeatLane& inner_w_m2) {
   const std::size_t last = grid.last();
-  HeatLane outer_right = right[0], inner_right = right[last];
-  HeatLane s{};
+  HeatLane outer_right, inner_right, s{};
+#pragma GCC ivdep
+  for (std::size_t j = 0; j < kHeatLanes; ++j) {
+    outer_right[j] = right(0, j);
+    inner_right[j] = right(last, j);
+  }
   for (std::size_t i = last - 1; i > 0; --i) {
     const double at_last = step.at_last[i], conduction = step.conduction[i];
     const double inverse_pivot = step.inverse_pivot[i];
-    HeatLane& row = right[i];
+    HeatLane& inside = lanes.inside[i];
 #pragma GCC ivdep
     for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      inner_right[j] += at_last * row[j];
-      s[j] = inverse_pivot * row[j] + conduction * s[j];
-      row[j] = s[j];
+      const double r = right(i, j);
+      inner_right[j] += at_last * r;
+      s[j] = inverse_pivot * r + conduction * s[j];
+      inside[j] = s[j];
     }
   }
   const double next = step.implicit_s * grid.conductance_w_m2_k[0];
@@ -97,35 +104,43 @@ struct FaceHeat {
   FaceAt outer, inner;
   set_time(lanes.outer, share, outer);
   set_time(lanes.inner, share, inner);
-  HeatLane t0 = t[0], t1 = t[last], live;
+  HeatLane live, own0, rest0;
   live.fill(1);
   FaceHeat f0, f1;
   for (int k = 0; k < kMaxNewtonSteps; ++k) {
     face_heat(lanes.outer, outer, t0, f0);
     if (!lanes.inner_fixed) face_heat(lanes.inner, inner, t1, f1);
-    const double across = step.across;
+    const double across = step.across, dt = step.implicit_s;
+    HeatLane d0, d1;
 #pragma GCC ivdep
     for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      const double own0 = step.outer - step.implicit_s * f0.w_m2_k[j];
-      const double rest0 = step.outer * t0[j] + across * (t0[j] - t1[j]) - outer_right[j] -
-                           step.implicit_s * f0.w_m2[j];
-      double d0, d1;
-      if (lanes.inner_fixed) {
-        d1 = inner.fluid_k[j] - t1[j];
-        d0 = (across * d1 - rest0) / (own0 + across);
-      } else {
-        const double own1 = step.inner - step.implicit_s * f1.w_m2_k[j];
-        const double rest1 = step.inner * t1[j] + across * (t1[j] - t0[j]) - inner_right[j] -
-                             step.implicit_s * f1.w_m2[j];
-        const double determinant = own0 * own1 + across * (own0 + own1);
-        d0 = -((own1 + across) * rest0 + across * rest1) / determinant;
-        d1 = -((own0 + across) * rest1 + across * rest0) / determinant;
-        inner_w_m2[j] = live[j] > 0 ? f1.w_m2[j] + f1.w_m2_k[j] * d1 : inner_w_m2[j];
+      own0[j] = step.outer - dt * f0.w_m2_k[j];
+      rest0[j] = step.outer * t0[j] + across * (t0[j] - t1[j]) - outer_right[j] - dt * f0.w_m2[j];
+    }
+    if (lanes.inner_fixed) {
+#pragma GCC ivdep
+      for (std::size_t j = 0; j < kHeatLanes; ++j) {
+        d1[j] = inner.fluid_k[j] - t1[j];
+        d0[j] = (across * d1[j] - rest0[j]) / (own0[j] + across);
       }
-      outer_w_m2[j] = live[j] > 0 ? f0.w_m2[j] + f0.w_m2_k[j] * d0 : outer_w_m2[j];
-      t0[j] = live[j] > 0 ? t0[j] + d0 : t0[j];
-      t1[j] = live[j] > 0 ? t1[j] + d1 : t1[j];
-      const double size = d0 * d0 + d1 * d1;
+    } else {
+#pragma GCC ivdep
+      for (std::size_t j = 0; j < kHeatLanes; ++j) {
+        const double own1 = step.inner - dt * f1.w_m2_k[j];
+        const double rest1 = step.inner * t1[j] + across * (t1[j] - t0[j]) - inner_right[j] -
+                             dt * f1.w_m2[j];
+        const double inverse = -1 / (own0[j] * own1 + across * (own0[j] + own1));
+        d0[j] = ((own1 + across) * rest0[j] + across * rest1) * inverse;
+        d1[j] = ((own0[j] + across) * rest1 + across * rest0[j]) * inverse;
+        inner_w_m2[j] = live[j] > 0 ? f1.w_m2[j] + f1.w_m2_k[j] * d1[j] : inner_w_m2[j];
+      }
+    }
+#pragma GCC ivdep
+    for (std::size_t j = 0; j < kHeatLanes; ++j) {
+      outer_w_m2[j] = live[j] > 0 ? f0.w_m2[j] + f0.w_m2_k[j] * d0[j] : outer_w_m2[j];
+      t0[j] = live[j] > 0 ? t0[j] + d0[j] : t0[j];
+      t1[j] = live[j] > 0 ? t1[j] + d1[j] : t1[j];
+      const double size = d0[j] * d0[j] + d1[j] * d1[j];
       live[j] = size > kLastStepK * kLastStepK ? live[j] : 0.0;
     }
     double unsolved = 0;
@@ -139,7 +154,7 @@ struct FaceHeat {
     const double near = step.near[i], far = step.far[i];
 #pragma GCC ivdep
     for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      t[i][j] = near * t[i - 1][j] + far * t1[j] + right[i][j];
+      t[i][j] = near * t[i - 1][j] + far * t1[j] + lanes.inside[i][j];
     }
   }
   if (lanes.inner_fixed) {  // what the fixed node takes from the wall
@@ -154,58 +169,48 @@ struct FaceHeat {
                                              HeatLane& inner_w_m2) {
   const std::size_t last = grid.last();
   const double dt = step.implicit_s;
-  std::vector<HeatLane>&t = lanes.t, &middle = lanes.t_middle, &right = lanes.right;
-
-  // Trapezoidal rule to the middle.
-  HeatLane from_before = outer_w_m2;
-  for (std::size_t i = 0; i < last; ++i) {
-    const double c = grid.capacity_j_m2_k[i], g = grid.conductance_w_m2_k[i];
-#pragma GCC ivdep
-    for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      const double to_next = g * (t[i][j] - t[i + 1][j]);
-      right[i][j] = c * t[i][j] + dt * (from_before[j] - to_next);
-      from_before[j] = to_next;
-    }
-  }
   const double last_capacity = lanes.inner_fixed ? 0.0 : grid.capacity_j_m2_k[last];
-#pragma GCC ivdep
-  for (std::size_t j = 0; j < kHeatLanes; ++j) {
-    right[last][j] = last_capacity * t[last][j] + dt * (from_before[j] + inner_w_m2[j]);
-    middle[0][j] = t[0][j];
-    middle[last][j] = t[last][j];
-  }
+  const auto capacity = [&](std::size_t i) {
+    return i == last ? last_capacity : grid.capacity_j_m2_k[i];
+  };
+  std::vector<HeatLane>&t = lanes.t, &other = lanes.t_other;
   HeatLane outer_sum = outer_w_m2, inner_sum = inner_w_m2;
-  solve_stage(grid, step, lanes, step.middle, right, middle, outer_w_m2, inner_w_m2);
+
+  // Trapezoidal rule to the middle: t -> other.
+  const auto conducted = [&](std::size_t i, std::size_t j) {  // from node i to the next
+    return grid.conductance_w_m2_k[i] * (t[i][j] - t[i + 1][j]);
+  };
+  const auto first_right = [&](std::size_t i, std::size_t j) {
+    const double from_before = i == 0 ? outer_sum[j] : conducted(i - 1, j);
+    const double to_next = i == last ? -inner_sum[j] : conducted(i, j);
+    return capacity(i) * t[i][j] + dt * (from_before - to_next);
+  };
+  solve_stage(grid, step, lanes, step.middle, first_right, t[0], t[last], other, outer_w_m2,
+              inner_w_m2);
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
     outer_sum[j] += outer_w_m2[j];
     inner_sum[j] += inner_w_m2[j];
   }
 
-  // Second-order backward differences to the end; `middle` then holds the begin.
+  // Second-order backward differences to the end: t, other -> other.
+  const auto second_right = [&](std::size_t i, std::size_t j) {
+    return capacity(i) * (t[i][j] + kFromMiddle * (other[i][j] - t[i][j]));
+  };
+  HeatLane outer_guess, inner_guess, stored{};
+#pragma GCC ivdep
+  for (std::size_t j = 0; j < kHeatLanes; ++j) {
+    outer_guess[j] = t[0][j] + (other[0][j] - t[0][j]) / kGamma;
+    inner_guess[j] = t[last][j] + (other[last][j] - t[last][j]) / kGamma;
+  }
+  solve_stage(grid, step, lanes, step.end, second_right, outer_guess, inner_guess, other, outer_w_m2,
+              inner_w_m2);
   for (std::size_t i = 0; i <= last; ++i) {
-    const double c = i == last ? last_capacity : grid.capacity_j_m2_k[i];
+    const double c = capacity(i);
 #pragma GCC ivdep
-    for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      right[i][j] = c * (t[i][j] + kFromMiddle * (middle[i][j] - t[i][j]));
-    }
+    for (std::size_t j = 0; j < kHeatLanes; ++j) stored[j] += c * (other[i][j] - t[i][j]);
   }
-  for (const std::size_t i : {std::size_t{0}, last}) {
-#pragma GCC ivdep
-    for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      const double guess = t[i][j] + (middle[i][j] - t[i][j]) / kGamma;
-      middle[i][j] = t[i][j];
-      t[i][j] = guess;
-    }
-  }
-  HeatLane stored{};
-  for (std::size_t i = 1; i < last; ++i) middle[i] = t[i];
-  solve_stage(grid, step, lanes, step.end, right, t, outer_w_m2, inner_w_m2);
-  for (std::size_t i = 0; i <= last; ++i) {
-    const double c = i == last ? last_capacity : grid.capacity_j_m2_k[i];
-#pragma GCC ivdep
-    for (std::size_t j = 0; j < kHeatLanes; ++j) stored[j] += c * (t[i][j] - middle[i][j]);
-  }
+  std::swap(t, other);
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
     const double came_in = kExplicit * (outer_sum[j] + inner_sum[j]) +

@@ -8,8 +8,9 @@
 
 namespace irsig {
 
-// Steps of TR-BDF2 for kHeatLanes elements of one wall side by side. Private to core/thermal.
-inline constexpr std::size_t kHeatLanes = 16;
+// Steps of TR-BDF2 for kHeatLanes elements of one wall side by side. Private to core/thermal. So many
+// lanes that GCC does not unroll a loop over them completely (up to 16), which would leave it scalar.
+inline constexpr std::size_t kHeatLanes = 32;
 using HeatLane = std::array<double, kHeatLanes>;
 
 // One step and its elimination. The matrix is that of the inside alone, so it is the same for all
@@ -45,7 +46,7 @@ struct HeatLanes {
   HeatFace outer, inner;
   bool inner_fixed;               // T_last is inner.fluid_k
   std::vector<HeatLane> t;        // [node]
-  std::vector<HeatLane> t_middle, right;  // scratch
+  std::vector<HeatLane> t_other, inside;  // [node], scratch
   // Largest so far of a step: |stored heat - what came in| over its length.
   HeatLane closure_w_m2;
 };
