@@ -77,38 +77,61 @@ Answer rise(const Asked& a, HeatAccuracy accuracy) {
   return {at.value - kStartK, at.error};
 }
 
-// The settled wave at depth x, as a complex amplitude; knots of a linear forcing have the fundamental
-// reduced by a known factor.
-Answer wave(const Asked& a, HeatAccuracy accuracy) {
-  constexpr std::size_t kKnots = 240;
-  const double period_s = a.setup == "wave_steel" ? 3600 : 86400;
+// The settled wave under a flux of 400 cos(w t), at all depths of the table: complex amplitudes, each
+// with the largest error of its temperatures. The fundamental of a forcing that is linear between
+// knots is smaller than that of the cosine by a known factor.
+struct Wave {
+  std::map<double, std::complex<double>> amplitude_k;
+  double error_k = 0;
+};
+
+Wave settled_wave(const std::string& setup, double period_s, HeatAccuracy accuracy) {
+  constexpr std::size_t kKnots = 144;
   std::vector<double> knot_s;
   for (std::size_t i = 0; i <= kKnots; ++i) {
     knot_s.push_back(period_s * static_cast<double>(i) / kKnots);
   }
-  const auto material = [&](double d) { return material_of(a.setup, d); };
-  HeatRequest request = request_of(cut_at(material, a.x, depth_of(a.setup, period_s / 4)),
-                                   InnerSide::kFixedTemperature, kStartK, knot_s, accuracy);
+  const std::vector<double> depth_m = setup == "wave_steel" ? std::vector<double>{0, 0.02, 0.1}
+                                                            : std::vector<double>{0, 0.05, 0.2};
+  std::vector<Layer> layers;
+  for (std::size_t i = 0; i < 2; ++i) {
+    layers.push_back(material_of(setup, depth_m[i + 1] - depth_m[i]));
+  }
+  layers.push_back(material_of(setup, depth_of(setup, period_s / 9)));  // 7 penetration depths
+  HeatRequest request =
+      request_of(layers, InnerSide::kFixedTemperature, kStartK, knot_s, accuracy);
   request.start = PeriodicStart{kStartK, kKnots, 0.1 * accuracy.tolerance_k, 60};
   const auto flux = [&](std::size_t, double t) {
     return Weather{400 * std::cos(2 * std::numbers::pi * t / period_s)};
   };
   const HeatResult r = solved(request, continuous(knot_s, flux, constant({0, 0, kStartK, 0})));
-  std::complex<double> sum = 0;
-  double error = 0;
-  for (std::size_t i = 0; i < kKnots; ++i) {
-    const std::size_t at = r.at(i, a.x > 0 ? 1 : 0, 0);
-    sum += std::polar(2.0 / kKnots, -2 * std::numbers::pi * static_cast<double>(i) / kKnots) *
-           r.temperature_k[at];
-    error = std::max(error, r.error_k[at]);
-  }
+  Wave wave;
   const double half = std::numbers::pi / kKnots;
-  const double amplitude = std::abs(sum) / std::pow(std::sin(half) / half, 2);
-  if (a.quantity == "amplitude_k") return {amplitude, error};
-  double lag = -std::arg(sum);
+  for (std::size_t b = 0; b < 3; ++b) {
+    std::complex<double> sum = 0;
+    for (std::size_t i = 0; i < kKnots; ++i) {
+      const double angle = 2 * half * static_cast<double>(i);
+      sum += std::polar(2.0 / kKnots, -angle) * r.temperature_k[r.at(i, b, 0)];
+      wave.error_k = std::max(wave.error_k, r.error_k[r.at(i, b, 0)]);
+    }
+    wave.amplitude_k[depth_m[b]] = sum / std::pow(std::sin(half) / half, 2);
+  }
+  return wave;
+}
+
+Answer wave(const Asked& a, HeatAccuracy accuracy) {
+  static std::map<std::pair<std::string, double>, Wave> solved_before;
+  const double period_s = a.setup == "wave_steel" ? 3600 : 86400;
+  const auto [at, missing] = solved_before.try_emplace({a.setup, accuracy.tolerance_k});
+  if (missing) at->second = settled_wave(a.setup, period_s, accuracy);
+  const std::complex<double> amplitude = at->second.amplitude_k.at(a.x);
+  const double error = at->second.error_k;
+  if (a.quantity == "amplitude_k") return {std::abs(amplitude), error};
+  double lag = -std::arg(amplitude);
   if (lag < 0) lag += 2 * std::numbers::pi;
-  const double unit = a.quantity == "lag_deg" ? 180 / std::numbers::pi : period_s / (2 * std::numbers::pi);
-  return {lag * unit, error / amplitude * unit};
+  const double unit =
+      (a.quantity == "lag_deg" ? 360 : period_s) / (2 * std::numbers::pi);
+  return {lag * unit, error / std::abs(amplitude) * unit};
 }
 
 Answer wall_of_two(const Asked& a, HeatAccuracy accuracy) {
@@ -217,9 +240,11 @@ TEST_P(ClosedForms, HeatCsv) {
       change = a.setup == "plate_4" ? 80 : std::abs(value - kStartK);
     }
     HeatAccuracy accuracy;
-    if (wanted < 1e-3) accuracy = {wanted * change, 10};
+    if (wanted < 1e-3) accuracy = {2 * wanted * change, 10};  // stated: three times the true error
+    const clock_t c0 = clock();
     const Answer got = by(a, accuracy);
-    EXPECT_NEAR(got.value, value, std::max(wanted * change, accuracy.tolerance_k / 3) * unit)
+    if (std::getenv("HEAT_PRINT")) std::printf("%.2f s ", double(clock() - c0) / CLOCKS_PER_SEC);
+    EXPECT_NEAR(got.value, value, std::max(wanted * change, wanted < 1e-3 ? 0 : accuracy.tolerance_k / 3) * unit)
         << a.setup << ", " << a.quantity << ", x " << a.x << ", t " << a.t;
     EXPECT_LE(std::abs(got.value - value), got.error) << a.setup << " x " << a.x << " t " << a.t;
     if (std::getenv("HEAT_PRINT"))
