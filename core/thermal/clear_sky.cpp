@@ -29,15 +29,15 @@ ClearSkyIrradiance clear_sky_irradiance(const ClearSkyInput& in) {
   const double scattered = aerosol / absorbed;
   constexpr double kForward = 0.84;
 
-  out.direct_normal_w_m2 =
-      0.9662 * in.extraterrestrial_w_m2 * rayleigh * ozone * mixed * water * aerosol;
+  out.direct_normal_w_m2 = std::max(
+      0.0, 0.9662 * in.extraterrestrial_w_m2 * rayleigh * ozone * mixed * water * aerosol);
   const double direct = out.direct_normal_w_m2 * cosine;
   const double once = 0.79 * in.extraterrestrial_w_m2 * cosine * ozone * mixed * water * absorbed *
                       (0.5 * (1 - rayleigh) + kForward * (1 - scattered)) /
                       (1 - mass + std::pow(mass, 1.02));
   const double sky_albedo = 0.0685 + (1 - kForward) * (1 - scattered);
   out.diffuse_horizontal_w_m2 =
-      (direct + once) / (1 - in.ground_albedo * sky_albedo) - direct;
+      std::max(0.0, (direct + once) / (1 - in.ground_albedo * sky_albedo) - direct);
   return out;
 }
 

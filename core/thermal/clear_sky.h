@@ -3,9 +3,10 @@
 namespace irsig {
 
 // Weather that no file states: sunlight and long-wave radiation of the sky, from surface weather.
-// Open programs disagree about the constants of these formulas (forward share 0.84 or 0.85, air mass
-// with pressure or without, 1.2 or 1.0 in Prata's root, the sign of cloud terms): the numbers below
-// are those of the papers named.
+// Open programs disagree about the constants of these formulas: forward share 0.84 or 0.85, exponent
+// of ozone -0.3034 or -0.3035, 1013 or 1013.25 hPa, air mass of 1966 or 1989, 0.9662 (for a solar
+// constant of 1353 W/m2) or 0.9751 (1367), together 2 % of sunlight; forms of the cloud factor. The
+// numbers below are those of the papers named, as far as open programs that cite them agree.
 
 // Horizontal irradiance under a clear sky [bird1981]:
 struct ClearSkyInput {

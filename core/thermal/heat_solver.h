@@ -79,7 +79,7 @@ struct PeriodicStart {
 // the results of two levels differ by at most tolerance_k, for each element by itself.
 struct HeatAccuracy {
   double tolerance_k = 0.01;
-  int max_level = 4;  // [1, 10]: one more takes four times as long
+  int max_level = 6;  // [1, 10]: one more takes four times as long
 };
 
 struct HeatRequest {

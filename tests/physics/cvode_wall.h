@@ -15,7 +15,7 @@
 namespace irsig::wall {
 
 // The same wall by other means: finite volumes with unknowns in the middle of cells, faces without
-// heat capacity solved by bisection and secants, and SUNDIALS' CVODE (variable order, its own Newton
+// heat capacity solved by secants, and SUNDIALS' CVODE (variable order, its own Newton
 // iteration) in time.
 class CvodeWall {
  public:
@@ -63,7 +63,6 @@ class CvodeWall {
     CVodeSStolerances(cvode_, 1e-9, 1e-7);
     CVodeSetLinearSolver(cvode_, solver_, matrix_);
     CVodeSetMaxNumSteps(cvode_, 1000000);
-    guess_ = {start_k, start_k};
   }
   ~CvodeWall() {
     CVodeFree(&cvode_);
@@ -84,41 +83,47 @@ class CvodeWall {
     double reached = 0;
     EXPECT_GE(CVode(cvode_, length_s, y_, &reached, CV_NORMAL), 0);
     const double* t = N_VGetArrayPointer(y_);
-    return {face_k(0, 1, t[0]), face_k(1, 1, t[half_.size() - 1])};
+    const double behind = t[half_.size() - 1];
+    return {t[0] + face_rise_k(0, 1, t[0]), behind + face_rise_k(1, 1, behind)};
   }
 
  private:
-  double face_k(std::size_t side, double share, double cell_k) {
+  // How much warmer a face is than the middle of its cell: a small number by itself, not a difference
+  // of large ones.
+  double face_rise_k(std::size_t side, double share, double cell_k) {
     if (side == 1 && inner_fixed_) {
-      return face_[1].begin.fluid_k + share * (face_[1].end.fluid_k - face_[1].begin.fluid_k);
+      return face_[1].begin.fluid_k + share * (face_[1].end.fluid_k - face_[1].begin.fluid_k) -
+             cell_k;
     }
     const double g = 1 / half_[side == 0 ? 0 : half_.size() - 1];
-    const auto into = [&](double t) {
-      return face_[side].heat_w_m2(share, t) + g * (cell_k - t);
+    const auto into = [&](double rise) {
+      return face_[side].heat_w_m2(share, cell_k + rise) - g * rise;
     };
-    double low = guess_[side] - 1, high = guess_[side] + 1;
-    for (double step = 1; into(low) < 0; step *= 2) low -= step;
-    for (double step = 1; into(high) > 0; step *= 2) high += step;
+    double& guess = rise_guess_[side];
+    double low = guess - 1e-3, high = guess + 1e-3;
+    for (double step = 1e-3; into(low) < 0; step *= 4) low -= step;
+    for (double step = 1e-3; into(high) > 0; step *= 4) high += step;
     double f_low = into(low), f_high = into(high);
-    int side_kept = 0;
-    for (int k = 0; k < 200 && high - low > 1e-12 * std::abs(high); ++k) {  // Illinois method
-      double t = (low * f_high - high * f_low) / (f_high - f_low);
-      if (!(t > low && t < high)) t = 0.5 * (low + high);
-      const double f = into(t);
-      if (std::abs(f) <= 1e-11 * (g + 1)) return guess_[side] = t;
+    int kept = 0;
+    for (int k = 0; k < 100; ++k) {  // Illinois method
+      double rise = (low * f_high - high * f_low) / (f_high - f_low);
+      if (!(rise > low && rise < high)) rise = 0.5 * (low + high);
+      guess = rise;
+      const double f = into(rise);
+      if (std::abs(f) <= 1e-9 + 1e-13 * g * std::abs(rise)) break;
       if (f > 0) {
-        low = t;
+        low = rise;
         f_low = f;
-        if (side_kept == 1) f_high /= 2;
-        side_kept = 1;
+        if (kept == 1) f_high /= 2;
+        kept = 1;
       } else {
-        high = t;
+        high = rise;
         f_high = f;
-        if (side_kept == -1) f_low /= 2;
-        side_kept = -1;
+        if (kept == -1) f_low /= 2;
+        kept = -1;
       }
     }
-    return guess_[side] = 0.5 * (low + high);
+    return guess;
   }
 
   static int right_side(double time_s, N_Vector y, N_Vector out, void* self) {
@@ -127,11 +132,11 @@ class CvodeWall {
     double* rate = N_VGetArrayPointer(out);
     const std::size_t n = wall.half_.size();
     const double share = time_s / wall.length_s_;
-    double in = (wall.face_k(0, share, t[0]) - t[0]) / wall.half_[0];
+    double in = wall.face_rise_k(0, share, t[0]) / wall.half_[0];
     for (std::size_t i = 0; i < n; ++i) {
       const double to_next = i + 1 < n
                                  ? (t[i] - t[i + 1]) / (wall.half_[i] + wall.half_[i + 1])
-                                 : (t[i] - wall.face_k(1, share, t[i])) / wall.half_[i];
+                                 : -wall.face_rise_k(1, share, t[i]) / wall.half_[i];
       rate[i] = (in - to_next) / wall.capacity_[i];
       in = to_next;
     }
@@ -141,7 +146,7 @@ class CvodeWall {
   bool inner_fixed_;
   std::vector<double> capacity_, half_;  // [cell] J/(m2 K); m2 K/W
   std::array<Face, 2> face_;
-  std::array<double, 2> guess_;
+  std::array<double, 2> rise_guess_{};
   double length_s_ = 1;
   SUNContext context_ = nullptr;
   N_Vector y_ = nullptr;
