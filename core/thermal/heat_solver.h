@@ -98,8 +98,8 @@ struct HeatResult {
   std::size_t boundaries, elements;
   // [(output knot x boundaries + output boundary) x elements + element]
   std::vector<double> temperature_k;
-  // Of each: difference to the level before, about three times the error of discretisation, and
-  // what the start has left. Not checked: that layers, exposure and h are right.
+  // Of each: largest difference to the level before anywhere in the wall, about three times the error
+  // of discretisation, and what the start has left. Not checked: that layers, exposure and h are right.
   std::vector<double> error_k;
   std::vector<int> level;  // [element]: the one that temperature_k is of
   // [element] Largest of a step: |heat stored - heat that came in| / its length.

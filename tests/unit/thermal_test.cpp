@@ -88,22 +88,22 @@ TEST_F(Refused, Exposures) {
 }
 
 TEST(Convection, Correlations) {
-  EXPECT_NEAR(mowitt_forced_w_m2_k(5, WindSide::kWindward), 13.655551, 1e-5);
-  EXPECT_NEAR(mowitt_forced_w_m2_k(5, WindSide::kLeeward), 9.582863, 1e-5);
+  EXPECT_NEAR(mowitt_forced_w_m2_k(5, WindSide::kWindward), 13.655289250364518, 1e-12);
+  EXPECT_NEAR(mowitt_forced_w_m2_k(5, WindSide::kLeeward), 9.582809301132167, 1e-12);
   EXPECT_NEAR(tarp_natural(0).natural_warm, 1.31, 2e-3);
   EXPECT_NEAR(tarp_natural(0).natural_cold, 1.31, 2e-3);
   EXPECT_NEAR(tarp_natural(1).natural_warm, 9.482 / 6.238, 1e-12);
   EXPECT_NEAR(tarp_natural(1).natural_cold, 1.810 / 2.382, 1e-12);
   EXPECT_EQ(tarp_natural(-1).natural_cold, tarp_natural(1).natural_warm);
-  EXPECT_NEAR(tarp_forced_w_m2_k(4, 40, 100, 1.67, WindSide::kWindward), 5.359194, 1e-5);
-  EXPECT_NEAR(tarp_forced_w_m2_k(4, 40, 100, 1.67, WindSide::kLeeward), 2.679597, 1e-5);
+  EXPECT_NEAR(tarp_forced_w_m2_k(4, 40, 100, 1.67, WindSide::kWindward), 5.359162547129915, 1e-12);
+  EXPECT_NEAR(tarp_forced_w_m2_k(4, 40, 100, 1.67, WindSide::kLeeward), 2.6795812735649574, 1e-12);
   const Fluid sea = sea_water(283.15);
   EXPECT_NEAR(sea.kinematic_viscosity_m2_s, 1.354e-6, 0.01e-6);  // 26th ITTC, 7.5-02-01-03
   EXPECT_NEAR(sea.prandtl, 9.5, 0.2);
   EXPECT_EQ(plate_in_flow_w_m2_k(sea, 0, 100), 0);
   const Fluid air{0.0263, 1.589e-5, 0.707};
-  EXPECT_NEAR(plate_in_flow_w_m2_k(air, 5, 1), 8.726, 0.01);   // Re 3.1e5
-  EXPECT_NEAR(plate_in_flow_w_m2_k(air, 5, 10), 11.98, 0.02);  // Re 3.1e6
+  EXPECT_NEAR(plate_in_flow_w_m2_k(air, 5, 1), 8.726766437284805, 1e-9);   // Re 3.1e5
+  EXPECT_NEAR(plate_in_flow_w_m2_k(air, 5, 10), 11.644169145422927, 1e-9);  // Re 3.1e6
 }
 
 TEST(ClearSky, BirdAndHulstrom) {
