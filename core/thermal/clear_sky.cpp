@@ -29,8 +29,8 @@ ClearSkyIrradiance clear_sky_irradiance(const ClearSkyInput& in) {
   const double scattered = aerosol / absorbed;
   constexpr double kForward = 0.84;
 
-  out.direct_normal_w_m2 = std::max(
-      0.0, 0.9662 * in.extraterrestrial_w_m2 * rayleigh * ozone * mixed * water * aerosol);
+  out.direct_normal_w_m2 =
+      std::max(0.0, 0.9662 * in.extraterrestrial_w_m2 * rayleigh * ozone * mixed * water * aerosol);
   const double direct = out.direct_normal_w_m2 * cosine;
   const double once = 0.79 * in.extraterrestrial_w_m2 * cosine * ozone * mixed * water * absorbed *
                       (0.5 * (1 - rayleigh) + kForward * (1 - scattered)) /

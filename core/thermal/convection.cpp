@@ -36,9 +36,9 @@ Fluid sea_water(double temperature_k) {
 
 double plate_in_flow_w_m2_k(const Fluid& fluid, double speed_m_s, double length_m) {
   const double reynolds = speed_m_s * length_m / fluid.kinematic_viscosity_m2_s;
-  const double nusselt = (reynolds < 5e5 ? 0.664 * std::sqrt(reynolds)
-                                         : 0.037 * std::pow(reynolds, 0.8) - 871) *
-                         std::cbrt(fluid.prandtl);
+  const double nusselt =
+      (reynolds < 5e5 ? 0.664 * std::sqrt(reynolds) : 0.037 * std::pow(reynolds, 0.8) - 871) *
+      std::cbrt(fluid.prandtl);
   return nusselt * fluid.conductivity_w_m_k / length_m;
 }
 

@@ -16,8 +16,9 @@ struct Convection {
 // A stated h, which is then the forced part.
 inline constexpr Convection kForcedOnly{0, 0, 0};
 
-// Smooth vertical plates in wind, measured at the Mobile Window Thermal Test facility [yazdanian1994]:
-// n with 0.84 and forced = a V^b. Range: 0-12 m/s, up to a few metres above ground.
+// Smooth vertical plates in wind, measured at the Mobile Window Thermal Test facility
+// [yazdanian1994]: n with 0.84 and forced = a V^b. Range: 0-12 m/s, up to a few metres above
+// ground.
 inline constexpr Convection kMowitt{0.84, 0.84, 0};
 enum class WindSide { kWindward, kLeeward };
 // a, b = 3.26, 0.89 windward and 3.55, 0.617 leeward; wind_m_s >= 0.
@@ -39,9 +40,9 @@ enum class WindSide { kWindward, kLeeward };
 struct Fluid {
   double conductivity_w_m_k, kinematic_viscosity_m2_s, prandtl;
 };
-// Of 35 g/kg, 0 to 40 deg C: viscosity by [sharqawy2010, eqs. 22, 23]; conductivity 0.570 W/(m K) at
-// 0 deg C and 0.0014 more a kelvin (read off its fig. 7, 1 %), volumetric heat capacity 4.10 MJ/(m3 K)
-// (0.5 %).
+// Of 35 g/kg, 0 to 40 deg C: viscosity by [sharqawy2010, eqs. 22, 23]; conductivity 0.570 W/(m K)
+// at 0 deg C and 0.0014 more a kelvin (read off its fig. 7, 1 %), volumetric heat capacity 4.10
+// MJ/(m3 K) (0.5 %).
 [[nodiscard]] Fluid sea_water(double temperature_k);
 
 // Mean h along a plate in a flow parallel to it [incropera2007, eqs. 7.30, 7.38]:

@@ -27,8 +27,7 @@ constexpr double kFirstStepS = 60;
 constexpr double kArithmeticErrorK = 1e-6;
 
 absl::Status wrong(const std::string& name, double value, const std::string& expected) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(name, " = ", value, ", expected ", expected));
+  return absl::InvalidArgumentError(absl::StrCat(name, " = ", value, ", expected ", expected));
 }
 
 absl::Status check_faces(std::span<const FaceProperties> faces, const char* side) {
@@ -85,10 +84,13 @@ absl::Status check_start(const HeatRequest& request) {
 absl::Status check(const HeatRequest& request) {
   if (absl::Status status = check_layers(request.layers); !status.ok()) return status;
   const std::vector<double>& knot = request.knot_s;
-  if (knot.size() < 2) return wrong("number of knots", static_cast<double>(knot.size()), "2 or more");
+  if (knot.size() < 2)
+    return wrong("number of knots", static_cast<double>(knot.size()), "2 or more");
   for (std::size_t i = 0; i < knot.size(); ++i) {
-    if (!std::isfinite(knot[i]) || (i > 0 && !(knot[i] > knot[i - 1]))) {
-      return wrong(absl::StrCat("knot_s[", i, "]"), knot[i], "increasing finite times");
+    const double length_s = i > 0 ? knot[i] - knot[i - 1] : 1;
+    if (!(std::isfinite(knot[i]) && length_s >= 1e-6 && length_s <= 1e9)) {
+      return wrong(absl::StrCat("knot_s[", i, "]"), knot[i],
+                   "1e-6 to 1e9 s more than the knot before");
     }
   }
   const std::size_t inner = request.inner_side == InnerSide::kOpen ? request.outer.size() : 0;
@@ -150,14 +152,17 @@ std::vector<double> interval_steps(double length_s, int level) {
   return step;
 }
 
-std::vector<HeatStep> heat_steps(const ConductionGrid& grid, double length_s, int level) {
+HeatInterval heat_interval(const ConductionGrid& grid, double length_s, int level) {
   constexpr double kMiddle = 0.58578643762690495;  // 2 - sqrt(2)
-  std::vector<HeatStep> out;
-  double time_s = 0;
+  HeatInterval out;
+  double time_s = 0, last_s = 0;
   for (const double step_s : interval_steps(length_s, level)) {
+    // Steps only grow, by factors of two: few lengths are different.
+    if (step_s != last_s) out.elimination.emplace_back(grid, step_s);
+    last_s = step_s;
     const double end_s = time_s + step_s;
-    out.emplace_back(grid, step_s, time_s / length_s, (time_s + kMiddle * step_s) / length_s,
-                     end_s / length_s);
+    out.step.push_back({out.elimination.size() - 1, time_s / length_s,
+                        (time_s + kMiddle * step_s) / length_s, end_s / length_s});
     time_s = end_s;
   }
   return out;
@@ -190,10 +195,10 @@ class ExposureTable {
       for (std::size_t e = 0; e < elements_; ++e) {
         const double value = column(k)[e];
         if (!(value >= low && value <= high)) {
-          return wrong(absl::StrCat("interval ", interval, ", element ", element[e], ", ",
-                                    k < 8 ? "outer " : "inner ",
-                                    k / 4 % 2 == 0 ? "begin: " : "end: ", name),
-                       value, absl::StrCat(low, " to ", high));
+          return wrong(
+              absl::StrCat("interval ", interval, ", element ", element[e], ", ",
+                           k < 8 ? "outer " : "inner ", k / 4 % 2 == 0 ? "begin: " : "end: ", name),
+              value, absl::StrCat(low, " to ", high));
         }
       }
     }
@@ -234,11 +239,16 @@ class ExposureTable {
   }
   [[nodiscard]] bool uses(std::size_t k) const {  // by the inner face
     switch (inner_) {
-      case InnerSide::kAdiabatic: return false;
-      case InnerSide::kHeatFlux: return k == 0;
-      case InnerSide::kAir: return k >= 2;
-      case InnerSide::kFixedTemperature: return k == 2;
-      case InnerSide::kOpen: return true;
+      case InnerSide::kAdiabatic:
+        return false;
+      case InnerSide::kHeatFlux:
+        return k == 0;
+      case InnerSide::kAir:
+        return k >= 2;
+      case InnerSide::kFixedTemperature:
+        return k == 2;
+      case InnerSide::kOpen:
+        return true;
     }
     return true;
   }
@@ -294,7 +304,8 @@ class LevelRun {
 
   [[nodiscard]] const ConductionGrid& grid() const { return grid_; }
 
-  // Of the nodes, from those of the layers; between two layers the mean by heat capacity next to it.
+  // Of the nodes, from those of the layers; between two layers the mean by heat capacity next to
+  // it.
   [[nodiscard]] std::vector<double> start_k(const std::vector<double>& layer_k) const {
     std::vector<double> node_k(grid_.last() + 1);
     for (std::size_t layer = 0; layer < request_.layers.size(); ++layer) {
@@ -328,9 +339,9 @@ class LevelRun {
     for (std::size_t k = first; k < last; ++k) {
       if (absl::Status s = table.fill(k, element, exposure_of_); !s.ok()) return s;
       const double length_s = request_.knot_s[k + 1] - request_.knot_s[k];
-      if (length_s != steps_of_s_) {
-        steps_ = heat_steps(grid_, length_s, level_);
-        steps_of_s_ = length_s;
+      if (length_s != interval_s_) {
+        interval_ = heat_interval(grid_, length_s, level_);
+        interval_s_ = length_s;
       }
       for (std::size_t e = 0; e < n; e += kHeatLanes) {
         const std::size_t count = std::min(kHeatLanes, n - e);
@@ -344,7 +355,7 @@ class LevelRun {
           for (std::size_t i = 0; i < lanes.t.size(); ++i) lanes.t[i][j] = field.t[i * n + from];
           lanes.closure_w_m2[j] = closure_w_m2[from];
         }
-        irsig::advance(grid_, steps_, lanes);
+        irsig::advance(grid_, interval_, lanes);
         for (std::size_t j = 0; j < count; ++j) {
           for (std::size_t i = 0; i < lanes.t.size(); ++i) field.t[i * n + e + j] = lanes.t[i][j];
           closure_w_m2[e + j] = lanes.closure_w_m2[j];
@@ -367,12 +378,12 @@ class LevelRun {
   const ExposureOf& exposure_of_;
   int level_;
   ConductionGrid grid_;
-  double steps_of_s_ = 0;
-  std::vector<HeatStep> steps_;
+  double interval_s_ = 0;
+  HeatInterval interval_;
 };
 
-// Repeats the first day from `field` until it returns to where it began, for each element by itself.
-// Out: the temperatures it begins with, and what is left, [element].
+// Repeats the first day from `field` until it returns to where it began, for each element by
+// itself. Out: the temperatures it begins with, and what is left, [element].
 absl::Status repeat_day(LevelRun& run, const PeriodicStart& start,
                         std::span<const std::uint32_t> element, Field& field,
                         std::vector<double>& left_k) {
@@ -427,7 +438,8 @@ class GroupSolver {
         stated != nullptr && stated->uncertainty_k > 0) {
       Pass other;
       Field unused;
-      if (absl::Status s = pass(0, element, unused, other, stated->uncertainty_k); !s.ok()) return s;
+      if (absl::Status s = pass(0, element, unused, other, stated->uncertainty_k); !s.ok())
+        return s;
       for (std::size_t i = 0; i < start_left.size(); ++i) {
         start_left[i] = std::abs(other.output[i] - coarse.output[i]);
       }
@@ -445,8 +457,8 @@ class GroupSolver {
         double largest = 0;
         for (std::size_t k = 0; k < request_.output_knot.size(); ++k) {
           const auto row = [&](std::size_t node) { return (k * nodes() + node) * n + e; };
-          // At one place the difference of two levels passes through zero; not everywhere at once, and
-          // not for two levels in turn, whose differences are as 4 to 1.
+          // At one place the difference of two levels passes through zero; not everywhere at once,
+          // and not for two levels in turn, whose differences are as 4 to 1.
           double change = change_before[k * n + e] / 4;
           for (std::size_t i = 0; i < nodes(); ++i) {
             change = std::max(change, std::abs(fine.output[row(i)] - coarse.output[row(i)]));
@@ -503,7 +515,8 @@ class GroupSolver {
       if (day_begin.t.empty()) {
         day_begin = {std::vector<double>((run.grid().last() + 1) * n, periodic->guess_k), n};
       }
-      if (absl::Status s = repeat_day(run, *periodic, element, day_begin, out.day_left_k); !s.ok()) {
+      if (absl::Status s = repeat_day(run, *periodic, element, day_begin, out.day_left_k);
+          !s.ok()) {
         return s;
       }
       field = day_begin;

@@ -13,8 +13,8 @@
 
 namespace irsig {
 
-// Temperatures of walls in changing weather: heat conducted through layers, radiation and convection
-// at the faces. Equations, errors and limits: docs/methods/thermal.md.
+// Temperatures of walls in changing weather: heat conducted through layers, radiation and
+// convection at the faces. Equations, errors and limits: docs/methods/thermal.md.
 //
 // Elements that share their layers, their kind of inner side and their knots are one request. Each
 // element's result depends on nothing else: not on its neighbours in the request, not on their
@@ -39,10 +39,10 @@ struct FaceProperties {
 
 // What a face is exposed to at one instant. [element of the call]
 struct FaceExposure {
-  std::span<double> absorbed_w_m2;     // short-wave, and whatever else reaches the face
-  std::span<double> incoming_w_m2;     // long-wave irradiance, >= 0
-  std::span<double> fluid_k;           // (0, 1e5]
-  std::span<double> forced_h_w_m2_k;   // forced part of h (convection.h), >= 0
+  std::span<double> absorbed_w_m2;    // short-wave, and whatever else reaches the face
+  std::span<double> incoming_w_m2;    // long-wave irradiance, >= 0
+  std::span<double> fluid_k;          // (0, 1e5]
+  std::span<double> forced_h_w_m2_k;  // forced part of h (convection.h), >= 0
 };
 
 // At both ends of the time between two knots; linear between them. What changes at a knot at once
@@ -59,8 +59,8 @@ struct Exposure {
 using ExposureOf = std::function<void(std::size_t interval, std::span<const std::uint32_t> element,
                                       const Exposure& exposure)>;
 
-// Temperatures at the first knot: one of all layers, or one of each. A stated uncertainty (of a guess
-// that a run-up of earlier days lets fade) goes into the errors as far as it has not faded.
+// Temperatures at the first knot: one of all layers, or one of each. A stated uncertainty (of a
+// guess that a run-up of earlier days lets fade) goes into the errors as far as it has not faded.
 struct StatedStart {
   std::vector<double> temperature_k;
   double uncertainty_k;  // >= 0
@@ -75,8 +75,8 @@ struct PeriodicStart {
   int max_days;
 };
 
-// Depth and time are cut coarsely (level 0), then cells and steps are halved (level 1, 2, ...) until
-// the results of two levels differ by at most tolerance_k, for each element by itself.
+// Depth and time are cut coarsely (level 0), then cells and steps are halved (level 1, 2, ...)
+// until the results of two levels differ by at most tolerance_k, for each element by itself.
 struct HeatAccuracy {
   double tolerance_k = 0.01;
   int max_level = 6;  // [1, 10]: one more takes four times as long
@@ -85,12 +85,12 @@ struct HeatAccuracy {
 struct HeatRequest {
   std::vector<Layer> layers;
   InnerSide inner_side;
-  std::vector<double> knot_s;                 // increasing, two or more: steps end at every knot
-  std::vector<FaceProperties> outer;          // [element]
-  std::vector<FaceProperties> inner;          // [element]; kOpen only. kAir: h is the forced part
+  std::vector<double> knot_s;         // increasing, two or more: steps end at every knot
+  std::vector<FaceProperties> outer;  // [element]
+  std::vector<FaceProperties> inner;  // [element]; kOpen only. kAir: h is the forced part
   std::variant<StatedStart, PeriodicStart> start;
-  std::vector<std::size_t> output_knot;       // increasing
-  std::vector<std::size_t> output_boundary;   // 0: outer face ... layers.size(): inner face
+  std::vector<std::size_t> output_knot;      // increasing
+  std::vector<std::size_t> output_boundary;  // 0: outer face ... layers.size(): inner face
   HeatAccuracy accuracy;
 };
 
@@ -98,8 +98,9 @@ struct HeatResult {
   std::size_t boundaries, elements;
   // [(output knot x boundaries + output boundary) x elements + element]
   std::vector<double> temperature_k;
-  // Of each: largest difference to the level before anywhere in the wall, about three times the error
-  // of discretisation, and what the start has left. Not checked: that layers, exposure and h are right.
+  // Of each: largest difference to the level before anywhere in the wall, about three times the
+  // error of discretisation, and what the start has left. Not checked: that layers, exposure and h
+  // are right.
   std::vector<double> error_k;
   std::vector<int> level;  // [element]: the one that temperature_k is of
   // [element] Largest of a step: |heat stored - heat that came in| / its length.
@@ -112,8 +113,8 @@ struct HeatResult {
 };
 
 // InvalidArgument names what is wrong in the request, or the interval, the element and the number
-// that an exposure has wrong. An element that does not reach its tolerance at max_level is no error:
-// its error_k says so.
+// that an exposure has wrong. An element that does not reach its tolerance at max_level is no
+// error: its error_k says so.
 [[nodiscard]] absl::StatusOr<HeatResult> solve_heat(const HeatRequest& request,
                                                     const ExposureOf& exposure_of);
 

@@ -13,9 +13,9 @@ namespace {
 // TR-BDF2 with gamma = 2 - sqrt(2), as a Runge-Kutta scheme [hosea1996]: both stages have the same
 // matrix.
 constexpr double kGamma = 0.58578643762690495;
-constexpr double kImplicit = kGamma / 2;                   // of f at a stage's own end
-constexpr double kExplicit = 0.35355339059327376;          // of f at the begin and the middle
-constexpr double kFromMiddle = kExplicit / kImplicit;      // of the temperatures, second stage
+constexpr double kImplicit = kGamma / 2;               // of f at a stage's own end
+constexpr double kExplicit = 0.35355339059327376;      // of f at the begin and the middle
+constexpr double kFromMiddle = kExplicit / kImplicit;  // of the temperatures, second stage
 // A face whose Newton step was smaller is solved: the error left is the square of it over some
 // kelvin.
 constexpr double kLastStepK = 1e-5;
@@ -70,10 +70,10 @@ struct FaceHeat {
   }
 }
 
-// Solves one stage. In: right(i, j), its right side of node i and lane j without the stage's own heat
-// of the faces, and a guess of the two faces in t. Out: t, and the heat into the faces.
+// Solves one stage. In: right(i, j), its right side of node i and lane j without the stage's own
+// heat of the faces, and a guess of the two faces in t. Out: t, and the heat into the faces.
 template <typename RightSide>
-[[gnu::always_inline]] inline void solve_stage(const ConductionGrid& grid, const HeatStep& step,
+[[gnu::always_inline]] inline void solve_stage(const ConductionGrid& grid, const Elimination& step,
                                                HeatLanes& lanes, double share,
                                                const RightSide& right, HeatLane t0, HeatLane t1,
                                                std::vector<HeatLane>& t, HeatLane& outer_w_m2,
@@ -127,8 +127,8 @@ template <typename RightSide>
 #pragma GCC ivdep
       for (std::size_t j = 0; j < kHeatLanes; ++j) {
         const double own1 = step.inner - dt * f1.w_m2_k[j];
-        const double rest1 = step.inner * t1[j] + across * (t1[j] - t0[j]) - inner_right[j] -
-                             dt * f1.w_m2[j];
+        const double rest1 =
+            step.inner * t1[j] + across * (t1[j] - t0[j]) - inner_right[j] - dt * f1.w_m2[j];
         const double inverse = -1 / (own0[j] * own1 + across * (own0[j] + own1));
         d0[j] = ((own1 + across) * rest0[j] + across * rest1) * inverse;
         d1[j] = ((own0[j] + across) * rest1 + across * rest0[j]) * inverse;
@@ -164,9 +164,9 @@ template <typename RightSide>
   }
 }
 
-[[gnu::always_inline]] inline void take_step(const ConductionGrid& grid, const HeatStep& step,
-                                             HeatLanes& lanes, HeatLane& outer_w_m2,
-                                             HeatLane& inner_w_m2) {
+[[gnu::always_inline]] inline void take_step(const ConductionGrid& grid, const Elimination& step,
+                                             const HeatStep& times, HeatLanes& lanes,
+                                             HeatLane& outer_w_m2, HeatLane& inner_w_m2) {
   const std::size_t last = grid.last();
   const double dt = step.implicit_s;
   const double last_capacity = lanes.inner_fixed ? 0.0 : grid.capacity_j_m2_k[last];
@@ -185,7 +185,7 @@ template <typename RightSide>
     const double to_next = i == last ? -inner_sum[j] : conducted(i, j);
     return capacity(i) * t[i][j] + dt * (from_before - to_next);
   };
-  solve_stage(grid, step, lanes, step.middle, first_right, t[0], t[last], other, outer_w_m2,
+  solve_stage(grid, step, lanes, times.middle, first_right, t[0], t[last], other, outer_w_m2,
               inner_w_m2);
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
@@ -203,8 +203,8 @@ template <typename RightSide>
     outer_guess[j] = t[0][j] + (other[0][j] - t[0][j]) / kGamma;
     inner_guess[j] = t[last][j] + (other[last][j] - t[last][j]) / kGamma;
   }
-  solve_stage(grid, step, lanes, step.end, second_right, outer_guess, inner_guess, other, outer_w_m2,
-              inner_w_m2);
+  solve_stage(grid, step, lanes, times.end, second_right, outer_guess, inner_guess, other,
+              outer_w_m2, inner_w_m2);
   for (std::size_t i = 0; i <= last; ++i) {
     const double c = capacity(i);
 #pragma GCC ivdep
@@ -213,8 +213,8 @@ template <typename RightSide>
   std::swap(t, other);
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
-    const double came_in = kExplicit * (outer_sum[j] + inner_sum[j]) +
-                           kImplicit * (outer_w_m2[j] + inner_w_m2[j]);
+    const double came_in =
+        kExplicit * (outer_sum[j] + inner_sum[j]) + kImplicit * (outer_w_m2[j] + inner_w_m2[j]);
     const double open = std::abs(stored[j] / step.length_s - came_in);
     lanes.closure_w_m2[j] = open > lanes.closure_w_m2[j] ? open : lanes.closure_w_m2[j];
   }
@@ -222,13 +222,8 @@ template <typename RightSide>
 
 }  // namespace
 
-HeatStep::HeatStep(const ConductionGrid& grid, double length, double begin_share,
-                   double middle_share, double end_share)
-    : length_s(length),
-      implicit_s(kImplicit * length),
-      begin(begin_share),
-      middle(middle_share),
-      end(end_share) {
+Elimination::Elimination(const ConductionGrid& grid, double length)
+    : length_s(length), implicit_s(kImplicit * length) {
   const std::size_t last = grid.last();
   const auto link = [&](std::size_t i) { return implicit_s * grid.conductance_w_m2_k[i]; };
   near.assign(last + 1, 0);
@@ -252,7 +247,7 @@ HeatStep::HeatStep(const ConductionGrid& grid, double length, double begin_share
   for (std::size_t i = 1; i < last; ++i) inner += at_last[i] * grid.capacity_j_m2_k[i];
 }
 
-IRSIG_CLONES void advance(const ConductionGrid& grid, const std::vector<HeatStep>& steps,
+IRSIG_CLONES void advance(const ConductionGrid& grid, const HeatInterval& interval,
                           HeatLanes& lanes) {
   const std::size_t last = grid.last();
   FaceAt at;
@@ -272,7 +267,9 @@ IRSIG_CLONES void advance(const ConductionGrid& grid, const std::vector<HeatStep
     face_heat(lanes.inner, at, lanes.t[last], heat);
     inner_w_m2 = heat.w_m2;
   }
-  for (const HeatStep& step : steps) take_step(grid, step, lanes, outer_w_m2, inner_w_m2);
+  for (const HeatStep& step : interval.step) {
+    take_step(grid, interval.elimination[step.elimination], step, lanes, outer_w_m2, inner_w_m2);
+  }
 }
 
 }  // namespace irsig

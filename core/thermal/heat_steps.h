@@ -8,19 +8,18 @@
 
 namespace irsig {
 
-// Steps of TR-BDF2 for kHeatLanes elements of one wall side by side. Private to core/thermal. So many
-// lanes that GCC does not unroll a loop over them completely (up to 16), which would leave it scalar.
+// Steps of TR-BDF2 for kHeatLanes elements of one wall side by side. Private to core/thermal. So
+// many lanes that GCC does not unroll a loop over them completely (up to 16), which would leave it
+// scalar.
 inline constexpr std::size_t kHeatLanes = 32;
 using HeatLane = std::array<double, kHeatLanes>;
 
-// One step and its elimination. The matrix is that of the inside alone, so it is the same for all
-// elements and both stages: K = capacities + implicit_s x conduction.
-struct HeatStep {
-  HeatStep(const ConductionGrid& grid, double length_s, double begin, double middle, double end);
+// The elimination of the inside for steps of one length. The matrix is that of the inside alone, so
+// it is the same for all elements and both stages: K = capacities + implicit_s x conduction.
+struct Elimination {
+  Elimination(const ConductionGrid& grid, double length_s);
 
   double length_s, implicit_s;
-  double begin, middle, end;  // of the interval between two knots, as shares of it
-
   // T_i = near_i T_(i-1) + far_i T_last + s_i inside. [node]
   std::vector<double> near, far;
   std::vector<double> conduction;     // of s_(i+1) in s_i
@@ -28,6 +27,17 @@ struct HeatStep {
   std::vector<double> at_last;        // dT_i / dT_last where T_0 = 0
   // K with the inside eliminated: outer T_0 + across (T_0 - T_last), and the same from inside.
   double outer, across, inner;
+};
+
+struct HeatStep {
+  std::size_t elimination;
+  double begin, middle, end;  // shares of the interval
+};
+
+// From one knot to the next.
+struct HeatInterval {
+  std::vector<Elimination> elimination;
+  std::vector<HeatStep> step;
 };
 
 // One face of the lanes; values at the two ends of an interval, linear between.
@@ -44,14 +54,14 @@ struct HeatFace {
 
 struct HeatLanes {
   HeatFace outer, inner;
-  bool inner_fixed;               // T_last is inner.fluid_k
-  std::vector<HeatLane> t;        // [node]
+  bool inner_fixed;                       // T_last is inner.fluid_k
+  std::vector<HeatLane> t;                // [node]
   std::vector<HeatLane> t_other, inside;  // [node], scratch
   // Largest so far of a step: |stored heat - what came in| over its length.
   HeatLane closure_w_m2;
 };
 
 // All the steps of one interval.
-void advance(const ConductionGrid& grid, const std::vector<HeatStep>& steps, HeatLanes& lanes);
+void advance(const ConductionGrid& grid, const HeatInterval& interval, HeatLanes& lanes);
 
 }  // namespace irsig

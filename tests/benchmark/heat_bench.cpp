@@ -1,8 +1,8 @@
-// CPU time of surface temperatures on one core: elements of a ship's side and decks over 48 hours of
-// hourly weather and sunlight of their own, from a stated start.
+// CPU time of surface temperatures on one core: elements of a ship's side and decks over 48 hours
+// of hourly weather and sunlight of their own, from a stated start.
 //   heat_bench [elements, 20000 and 200000]
-// Prints CSV: wall, elements, hours, CPU time in s, elements at each level, median, 95 % and largest
-// stated error in K, largest closure in W/m2.
+// Prints CSV: wall, elements, hours, CPU time in s, elements at each level, median, 95 % and
+// largest stated error in K, largest closure in W/m2.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -48,7 +48,8 @@ void run(const Wall& wall, std::size_t elements) {
   request.start = StatedStart{{290}, 0};
   request.accuracy.tolerance_k = 0.05;
 
-  // Common weather, and each element's own sunlight: a plane that looks somewhere, shadows of masts.
+  // Common weather, and each element's own sunlight: a plane that looks somewhere, shadows of
+  // masts.
   std::vector<double> air_k, incoming_w_m2, forced_w_m2_k;
   std::vector<std::vector<float>> absorbed_w_m2(kHours + 1, std::vector<float>(elements));
   for (std::size_t i = 0; i <= kHours; ++i) {
@@ -110,7 +111,9 @@ int main(int count, char** value) {
       {"painted plate; air", {paint, steel}, InnerSide::kAir},
       {"sheet; two open faces", {paint, {0.002, 160, 2700, 900}, paint}, InnerSide::kOpen},
       {"concrete 0.5 m", {{0.5, 1.4, 2300, 880}}, InnerSide::kAdiabatic}};
-  std::puts("wall,elements,hours,cpu_s,elements_at_level,median_error_k,p95_error_k,max_error_k,closure_w_m2");
+  std::puts(
+      "wall,elements,hours,cpu_s,elements_at_level,median_error_k,p95_error_k,max_error_k,closure_"
+      "w_m2");
   if (count > 1) {
     for (const Wall& wall : walls) run(wall, static_cast<std::size_t>(std::atoll(value[1])));
     return 0;

@@ -88,8 +88,8 @@ class CvodeWall {
   }
 
  private:
-  // How much warmer a face is than the middle of its cell: a small number by itself, not a difference
-  // of large ones.
+  // How much warmer a face is than the middle of its cell: a small number by itself, not a
+  // difference of large ones.
   double face_rise_k(std::size_t side, double share, double cell_k) {
     if (side == 1 && inner_fixed_) {
       return face_[1].begin.fluid_k + share * (face_[1].end.fluid_k - face_[1].begin.fluid_k) -
@@ -134,9 +134,8 @@ class CvodeWall {
     const double share = time_s / wall.length_s_;
     double in = wall.face_rise_k(0, share, t[0]) / wall.half_[0];
     for (std::size_t i = 0; i < n; ++i) {
-      const double to_next = i + 1 < n
-                                 ? (t[i] - t[i + 1]) / (wall.half_[i] + wall.half_[i + 1])
-                                 : -wall.face_rise_k(1, share, t[i]) / wall.half_[i];
+      const double to_next = i + 1 < n ? (t[i] - t[i + 1]) / (wall.half_[i] + wall.half_[i + 1])
+                                       : -wall.face_rise_k(1, share, t[i]) / wall.half_[i];
       rate[i] = (in - to_next) / wall.capacity_[i];
       in = to_next;
     }

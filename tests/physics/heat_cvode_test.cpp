@@ -1,7 +1,7 @@
-// Rationale: closed forms are linear or lumped; weather, shadows, natural convection, five layers and
-// two open faces together have none. Expected: faces of 50 random walls over 48 h within 10 mK of
-// CVODE on two grids, at the default accuracy; stated errors cover the true ones in 95 % of the hours
-// and are not, in the median, 50 times too wide. Source: SUNDIALS' CVODE on an independent
+// Rationale: closed forms are linear or lumped; weather, shadows, natural convection, five layers
+// and two open faces together have none. Expected: faces of 50 random walls over 48 h within 10 mK
+// of CVODE on two grids, at the default accuracy; stated errors cover the true ones in 95 % of the
+// hours and are not, in the median, 50 times too wide. Source: SUNDIALS' CVODE on an independent
 // discretisation (cvode_wall.h), extrapolated from two grids whose difference is part of the bound.
 #include <algorithm>
 #include <cstdio>
@@ -28,7 +28,9 @@ RandomWall random_wall(std::uint64_t seed) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * std::uniform_real_distribution<double>(0, 1)(random);
   };
-  const auto spread = [&](double low, double high) { return low * std::pow(high / low, uniform(0, 1)); };
+  const auto spread = [&](double low, double high) {
+    return low * std::pow(high / low, uniform(0, 1));
+  };
   RandomWall w;
   constexpr InnerSide kSides[] = {InnerSide::kAdiabatic, InnerSide::kHeatFlux, InnerSide::kAir,
                                   InnerSide::kFixedTemperature, InnerSide::kOpen};
@@ -53,7 +55,8 @@ RandomWall random_wall(std::uint64_t seed) {
     Weather a{sun * std::max(0.0, high) * uniform(0.3, 1), uniform(220, 400),
               288 + 6 * high + uniform(-1, 1), spread(0.5, 30)};
     knot.push_back(a);
-    Weather b{machine + uniform(-5, 5), uniform(350, 450), inside_k + uniform(-1, 1), spread(1, 10)};
+    Weather b{machine + uniform(-5, 5), uniform(350, 450), inside_k + uniform(-1, 1),
+              spread(1, 10)};
     back.push_back(w.side == InnerSide::kOpen ? a : b);
     if (w.side == InnerSide::kOpen) back.back().absorbed_w_m2 *= 0.2;
   }
@@ -80,13 +83,13 @@ TEST(Heat, AgreesWithCvode) {
     request.outer = {w.outer};
     if (w.side == InnerSide::kOpen) request.inner = {w.inner};
     request.output_boundary = {0, w.layers.size()};
-    const HeatResult r = solved(request, [&](std::size_t interval, std::span<const std::uint32_t>,
-                                             const Exposure& out) {
-      set(out.outer_begin, 0, w.hour[interval][0]);
-      set(out.outer_end, 0, w.hour[interval][1]);
-      set(out.inner_begin, 0, w.hour[interval][2]);
-      set(out.inner_end, 0, w.hour[interval][3]);
-    });
+    const HeatResult r = solved(
+        request, [&](std::size_t interval, std::span<const std::uint32_t>, const Exposure& out) {
+          set(out.outer_begin, 0, w.hour[interval][0]);
+          set(out.outer_end, 0, w.hour[interval][1]);
+          set(out.inner_begin, 0, w.hour[interval][2]);
+          set(out.inner_end, 0, w.hour[interval][3]);
+        });
 
     // What the inner side takes no notice of, CVODE is not told.
     FaceProperties inner{0, kForcedOnly};
@@ -108,8 +111,7 @@ TEST(Heat, AgreesWithCvode) {
         const double doubt = 0.1 * std::abs(by_fine[side] - by_coarse[side]) / 3 + 2e-5;
         const std::size_t at = r.at(i + 1, side, 0);
         const double error = std::abs(r.temperature_k[at] - reference);
-        EXPECT_LE(error, 0.010 + doubt)
-            << "seed " << seed << " hour " << i + 1 << " side " << side;
+        EXPECT_LE(error, 0.010 + doubt) << "seed " << seed << " hour " << i + 1 << " side " << side;
         largest_k = std::max(largest_k, error);
         ++all;
         covered += error <= r.error_k[at] + doubt;

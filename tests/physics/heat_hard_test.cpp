@@ -1,7 +1,7 @@
-// Rationale: walls that break solvers are light, thin, layered or exposed to what changes at once, and
-// none of them is rare on a ship. Expected: balances solved by bisection, closed forms and the same
-// wall described in another way, within the stated errors; heat is kept to 1e-6 of the largest flux.
-// Source: arithmetic in this file.
+// Rationale: walls that break solvers are light, thin, layered or exposed to what changes at once,
+// and none of them is rare on a ship. Expected: balances solved by bisection, closed forms and the
+// same wall described in another way, within the stated errors; heat is kept to 1e-6 of the largest
+// flux. Source: arithmetic in this file.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -48,8 +48,7 @@ double balanced_k(const FaceProperties& face, const Weather& w) {
   for (int i = 0; i < 200; ++i) {
     const double t = 0.5 * (low + high), above = t - w.fluid_k;
     const Convection& c = face.convection;
-    const double n =
-        (above > 0 ? c.natural_warm : c.natural_cold) * std::cbrt(std::abs(above));
+    const double n = (above > 0 ? c.natural_warm : c.natural_cold) * std::cbrt(std::abs(above));
     const double f = w.forced_h_w_m2_k;
     const double heat = w.absorbed_w_m2 + face.emissivity * (w.incoming_w_m2 - black_w_m2(t)) -
                         std::sqrt(n * n + f * f + 2 * c.mixing * n * f) * above;
@@ -66,8 +65,10 @@ void expect_same(const HeatResult& a, std::size_t i, const HeatResult& b, std::s
 TEST(HardHeat, HeatIsKept) {
   const InnerSide sides[] = {InnerSide::kAdiabatic, InnerSide::kHeatFlux, InnerSide::kAir,
                              InnerSide::kFixedTemperature, InnerSide::kOpen};
-  const std::vector<std::vector<Layer>> walls = {
-      {kPaint, kSteel, kWool, kSteel}, {kFoil}, {kPaint, kConcrete}, {{0.01, 0, 100, 1000}, kSteel}};
+  const std::vector<std::vector<Layer>> walls = {{kPaint, kSteel, kWool, kSteel},
+                                                 {kFoil},
+                                                 {kPaint, kConcrete},
+                                                 {{0.01, 0, 100, 1000}, kSteel}};
   for (const InnerSide side : sides) {
     for (const auto& layers : walls) {
       const HeatRequest request = emitting(layers, side, knots(48, 1800));
@@ -81,11 +82,11 @@ TEST(HardHeat, HeatIsKept) {
 // like: ramps, means over an hour with jumps between them.
 TEST(HardHeat, TheHeatOfARecordIsKept) {
   const double capacity = 36110;
-  HeatRequest request = request_of({{0.01, 1e9, capacity / 0.01, 1}}, InnerSide::kAdiabatic, 300,
-                                   knots(6, 3600), {});
+  HeatRequest request =
+      request_of({{0.01, 1e9, capacity / 0.01, 1}}, InnerSide::kAdiabatic, 300, knots(6, 3600), {});
   const double begin[] = {100, 500, 0, 0, 200, 900}, end[] = {100, 0, 300, 0, 700, -400};
-  const HeatResult r = solved(
-      request, [&](std::size_t k, std::span<const std::uint32_t>, const Exposure& out) {
+  const HeatResult r =
+      solved(request, [&](std::size_t k, std::span<const std::uint32_t>, const Exposure& out) {
         set(out.outer_begin, 0, {begin[k]});
         set(out.outer_end, 0, {end[k]});
         set(out.inner_begin, 0, {});
@@ -99,7 +100,8 @@ TEST(HardHeat, TheHeatOfARecordIsKept) {
 TEST(HardHeat, PaintOnConcrete) {
   for (const double length_s : {1.0, 3600.0}) {
     const std::size_t count = length_s == 1 ? 120 : 24;
-    const HeatRequest painted = emitting({kPaint, kConcrete}, InnerSide::kAdiabatic, knots(count, length_s));
+    const HeatRequest painted =
+        emitting({kPaint, kConcrete}, InnerSide::kAdiabatic, knots(count, length_s));
     const HeatRequest bare = emitting({kConcrete}, InnerSide::kAdiabatic, knots(count, length_s));
     const HeatResult a = solved(painted, continuous(painted.knot_s, day, constant({})));
     const HeatResult b = solved(bare, continuous(bare.knot_s, day, constant({})));
@@ -113,7 +115,8 @@ TEST(HardHeat, PaintOnConcrete) {
 
 TEST(HardHeat, InsulationLetsNothingThrough) {
   const Layer none{0.05, 0, 40, 1400};
-  const HeatRequest wall = emitting({kSteel, none, kSteel}, InnerSide::kFixedTemperature, knots(24, 3600));
+  const HeatRequest wall =
+      emitting({kSteel, none, kSteel}, InnerSide::kFixedTemperature, knots(24, 3600));
   const HeatRequest plate = emitting({kSteel}, InnerSide::kAdiabatic, knots(24, 3600));
   const HeatResult a = solved(wall, continuous(wall.knot_s, day, constant({0, 0, 350, 0})));
   const HeatResult b = solved(plate, continuous(plate.knot_s, day, constant({})));
@@ -123,8 +126,8 @@ TEST(HardHeat, InsulationLetsNothingThrough) {
   const HeatRequest front = emitting({none, kSteel}, InnerSide::kAdiabatic, knots(24, 3600));
   const HeatResult c = solved(front, continuous(front.knot_s, day, constant({})));
   for (std::size_t k = 1; k <= 24; ++k) {
-    EXPECT_NEAR(c.temperature_k[c.at(k, 0, 0)],
-                balanced_k(front.outer[0], day(0, front.knot_s[k])), 1e-3);
+    EXPECT_NEAR(c.temperature_k[c.at(k, 0, 0)], balanced_k(front.outer[0], day(0, front.knot_s[k])),
+                1e-3);
   }
 }
 
@@ -149,15 +152,19 @@ TEST(HardHeat, LightSheetsFollowTheirBalance) {
 TEST(HardHeat, ALayerWithoutHeatCapacityIsAResistance) {
   const double h = 20, d = 0.02, k = 0.05;
   const auto run = [&](std::vector<Layer> layers, double h_w_m2_k) {
-    HeatRequest request = request_of(std::move(layers), InnerSide::kAdiabatic, 290, knots(24, 3600), {});
-    return solved(request, continuous(request.knot_s,
-                                      [&](std::size_t e, double t) {
-                                        return Weather{0, 0, 280 + day(e, t).absorbed_w_m2 / 10, h_w_m2_k};
-                                      },
-                                      constant({})));
+    HeatRequest request =
+        request_of(std::move(layers), InnerSide::kAdiabatic, 290, knots(24, 3600), {});
+    return solved(request, continuous(
+                               request.knot_s,
+                               [&](std::size_t e, double t) {
+                                 return Weather{0, 0, 280 + day(e, t).absorbed_w_m2 / 10, h_w_m2_k};
+                               },
+                               constant({})));
   };
-  const HeatResult layered = run({{d, k, 0, 0}, kSteel}, h), bare = run({kSteel}, 1 / (1 / h + d / k));
-  for (std::size_t i = 0; i <= 24; ++i) expect_same(layered, layered.at(i, 1, 0), bare, bare.at(i, 0, 0));
+  const HeatResult layered = run({{d, k, 0, 0}, kSteel}, h),
+                   bare = run({kSteel}, 1 / (1 / h + d / k));
+  for (std::size_t i = 0; i <= 24; ++i)
+    expect_same(layered, layered.at(i, 1, 0), bare, bare.at(i, 0, 0));
 }
 
 TEST(HardHeat, RedHotPlatesCool) {
@@ -178,21 +185,25 @@ TEST(HardHeat, RedHotPlatesCool) {
 
 TEST(HardHeat, NothingHappensInEquilibrium) {
   const Weather still{0, black_w_m2(290), 290, 5};
-  const HeatRequest request = emitting({kPaint, kSteel, kWool}, InnerSide::kOpen, knots(24, 3600), tarp_natural(0));
-  const HeatResult r = solved(request, continuous(request.knot_s, constant(still), constant(still)));
+  const HeatRequest request =
+      emitting({kPaint, kSteel, kWool}, InnerSide::kOpen, knots(24, 3600), tarp_natural(0));
+  const HeatResult r =
+      solved(request, continuous(request.knot_s, constant(still), constant(still)));
   for (const double t : r.temperature_k) EXPECT_NEAR(t, 290, 1e-9);
   for (const double e : r.error_k) EXPECT_LE(e, 1e-5);
 }
 
 TEST(HardHeat, AHugeCoefficientHoldsTheFace) {
-  const HeatRequest request = emitting({kPaint, kConcrete}, InnerSide::kAdiabatic, knots(24, 3600), kForcedOnly);
-  const HeatResult r = solved(request, continuous(request.knot_s,
-                                                  [](std::size_t e, double t) {
-                                                    Weather w = day(e, t);
-                                                    w.forced_h_w_m2_k = 1e9;
-                                                    return w;
-                                                  },
-                                                  constant({})));
+  const HeatRequest request =
+      emitting({kPaint, kConcrete}, InnerSide::kAdiabatic, knots(24, 3600), kForcedOnly);
+  const HeatResult r = solved(request, continuous(
+                                           request.knot_s,
+                                           [](std::size_t e, double t) {
+                                             Weather w = day(e, t);
+                                             w.forced_h_w_m2_k = 1e9;
+                                             return w;
+                                           },
+                                           constant({})));
   for (std::size_t k = 1; k <= 24; ++k) {
     EXPECT_NEAR(r.temperature_k[r.at(k, 0, 0)], day(0, request.knot_s[k]).fluid_k, 1e-4);
   }
@@ -214,7 +225,8 @@ TEST(HardHeat, KnotsOfASecondAndOfAnHour) {
 }
 
 std::vector<std::vector<Layer>> slow_walls() {
-  return {{kPaint, kSteel, kWool, kSteel}, {kConcrete}, {kWool, {0.3, 1.4, 2300, 880}, kWool}, {kFoil}};
+  return {
+      {kPaint, kSteel, kWool, kSteel}, {kConcrete}, {kWool, {0.3, 1.4, 2300, 880}, kWool}, {kFoil}};
 }
 
 // The share of temperatures that differ by at most the two stated errors.
@@ -270,7 +282,8 @@ TEST(HardHeat, TwoGridsAgree) {
 // To the last bit: alone, among others that need more levels, in another group, in another order.
 TEST(HardHeat, AnElementDoesNotDependOnItsNeighbours) {
   constexpr std::size_t kMany = 600;
-  HeatRequest many = emitting({kPaint, kSteel, kWool}, InnerSide::kAir, knots(12, 3600), tarp_natural(0), kMany);
+  HeatRequest many =
+      emitting({kPaint, kSteel, kWool}, InnerSide::kAir, knots(12, 3600), tarp_natural(0), kMany);
   many.start = PeriodicStart{280, 12, 1e-2, 30};
   many.accuracy.tolerance_k = 0.003;
   const HeatResult all = solved(many, continuous(many.knot_s, day, day));
@@ -278,9 +291,10 @@ TEST(HardHeat, AnElementDoesNotDependOnItsNeighbours) {
   for (const std::size_t e : {std::size_t{0}, std::size_t{31}, std::size_t{33}, std::size_t{599}}) {
     HeatRequest one = many;
     one.outer.resize(1);
-    const HeatResult alone = solved(one, continuous(one.knot_s,
-        [&](std::size_t, double t) { return day(e, t); },
-        [&](std::size_t, double t) { return day(e, t); }));
+    const HeatResult alone =
+        solved(one, continuous(
+                        one.knot_s, [&](std::size_t, double t) { return day(e, t); },
+                        [&](std::size_t, double t) { return day(e, t); }));
     EXPECT_EQ(alone.level[0], all.level[e]);
     EXPECT_EQ(alone.closure_w_m2[0], all.closure_w_m2[e]);
     for (std::size_t k = 0; k <= 12; ++k) {

@@ -77,16 +77,16 @@ Answer rise(const Asked& a, HeatAccuracy accuracy) {
   return {at.value - kStartK, at.error};
 }
 
-// The settled wave under a flux of 400 cos(w t), at all depths of the table: complex amplitudes, each
-// with the largest error of its temperatures.
+// The settled wave under a flux of 400 cos(w t), at all depths of the table: complex amplitudes,
+// each with the largest error of its temperatures.
 struct Wave {
   std::map<double, std::complex<double>> amplitude_k;
   double error_k = 0;
 };
 
 // The wave as seen at `knots` times a period under a forcing that is linear between them, over that
-// under the cosine: its harmonics m = 1 + k knots are (sin(half) / (half m))^2 of it, and look like the
-// fundamental at the knots. A half-space answers with m^(-1/2) exp(-(1 + i) x / depth m^(1/2)).
+// under the cosine: its harmonics m = 1 + k knots are (sin(half) / (half m))^2 of it, and look like
+// the fundamental at the knots. A half-space answers with m^(-1/2) exp(-(1 + i) x / depth m^(1/2)).
 std::complex<double> seen_at_knots(std::size_t knots, double depths) {
   const auto answer = [&](double m) {
     const std::complex<double> root = std::sqrt(std::complex<double>(0, 2 * m));
@@ -104,16 +104,15 @@ Wave settled_wave(const std::string& setup, double period_s, HeatAccuracy accura
   for (std::size_t i = 0; i <= kKnots; ++i) {
     knot_s.push_back(period_s * static_cast<double>(i) / kKnots);
   }
-  const std::vector<double> depth_m = setup == "wave_steel" ? std::vector<double>{0, 0.02, 0.1}
-                                                            : std::vector<double>{0, 0.05, 0.2};
+  const std::vector<double> depth_m =
+      setup == "wave_steel" ? std::vector<double>{0, 0.02, 0.1} : std::vector<double>{0, 0.05, 0.2};
   std::vector<Layer> layers;
   for (std::size_t i = 0; i < 2; ++i) {
     layers.push_back(material_of(setup, depth_m[i + 1] - depth_m[i]));
   }
   const double penetration_m = depth_of(setup, period_s / (144 * std::numbers::pi));
   layers.push_back(material_of(setup, 7 * penetration_m));
-  HeatRequest request =
-      request_of(layers, InnerSide::kFixedTemperature, kStartK, knot_s, accuracy);
+  HeatRequest request = request_of(layers, InnerSide::kFixedTemperature, kStartK, knot_s, accuracy);
   request.start = PeriodicStart{kStartK, kKnots, 0.1 * accuracy.tolerance_k, 60};
   const auto flux = [&](std::size_t, double t) {
     return Weather{400 * std::cos(2 * std::numbers::pi * t / period_s)};
@@ -143,8 +142,7 @@ Answer wave(const Asked& a, HeatAccuracy accuracy) {
   if (a.quantity == "amplitude_k") return {std::abs(amplitude), error};
   double lag = -std::arg(amplitude);
   if (lag < 0) lag += 2 * std::numbers::pi;
-  const double unit =
-      (a.quantity == "lag_deg" ? 360 : period_s) / (2 * std::numbers::pi);
+  const double unit = (a.quantity == "lag_deg" ? 360 : period_s) / (2 * std::numbers::pi);
   return {lag * unit, error / std::abs(amplitude) * unit};
 }
 
@@ -171,9 +169,9 @@ Answer slab_of_biot(const Asked& a, HeatAccuracy accuracy) {
                                    InnerSide::kAdiabatic, kStartK + 1, {0, time_s}, accuracy);
   const double h = biot * m.conductivity_w_m_k / kHalf;
   // x counts from the middle.
-  const Answer at = last_of(solved(request, continuous(request.knot_s, constant({0, 0, kStartK, h}),
-                                                       constant({}))),
-                            a.x == 1 ? 0 : 1);
+  const Answer at = last_of(
+      solved(request, continuous(request.knot_s, constant({0, 0, kStartK, h}), constant({}))),
+      a.x == 1 ? 0 : 1);
   return {at.value - kStartK, at.error};
 }
 
@@ -225,10 +223,12 @@ TEST_P(ClosedForms, HeatCsv) {
       by = wave;
       const Layer m = material_of(a.setup, 1);
       const double omega = 2 * std::numbers::pi / (a.setup == "wave_steel" ? 3600 : 86400);
-      const double effusivity = std::sqrt(m.conductivity_w_m_k * m.density_kg_m3 * m.specific_heat_j_kg_k);
+      const double effusivity =
+          std::sqrt(m.conductivity_w_m_k * m.density_kg_m3 * m.specific_heat_j_kg_k);
       change = 400 / (effusivity * std::sqrt(omega));
       if (a.quantity != "amplitude_k") {
-        const double depth = std::sqrt(2 * m.conductivity_w_m_k / (m.density_kg_m3 * m.specific_heat_j_kg_k) / omega);
+        const double depth = std::sqrt(2 * m.conductivity_w_m_k /
+                                       (m.density_kg_m3 * m.specific_heat_j_kg_k) / omega);
         unit = (a.quantity == "lag_deg" ? 180 / std::numbers::pi : 1 / omega) /
                (change * std::exp(-a.x / depth));
       }
