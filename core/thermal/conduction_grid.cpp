@@ -9,6 +9,8 @@ namespace {
 // With these, and the steps of heat_solver.cpp, depth and time have about equal parts in the error
 // of walls of 1 mm to 0.5 m in hourly weather (tests/benchmark/heat_bench.cpp).
 constexpr double kSurfaceCell = 0.4, kGrowth = 0.15;
+// Of the whole wall: a cell that is smaller is lost in rounding.
+constexpr double kSmallestCell = 1e-9;
 
 // How long heat takes through a layer: sqrt of seconds. 0 if nothing is stored there, or if nothing
 // moves: then one cell is exact.
@@ -49,6 +51,8 @@ ConductionGrid make_grid(std::span<const Layer> layers, double shortest_step_s, 
   constexpr double kLeftAtBoundary = 1e-9;
   double whole = 0;
   for (const Layer& layer : layers) whole += diffusion_depth(layer);
+  const double surface_cell =
+      std::max(kSurfaceCell * std::sqrt(shortest_step_s), kSmallestCell * whole);
   ConductionGrid grid{{0.0}, {}, {0}, {}};
   const std::size_t pieces = std::size_t{1} << level;
   double from = 0;
@@ -56,8 +60,7 @@ ConductionGrid make_grid(std::span<const Layer> layers, double shortest_step_s, 
     const bool insulation = layer.conductivity_w_m_k == 0;
     const double to = from + diffusion_depth(layer);
     const std::vector<double> share =
-        insulation ? std::vector<double>{0.5, 0.5}
-                   : cut(from, to, whole, kSurfaceCell * std::sqrt(shortest_step_s));
+        insulation ? std::vector<double>{0.5, 0.5} : cut(from, to, whole, surface_cell);
     const std::size_t first = grid.last();
     const double before_j_m2_k = grid.capacity_j_m2_k.back();
     for (const double of_layer : share) {

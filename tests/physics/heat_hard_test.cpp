@@ -279,6 +279,47 @@ TEST(HardHeat, TwoGridsAgree) {
   }
 }
 
+// Whatever is accepted gives numbers: 1 nm to 1000 km, 1e-6 to 1e9 s, no heat capacity, no air, no
+// sky.
+TEST(HardHeat, StrangeInputsGiveNumbers) {
+  std::mt19937_64 random(20261122);
+  const auto share = [&] { return std::uniform_real_distribution<double>(0, 1)(random); };
+  const auto spread = [&](double low, double high) { return low * std::pow(high / low, share()); };
+  const auto perhaps_0 = [&](double value) { return share() < 0.2 ? 0.0 : value; };
+  constexpr InnerSide kSides[] = {InnerSide::kAdiabatic, InnerSide::kHeatFlux, InnerSide::kAir,
+                                  InnerSide::kFixedTemperature, InnerSide::kOpen};
+  int accepted = 0;
+  for (int i = 0; i < 200; ++i) {
+    std::vector<Layer> layers(1 + random() % 4);
+    for (Layer& layer : layers) {
+      layer = {spread(1e-9, 1e6), perhaps_0(spread(1e-9, 1e12)), perhaps_0(spread(1e-6, 1e9)),
+               spread(1e-6, 1e9)};
+    }
+    std::vector<double> knot_s{0};
+    for (int k = 0; k < 3; ++k)
+      knot_s.push_back(knot_s.back() + spread(1e-5, share() < 0.1 ? 1e9 : 1e5));
+    HeatRequest request = emitting(layers, kSides[random() % 5], knot_s);
+    for (auto* faces : {&request.outer, &request.inner}) {
+      for (FaceProperties& face : *faces) {
+        face = {perhaps_0(share()),
+                {perhaps_0(spread(1e-3, 1e6)), perhaps_0(spread(1e-3, 1e6)), share()}};
+      }
+    }
+    request.accuracy.max_level = 1 + static_cast<int>(random() % 2);
+    const auto weather = [&](std::size_t, double) {
+      return Weather{perhaps_0(spread(1e-3, 1e7)) - perhaps_0(spread(1e-3, 100)),
+                     perhaps_0(spread(1e-3, 1e7)), spread(1, 1e5), perhaps_0(spread(1e-3, 1e9))};
+    };
+    const auto r = solve_heat(request, continuous(knot_s, weather, weather));
+    if (!r.ok()) continue;
+    ++accepted;
+    for (const double t : r->temperature_k) ASSERT_TRUE(std::isfinite(t)) << i;
+    for (const double e : r->error_k) ASSERT_TRUE(std::isfinite(e)) << i;
+    ASSERT_TRUE(std::isfinite(r->closure_w_m2[0])) << i;
+  }
+  EXPECT_GE(accepted, 100);
+}
+
 // To the last bit: alone, among others that need more levels, in another group, in another order.
 TEST(HardHeat, AnElementDoesNotDependOnItsNeighbours) {
   constexpr std::size_t kMany = 600;
