@@ -153,7 +153,6 @@ std::vector<double> interval_steps(double length_s, int level) {
 }
 
 HeatInterval heat_interval(const ConductionGrid& grid, double length_s, int level) {
-  constexpr double kMiddle = 0.58578643762690495;  // 2 - sqrt(2)
   HeatInterval out;
   double time_s = 0, last_s = 0;
   for (const double step_s : interval_steps(length_s, level)) {
@@ -162,7 +161,7 @@ HeatInterval heat_interval(const ConductionGrid& grid, double length_s, int leve
     last_s = step_s;
     const double end_s = time_s + step_s;
     out.step.push_back({out.elimination.size() - 1, time_s / length_s,
-                        (time_s + kMiddle * step_s) / length_s, end_s / length_s});
+                        (time_s + kMiddleOfStep * step_s) / length_s, end_s / length_s});
     time_s = end_s;
   }
   return out;

@@ -10,10 +10,8 @@
 namespace irsig {
 namespace {
 
-// TR-BDF2 with gamma = 2 - sqrt(2), as a Runge-Kutta scheme [hosea1996]: both stages have the same
-// matrix.
-constexpr double kGamma = 0.58578643762690495;
-constexpr double kImplicit = kGamma / 2;               // of f at a stage's own end
+// TR-BDF2 as a Runge-Kutta scheme [hosea1996]: both stages have the same matrix.
+constexpr double kImplicit = kMiddleOfStep / 2;        // of f at a stage's own end
 constexpr double kExplicit = 0.35355339059327376;      // of f at the begin and the middle
 constexpr double kFromMiddle = kExplicit / kImplicit;  // of the temperatures, second stage
 // A face whose Newton step was smaller is solved: the error left is the square of it over some
@@ -71,7 +69,7 @@ struct FaceHeat {
 }
 
 // Solves one stage. In: right(i, j), its right side of node i and lane j without the stage's own
-// heat of the faces, and a guess of the two faces in t. Out: t, and the heat into the faces.
+// heat of the faces, and guesses t0, t1 of the faces. Out: t, and the heat into the faces.
 template <typename RightSide>
 [[gnu::always_inline]] inline void solve_stage(const ConductionGrid& grid, const Elimination& step,
                                                HeatLanes& lanes, double share,
@@ -200,8 +198,8 @@ template <typename RightSide>
   HeatLane outer_guess, inner_guess, stored{};
 #pragma GCC ivdep
   for (std::size_t j = 0; j < kHeatLanes; ++j) {
-    outer_guess[j] = t[0][j] + (other[0][j] - t[0][j]) / kGamma;
-    inner_guess[j] = t[last][j] + (other[last][j] - t[last][j]) / kGamma;
+    outer_guess[j] = t[0][j] + (other[0][j] - t[0][j]) / kMiddleOfStep;
+    inner_guess[j] = t[last][j] + (other[last][j] - t[last][j]) / kMiddleOfStep;
   }
   solve_stage(grid, step, lanes, times.end, second_right, outer_guess, inner_guess, other,
               outer_w_m2, inner_w_m2);

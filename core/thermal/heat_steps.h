@@ -12,6 +12,8 @@ namespace irsig {
 // many lanes that GCC does not unroll a loop over them completely (up to 16), which would leave it
 // scalar.
 inline constexpr std::size_t kHeatLanes = 32;
+// Where a step's first stage ends: 2 - sqrt(2) of it.
+inline constexpr double kMiddleOfStep = 0.58578643762690495;
 using HeatLane = std::array<double, kHeatLanes>;
 
 // The elimination of the inside for steps of one length. The matrix is that of the inside alone, so
