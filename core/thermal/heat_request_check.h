@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "core/thermal/heat_solver.h"
+
+namespace irsig {
+
+// What solve_heat refuses before it computes anything. Private to core/thermal.
+[[nodiscard]] absl::Status check_request(const HeatRequest& request);
+
+// InvalidArgument "name = value, expected ...".
+[[nodiscard]] absl::Status wrong_number(const std::string& name, double value,
+                                        const std::string& expected);
+
+}  // namespace irsig
