@@ -46,8 +46,7 @@ struct ClearSkyIrradiance {
 
 // Long-wave emissivity of the clear sky: horizontal irradiance = emissivity sigma T_air^4.
 //
-// 1 - (1 + w) exp(-sqrt(1.2 + 3 w)), w = precipitable_water_cm [prata1996]. Root mean square error
-// 2 % of irradiance in the paper.
+// 1 - (1 + w) exp(-sqrt(1.2 + 3 w)), w = precipitable_water_cm [prata1996].
 [[nodiscard]] double sky_emissivity_prata(double air_k, double vapour_pressure_pa);
 // 0.711 + 0.56 d + 0.73 d^2 + 0.013 cos(2 pi hour / 24) + 0.00012 (p - 1000 hPa), d = dew point in
 // 100 deg C, hour of local solar time [berdahl1984].

@@ -28,8 +28,8 @@ enum class WindSide { kWindward, kLeeward };
 //   9.482 / (7.238 - |c|)  unstable: a face that looks up is the warmer, or down and the colder
 //   1.810 / (1.382 + |c|)  stable; both are 1.31 for a vertical face
 //   cos_tilt c  of the face's outward normal to the vertical: 1 looks up, -1 down
-// mixing 1: forced parts add. Turbulent: |T_s - T_a|^(1/3) times the cube of the size above about
-// 1 K m^3.
+// mixing 1: forced parts add. Turbulent: |T_s - T_a| times the cube of the size above about 1 K
+// m^3.
 [[nodiscard]] Convection tarp_natural(double cos_tilt);
 // 2.537 R sqrt(perimeter wind / area), half of it on the leeward side [sparrow1979, walton1983]:
 // rectangles in wind at up to some 1e5 of Reynolds number.
@@ -47,8 +47,8 @@ struct Fluid {
 
 // Mean h along a plate in a flow parallel to it [incropera2007, eqs. 7.30, 7.38]:
 //   Re < 5e5: Nu = 0.664 Re^(1/2) Pr^(1/3), above: Nu = (0.037 Re^(4/5) - 871) Pr^(1/3)
-// 0 at speed 0. Range: 0.6 < Pr < 60, Re < 1e8 (0.25 % of a hull's h is lost beyond by a decade).
-// 15 to 25 % of h; a hull's curvature, fouling and wake are not in it.
+// 0 at speed 0. Range: 0.6 < Pr < 60, Re < 1e8; a hull's Re goes to 1e9. 15 to
+// 25 % of h; a hull's curvature, fouling and wake are not in it.
 [[nodiscard]] double plate_in_flow_w_m2_k(const Fluid& fluid, double speed_m_s, double length_m);
 
 }  // namespace irsig
