@@ -27,8 +27,8 @@ struct ClearSkyIrradiance {
 // Rayleigh scattering, ozone, uniformly mixed gases, water and aerosol as factors of the direct
 // beam; the diffuse part with a forward share of aerosol scattering of 0.84 and an albedo of
 // aerosol absorption K1 = 0.1. Relative air mass of [kasten1966]. All of its inputs must be finite
-// and >= 0; 0 for a sun at or below the horizon. Within 5 % of line-by-line models in the paper,
-// zenith below 85 deg.
+// and >= 0; 0 for a sun at or below the horizon. Within 10 % of rigorous codes, by its
+// authors; zenith below 85 deg.
 [[nodiscard]] ClearSkyIrradiance clear_sky_irradiance(const ClearSkyInput& input);
 
 // On a day of the year [1, 366]: 1361 W/m2 [kopp2011] times the inverse square of the distance, by
