@@ -250,5 +250,38 @@ TEST(Emitters, TemperaturesOfTheirOwn) {
   }
 }
 
+// Which blackbodies stand for the temperatures follows from all conditions of a request.
+TEST(Emitters, NoBitDependsOnWhichConditionsAreAskedFor) {
+  SceneSpec scene = scene_of(generated("frigate", 4000), grey(0.7), mwir());
+  const auto simulator = simulator_of(scene);
+  const Target& target = simulator->target();
+  std::vector<FacetTemperatures> facets(3);
+  for (std::size_t c = 0; c < facets.size(); ++c)
+    for (std::size_t f = 0; f < target.facet.size(); ++f) {
+      facets[c].kelvin.push_back(static_cast<float>(250 + 40 * c + f % 17));
+      facets[c].error_k.push_back(0.1F);
+    }
+  const ElementEmission emission = emission_of(target, facets);
+  ViewRequest r = request(*simulator, 40, 20, 5000, {400});
+  r.accuracy.samples_per_replicate = 256;
+  r.max_reflections = 2;
+  r.emitters = std::make_shared<const Emitters>(emission.emitters);
+  r.condition.assign(3, r.condition.front());
+  for (std::size_t c = 0; c < 3; ++c)
+    r.condition[c].emitter = std::make_shared<const EmitterTemperatures>(emission.condition[c]);
+  r.selected_condition = {0, 1, 2};
+  const auto all = simulator->simulate(r);
+  ASSERT_TRUE(all.ok()) << all.status();
+  for (const std::uint32_t c : {0u, 1u, 2u}) {
+    r.selected_condition = {c};
+    const auto alone = simulator->simulate(r);
+    ASSERT_TRUE(alone.ok()) << alone.status();
+    EXPECT_EQ(alone->row[0].intensity_w_sr.value, all->row[c].intensity_w_sr.value);
+    EXPECT_EQ(alone->row[0].numerical_error_w_sr, all->row[c].numerical_error_w_sr);
+    EXPECT_EQ(alone->row[0].spectral.value, all->row[c].spectral.value);
+    EXPECT_GT(alone->row[0].temperature_bound_w_sr, 0);
+  }
+}
+
 }  // namespace
 }  // namespace irsig
