@@ -15,6 +15,9 @@ namespace {
 constexpr double kProgramBytes = 150e6, kSharedBytes = 80e6;
 constexpr double kBytesPerFacet = 300, kBytesPerWeather = 30e6;
 constexpr double kAllocation = 1.2;
+// A field's file and its rows while they are read, in sizes of the file; numbers of weights that an
+// emitter has in a replicate, seen and reflected, with what pages leave empty.
+constexpr double kFieldBytes = 4, kWeightsPerEmitter = 3;
 constexpr double kNumber = sizeof(double);
 
 }  // namespace
@@ -25,7 +28,8 @@ std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) cons
 }
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
-                     const Environment* environment) {
+                     const Environment* environment, std::size_t emitters,
+                     std::size_t field_bytes) {
   double wavelengths = 0;
   for (const BandGrid& grid : simulator.band_grids())
     wavelengths += static_cast<double>(grid.node_um.size());
@@ -41,12 +45,15 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   // means.
   const double row = 2 * sweep.sweep().accuracy().replicates() * parts * carried * kNumber;
   JobMemory memory;
-  memory.bytes_per_condition = kAllocation * of_condition + row;
+  const auto elements = static_cast<double>(emitters);
+  memory.bytes_per_condition =
+      kAllocation * of_condition + row + 2 * elements * static_cast<double>(sizeof(float));
   memory.shared_bytes = kSharedBytes;
-  memory.fixed_bytes = kProgramBytes +
-                       kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
-                       (environment == nullptr ? 0 : kBytesPerWeather * weathers_of(sweep).count) +
-                       row * (parts + directions);
+  memory.fixed_bytes =
+      kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
+      (environment == nullptr ? 0 : kBytesPerWeather * weathers_of(sweep).count) +
+      row * (parts + directions) + kFieldBytes * static_cast<double>(field_bytes) +
+      kWeightsPerEmitter * elements * carried * kNumber * sweep.sweep().accuracy().replicates();
   return memory;
 }
 

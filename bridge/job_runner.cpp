@@ -28,11 +28,13 @@ class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-                std::optional<ThumbnailEncoder> encoder, std::vector<std::string> warnings)
+                std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
+                std::vector<std::string> warnings)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        field_bytes_(field_bytes),
         encoder_(std::move(encoder)),
         warnings_(std::move(warnings)) {}
 
@@ -51,7 +53,9 @@ class CoreJobRunner final : public JobRunner {
   [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
   [[nodiscard]] JobMemory memory() const override {
-    return job_memory(sweep_, *simulator_, environment_.get());
+    return job_memory(sweep_, *simulator_, environment_.get(),
+                      temperatures_.emitters ? temperatures_.emitters->part.size() : 0,
+                      field_bytes_);
   }
 
  private:
@@ -114,6 +118,7 @@ class CoreJobRunner final : public JobRunner {
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   SweepTemperatures temperatures_;
+  std::size_t field_bytes_;  // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
   std::vector<std::string> warnings_;
 };
@@ -157,9 +162,10 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  return std::make_unique<CoreJobRunner>(sweep, *std::move(simulator), *std::move(environment),
-                                         scene->temperatures, std::move(encoder),
-                                         model_warnings(sweep, *scene));
+  return std::make_unique<CoreJobRunner>(
+      sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
+      bytes_of(assets) - asset(assets, sweep.model_sha256()).size(), std::move(encoder),
+      model_warnings(sweep, *scene));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }
