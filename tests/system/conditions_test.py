@@ -128,6 +128,20 @@ class Conditions(unittest.TestCase):
                 self.assertEqual({key: day[key] for key in alone}, alone)
                 self.assertEqual((paths, rays), (paths_alone, rays_alone), "rays are traced once for all hours")
 
+    def test_oddities_are_stored_as_they_were_written(self):
+        """condition[2] is what people know, not the season that it is written out as."""
+        table = "season,time,air_temperature_k,part_temperature_k.box\n"
+        table += "spring,10:00Z,288,290\nspring,11:00Z,288,291\nspring,12:00Z,288,255\n"
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            self.run_sweep(path, "odd", 'condition_file = "t.csv"\n' + TARGET + WEATHER + season("spring"), t=table)
+            db = sqlite3.connect(path / "odd.sigdb")
+            warnings = {time: text for time, text in db.execute("SELECT time_utc, warning FROM condition")}
+            db.close()
+            odd = [time for time, text in warnings.items() if "colder" in text]
+            self.assertEqual(odd, ["2025-03-20T12:00:00Z"], warnings)
+            self.assertIn("condition[2].part_temperature_k.box = 255", warnings[odd[0]])
+
     def test_varied_weather(self):
         with tempfile.TemporaryDirectory() as folder:
             rows, _, _ = self.run_sweep(

@@ -103,5 +103,27 @@ TEST(PlotProfile, ShowsOneSignature) {
   EXPECT_EQ(plot_profile({}, {}).status().code(), absl::StatusCode::kNotFound);
 }
 
+TEST(ProfileNotes, SayWhichRowsMissTheErrorAskedFor) {
+  schema::Sweep sweep;
+  sweep.set_name("cavity");
+  schema::Profile& deep = *sweep.add_profile();
+  deep.set_name("deep");
+  deep.set_apparent_temperature_stderr_k(0.001);
+  std::vector<StoredProfileRow> rows = {row_of("deep", 0, 0, 0, 298), row_of("deep", 0, 1, 0, 299),
+                                        row_of("deep", 0, 2, 0, 300)};
+  rows[1].apparent_temperature_stderr_k = 0.0009;
+  rows[2].apparent_temperature_stderr_k = 0.005;
+  const std::vector<std::string> notes = profile_notes(rows, sweep);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("\"deep\": 2 of 3 rows miss"));
+  EXPECT_THAT(notes[0], HasSubstr("5 mK at most, 1 mK asked"));
+  rows[0].sweep = rows[2].sweep = "another";
+  EXPECT_TRUE(profile_notes(rows, sweep).empty()) << "of this sweep alone";
+  deep.clear_apparent_temperature_stderr_k();
+  deep.set_samples(1000);
+  rows[0].sweep = "cavity";
+  EXPECT_TRUE(profile_notes(rows, sweep).empty()) << "no error was asked for";
+}
+
 }  // namespace
 }  // namespace irsig
