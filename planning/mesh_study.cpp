@@ -76,6 +76,13 @@ absl::StatusOr<std::vector<AskedMesh>> asked_meshes(const std::string& list,
 // The sweep as all meshes have it: nothing is left out of one that is in another.
 absl::StatusOr<schema::ResolvedSweep> comparable(schema::ResolvedSweep resolved,
                                                  const std::optional<double>& relative_error) {
+  for (const schema::Condition& condition : resolved.condition())
+    if (condition.has_temperature_field())
+      return absl::InvalidArgumentError(
+          absl::StrCat("--meshes: season \"", condition.season(),
+                       "\" has the temperatures of the temperature field \"",
+                       condition.temperature_field().field().name(),
+                       "\", which belong to the facets of one mesh: expected stated temperatures"));
   schema::Sweep& sweep = *resolved.mutable_sweep();
   schema::Accuracy& accuracy = *sweep.mutable_accuracy();
   if (relative_error) {

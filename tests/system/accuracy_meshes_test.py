@@ -200,6 +200,12 @@ class Meshes(unittest.TestCase):
         timed = self.path / "timed.toml"
         timed.write_text(SWEEP.replace("relative_error = 0.003", "time_budget_s = 10"))
         self.assertIn("--relative-error", meshes(timed, "0.5,1", exit_code=2))
+        (self.path / "t.csv").write_text("x,y,z,temperature\n0,0,0,320\n")
+        field = self.path / "field.toml"
+        field.write_text(SWEEP.replace("temperature_k = 320\n", "").replace("[[season]]", '[[temperature_field]]\nname = "camera"\n'
+                         'file = "t.csv"\nunit = "K"\nmatch = "centroid"\nmax_distance_m = 10\nerror_k = 1\n[[season]]\n'
+                         'temperature_field = "camera"', 1).replace("[[season]]\nname = \"two\"", '[[season]]\ntemperature_field = "camera"\nname = "two"'))
+        self.assertIn('temperature field "camera"', meshes(field, "0.5,1", exit_code=2))
 
 
 if __name__ == "__main__":
