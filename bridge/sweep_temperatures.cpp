@@ -4,9 +4,11 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "bridge/environment/named.h"
 #include "bridge/model_mesh.h"
 #include "core/fields/temperature_field.h"
@@ -57,10 +59,17 @@ absl::StatusOr<FieldMesh> mesh_of_file(const schema::ResolvedSweep& sweep, const
   return out;
 }
 
-absl::Status wrong(const schema::Condition& condition, const std::string& what) {
-  const schema::ConditionField& from = condition.temperature_field();
-  return absl::InvalidArgumentError(
-      absl::StrCat("temperature_field.", from.field().name(), ": ", from.file_name(), ": ", what));
+// The key that named the file, before each line of what is wrong in it.
+absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& condition,
+                   std::string_view lines) {
+  const std::string& name = condition.temperature_field().field().name();
+  int index = 0;
+  while (index < sweep.sweep().temperature_field_size() &&
+         sweep.sweep().temperature_field(index).name() != name)
+    ++index;
+  const std::string key = absl::StrCat("temperature_field[", index, "].file: ");
+  return absl::InvalidArgumentError(absl::StrCat(
+      key, absl::StrReplaceAll(std::string(lines), {{"\n", absl::StrCat("\n", key)}})));
 }
 
 }  // namespace
@@ -97,9 +106,7 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
       const auto how = import_of(from);
       if (!how.ok()) return how.status();
       auto field = read_temperature_field(asset(assets, from.sha256()), *how, of_file);
-      if (!field.ok())
-        return absl::InvalidArgumentError(
-            absl::StrCat("temperature_field.", name, ": ", field.status().message()));
+      if (!field.ok()) return wrong(sweep, c, std::string(field.status().message()));
       known[name] = *std::move(field);
     }
     const auto time = parse_rfc3339(c.time_utc());
@@ -107,8 +114,9 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     const TemperatureField& field = known[name];
     const auto all = at_time(field, unix_seconds(*time));
     if (!all.ok())
-      return wrong(c, absl::StrCat("there are no temperatures at ", c.time_utc(),
-                                   ", which is before the first time or after the last"));
+      return wrong(sweep, c,
+                   absl::StrCat(from.file_name(), ": there are no temperatures at ", c.time_utc(),
+                                ", which is before the first time or after the last"));
     std::vector<bool> by_field(static_cast<std::size_t>(sweep.sweep().part_size()), false);
     for (const std::uint32_t part : from.part()) by_field[part] = true;
     std::size_t lacking = 0, first = 0;
@@ -117,12 +125,21 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
       at.kelvin[f] = all->kelvin[f];
       at.error_k[f] = all->error_k[f];
       if (std::isnan(all->kelvin[f]) && lacking++ == 0) first = f;
+      // What the corners of a facet differ by, or two times, may be more than it has.
+      const double kelvin = static_cast<double>(all->kelvin[f]),
+                   error_k = static_cast<double>(all->error_k[f]);
+      if (kelvin - error_k < 1 || kelvin + error_k > kMostEmitterK)
+        return wrong(sweep, c,
+                     absl::StrCat(from.file_name(), ": facet ", f, " is ", kelvin, " K +- ",
+                                  error_k, " K at ", c.time_utc(),
+                                  ", which says nothing: expected a smaller error, values of "
+                                  "facets instead of vertices, or more times"));
     }
     if (lacking > 0)
       return wrong(
-          c,
-          absl::StrCat(lacking, " of ", facets, " facets have no temperature (the first: facet ",
-                       first, " of part \"",
+          sweep, c,
+          absl::StrCat(from.file_name(), ": ", lacking, " of ", facets,
+                       " facets have no temperature (the first: facet ", first, " of part \"",
                        sweep.sweep().part(static_cast<int>(part_of_facet[first])).name(), "\"), ",
                        from.field().match() == "centroid"
                            ? absl::StrCat("expected a value within ", from.field().max_distance_m(),
@@ -149,6 +166,15 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   out.emitters = std::make_shared<const Emitters>(std::move(emission.emitters));
   for (EmitterTemperatures& of_condition : emission.condition) {
     std::vector<double>& hottest_k = out.part_k.emplace_back(parts.size(), 0.0);
+    std::vector<double>& mean_k = out.part_mean_k.emplace_back(parts.size(), 0.0);
+    std::vector<double> count(parts.size(), 0.0);
+    for (const std::uint32_t e : out.emitters->of_facet) {
+      if (std::isnan(of_condition.kelvin[e])) continue;
+      mean_k[out.emitters->part[e]] += static_cast<double>(of_condition.kelvin[e]);
+      ++count[out.emitters->part[e]];
+    }
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      if (count[p] > 0) mean_k[p] /= count[p];
     for (std::size_t e = 0; e < of_condition.kelvin.size(); ++e) {
       if (std::isnan(of_condition.kelvin[e])) continue;
       double& of_part = hottest_k[out.emitters->part[e]];
@@ -165,13 +191,14 @@ bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& tempera
   constexpr double kHotterK = 30;
   for (std::size_t c = 0; c < temperatures.condition.size(); ++c) {
     const auto& stated = sweep.condition(static_cast<int>(c)).part_temperature_k();
-    const std::vector<double>& hottest_k = temperatures.part_k[c];
+    const auto part_k = [&](std::size_t p) {
+      const double mean_k = temperatures.part_mean_k[c][p];
+      return mean_k > 0 ? mean_k : stated[static_cast<int>(p)];
+    };
     double coldest_k = INFINITY;
-    for (std::size_t p = 0; p < hottest_k.size(); ++p)
-      coldest_k = std::min(coldest_k, hottest_k[p] > 0 ? temperatures.condition[c]->coldest_k
-                                                       : stated[static_cast<int>(p)]);
-    if (std::max(hottest_k[part], stated[static_cast<int>(part)]) >= coldest_k + kHotterK)
-      return true;
+    for (std::size_t p = 0; p < temperatures.part_mean_k[c].size(); ++p)
+      coldest_k = std::min(coldest_k, part_k(p));
+    if (part_k(part) >= coldest_k + kHotterK) return true;
   }
   return false;
 }

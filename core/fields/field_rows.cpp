@@ -31,11 +31,12 @@ class CsvReader {
       ++line_;
       if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
       if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
-      if (column_.empty())
+      if (column_.empty()) {
         read_header(cells_of(line));
-      else
+        if (errors_.any()) break;
+      } else {
         read_row(cells_of(line));
-      if (errors_.any() && rows_.row.empty()) break;
+      }
     }
     if (!errors_.any() && column_.empty()) errors_.add(1, 1, "there is no header");
     if (!errors_.any() && rows_.row.empty()) errors_.add(line_, 1, "there are no values");

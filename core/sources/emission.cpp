@@ -72,7 +72,7 @@ ElementEmission make_element_emission(std::span<const std::uint32_t> part_of_fac
 BlackbodyNodes::BlackbodyNodes(double coldest_k, double hottest_k) {
   IRSIG_CHECK(coldest_k >= 1);
   IRSIG_CHECK(hottest_k >= coldest_k);
-  IRSIG_CHECK(hottest_k <= 10'000);
+  IRSIG_CHECK(hottest_k <= kMostEmitterK);
   const auto cell = [](double kelvin) {
     return static_cast<std::uint32_t>(1 / (kelvin * kStepPerK));
   };

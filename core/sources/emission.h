@@ -17,6 +17,9 @@ struct EmitterTemperatures {
   double coldest_k = 0, hottest_k = 0;
 };
 
+// What kelvin + error_k may be at most; kelvin - error_k is 1 K or more.
+inline constexpr double kMostEmitterK = 10'000;
+
 // Temperatures of facets under one condition. [facet], as above
 struct FacetTemperatures {
   std::vector<float> kelvin, error_k;
@@ -40,7 +43,7 @@ struct ElementEmission {
 class BlackbodyNodes {
  public:
   BlackbodyNodes() = default;
-  // Those that temperatures between the two need, 1 to 10 000 K. [K]
+  // Those that temperatures between the two need, 1 K to kMostEmitterK. [K]
   BlackbodyNodes(double coldest_k, double hottest_k);
 
   [[nodiscard]] std::uint32_t count() const { return count_; }

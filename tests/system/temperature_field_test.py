@@ -94,6 +94,7 @@ class TemperatureFields(unittest.TestCase):
         message = self.irsig("run", "sweep.toml", "--db", "no.sigdb", code=2).stderr
         self.assertRegex(message, expected)
         self.assertRegex(message, r"sweep\.toml:\d+:\d+: ")
+        self.assertNotIn("sweep.toml:1:1: ", message, "the key's place")
         self.assertFalse((self.path / "no.sigdb").exists())
 
     def test_one_temperature_is_that_of_the_part(self):
@@ -170,6 +171,9 @@ class TemperatureFields(unittest.TestCase):
         self.refused(SWEEP.replace('"degC"', '"K"'), good, r"camera\.csv:2:1: temperature = 20 is 20 K, expected 100 to 5000 K: is it in degC\?")
         self.refused(SWEEP, good.replace("\n3,20", ""), r'1 of 12 facets have no temperature \(the first: facet 3 of part "body"\)')
         self.refused(SWEEP, field([[20] * FACETS], ("2025-06-21T12:00:00Z",)), r"there are no temperatures at 2025-06-21T13:00:00Z")
+        corners = "vertex,temperature\n" + "".join(f"{v},{4700 if v == 0 else -100}\n" for v in range(8))
+        self.refused(SWEEP, corners, r"facet \d+ is [\d.]+ K \+- [\d.]+ K at 2025-06-21T12:00:00Z, which says nothing")
+        self.refused(SWEEP, "facet,temperature\n0,20,1\n1,20,1\n", r"sweep\.toml:16:1: .*camera\.csv:2:\d+: 3 cells(.|\n)*sweep\.toml:16:1: .*camera\.csv:3:")
         self.refused(SWEEP.replace("camera.csv", "nosuch.csv"), good, r'temperature_field\[0\]\.file = "nosuch\.csv"')
         self.refused(SWEEP.replace("error_k = 0\n", ""), good, r"no error is stated")
         self.refused(SWEEP.replace('= "camera"\n\n[[band', '= "camra"\n\n[[band'), good, r'there is no \[\[temperature_field\]\] "camra"')
