@@ -155,6 +155,30 @@ class TemperatureFields(unittest.TestCase):
             for a, b in zip(by_index, self.run_sweep(text.replace("camera.csv", "camera.ply"), ply, "camera.ply")):
                 self.assertEqual(a["intensity_w_sr"], b["intensity_w_sr"])
 
+    def test_places_are_in_the_coordinates_of_the_models_file(self):
+        """Millimetres, the bow along -y, moved: centroids are those that the file itself has."""
+        self.irsig("model", "box", "--triangles", "12", "--out", "box.obj")
+        lines, vertices, rows = [], [], []
+        for line in (self.path / "box.obj").read_text().splitlines():
+            words = line.split()
+            if words and words[0] == "v":
+                x, y, z = map(float, words[1:4])
+                vertices.append((1000 * y, -1000 * x, 1000 * z))
+                line = "v %r %r %r" % vertices[-1]
+            if words and words[0] == "f":
+                corners = [vertices[int(w.split("/")[0]) - 1] for w in words[1:4]]
+                rows.append(",".join(str(sum(c[k] for c in corners) / 3 + 3) for k in range(3)) + f",{20 + 2 * len(rows)}")
+            lines.append(line)
+        (self.path / "mm.obj").write_text("\n".join(lines) + "\n")
+        text = SWEEP.replace('generate = "box"\ntriangles = 12', 'file = "mm.obj"\nunit_m = 0.001\nforward_axis = "-y"\nup_axis = "+z"\n'
+                             'reference = "bbox_center"\noffset_m = [1, 2, 3]')
+        by_index = self.run_sweep(text, field([[20 + 2 * f for f in range(FACETS)]]))
+        by_place = text.replace('match = "index"', 'match = "centroid"\nmax_distance_m = 0.006')  # each is 5.2 mm beside
+        table = "\n".join(["x,y,z,temperature", *reversed(rows)]) + "\n"
+        for a, b in zip(by_index, self.run_sweep(by_place, table)):
+            self.assertEqual(a["intensity_w_sr"], b["intensity_w_sr"])
+        self.refused(by_place.replace("0.006", "0.005"), table, r"12 of 12 facets have no temperature .*within 0.005 m")
+
     def test_a_changed_file_is_computed_again(self):
         first = self.run_sweep(SWEEP, field(20))
         (self.path / "camera.csv").write_text(field(30))

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "bridge/sweep_temperatures.h"
 #include "jobs/expand.h"
 #include "tests/unit/sweep_text.h"
 
@@ -338,6 +339,25 @@ TEST(JobRunner, SaysThatTheFloorWasReached) {
   const auto result = first_job(sweep, {});
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->view().row(0).stop_reason(), schema::STOP_REASON_TARGET_REACHED);
+}
+
+// A hull in the sun has warm facets in every part: its mean decides whether it has rays of its own.
+TEST(SweepTemperatures, APartIsHotByTheMeanOfItsFacets) {
+  schema::ResolvedSweep sweep;
+  schema::Condition& condition = *sweep.add_condition();
+  condition.add_part_temperature_k(300);  // stated
+  condition.add_part_temperature_k(0);    // of its facets
+  SweepTemperatures temperatures;
+  temperatures.condition = {std::make_shared<const EmitterTemperatures>()};
+  temperatures.part_k = {{0, 600}};
+  temperatures.part_mean_k = {{0, 320}};
+  EXPECT_FALSE(is_hot(sweep, temperatures, 0));
+  EXPECT_FALSE(is_hot(sweep, temperatures, 1));
+  temperatures.part_mean_k = {{0, 330}};
+  EXPECT_TRUE(is_hot(sweep, temperatures, 1));
+  temperatures.part_mean_k = {{0, 260}};
+  EXPECT_TRUE(is_hot(sweep, temperatures, 0)) << "the stated one, beside cold facets";
+  EXPECT_FALSE(is_hot(sweep, temperatures, 1));
 }
 
 }  // namespace
