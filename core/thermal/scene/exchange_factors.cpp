@@ -1,0 +1,190 @@
+#include "core/thermal/scene/exchange_factors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "core/base/sobol.h"
+
+namespace irsig {
+namespace {
+
+struct Entry {
+  std::uint32_t from, to;
+  double share;
+};
+
+// Two unit vectors beside n [duff2017].
+void frame_of(FaceNormal n, FaceNormal& a, FaceNormal& b) {
+  const float sign = std::copysign(1.0f, n.z);
+  const float c = -1 / (sign + n.z), d = n.x * n.y * c;
+  a = {1 + sign * n.x * n.x * c, sign * d, -sign * n.x};
+  b = {d, sign + n.y * n.y * c, -n.y};
+}
+
+class RowTracer {
+ public:
+  RowTracer(const Target& target, const ThermalFaces& faces, const ExchangeSettings& settings)
+      : target_(target),
+        faces_(faces),
+        settings_(settings),
+        surface_z_(static_cast<float>(settings.surface_z_m - target.centre.z)) {}
+
+  // Counts of a face's rays; `entry` gets a row with shares of them.
+  void trace(std::uint32_t face, std::vector<Entry>& entry, float& sky, float& lower,
+             std::uint64_t& from_behind) {
+    const std::uint64_t seed = mix64(settings_.seed ^ mix64(face + 1ULL));
+    const SeedPair place = seed_pair(seed, 0), way = seed_pair(seed, 1);
+    const FaceNormal n = normal_of(target_, faces_, face);
+    FaceNormal a{}, b{};
+    frame_of(n, a, b);
+    met_.clear();
+    std::uint32_t to_sky = 0, to_lower = 0;
+    for (std::uint32_t begin = 0; begin < settings_.rays; begin += RayPacket::kSize) {
+      const int count =
+          static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, settings_.rays - begin));
+      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
+        const std::uint32_t i = begin + static_cast<std::uint32_t>(std::min(lane, count - 1));
+        const SamplePair at = sobol_pair_shuffled(i, place), to = sobol_pair(i, way);
+        const FacePoint from = point_of(target_, faces_, face, at.x, at.y);
+        const float radius = std::sqrt(to.x), angle = 2 * std::numbers::pi_v<float> * to.y;
+        const float x = radius * std::cos(angle), y = radius * std::sin(angle),
+                    z = std::sqrt(1 - to.x);
+        packet_.org_x[lane] = from.x;
+        packet_.org_y[lane] = from.y;
+        packet_.org_z[lane] = from.z;
+        packet_.dir_x[lane] = x * a.x + y * b.x + z * n.x;
+        packet_.dir_y[lane] = x * a.y + y * b.y + z * n.y;
+        packet_.dir_z[lane] = x * a.z + y * b.z + z * n.z;
+        packet_.tnear[lane] = packet_.time[lane] = 0;
+        packet_.tfar[lane] = std::numeric_limits<float>::infinity();
+        packet_.mask[lane] = 0xffffffffu;
+        packet_.flags[lane] = 0;
+        packet_.triangle[lane] = packet_.geometry[lane] = packet_.instance[lane] = RayPacket::kMiss;
+      }
+      target_.tracer->intersect(packet_, count, true);
+      for (int lane = 0; lane < count; ++lane) {
+        if (packet_.triangle[lane] == RayPacket::kMiss) {
+          ++(packet_.dir_z[lane] < 0 ? to_sky : to_lower);
+          continue;
+        }
+        const std::uint32_t to = face_met(lane, from_behind);
+        const float z = packet_.org_z[lane] + packet_.tfar[lane] * packet_.dir_z[lane];
+        if (z > surface_z_)
+          ++to_lower;
+        else
+          met_.push_back(to);
+      }
+    }
+    const double share = 1.0 / settings_.rays;
+    sky = static_cast<float>(share * to_sky);
+    lower = static_cast<float>(share * to_lower);
+    std::sort(met_.begin(), met_.end());
+    for (std::size_t i = 0; i < met_.size();) {
+      std::size_t end = i;
+      while (end < met_.size() && met_[end] == met_[i]) ++end;
+      entry.push_back({face, met_[i], share * static_cast<double>(end - i)});
+      i = end;
+    }
+  }
+
+ private:
+  std::uint32_t face_met(int lane, std::uint64_t& from_behind) {
+    const auto behind = [&] {
+      const Target::Facet& f = target_.facet[packet_.triangle[lane]];
+      return f.nx * packet_.dir_x[lane] + f.ny * packet_.dir_y[lane] + f.nz * packet_.dir_z[lane] >=
+             0;
+    };
+    if (!behind()) return packet_.triangle[lane];
+    const std::uint32_t back = faces_.back_of_facet[packet_.triangle[lane]];
+    if (back != ThermalFaces::kNone) return back;
+    if (!target_.tracer->look_for_front(packet_, lane, static_cast<float>(target_.offset_m())))
+      ++from_behind;
+    return packet_.triangle[lane];
+  }
+
+  const Target& target_;
+  const ThermalFaces& faces_;
+  const ExchangeSettings& settings_;
+  float surface_z_;
+  RayPacket packet_{};
+  std::vector<std::uint32_t> met_;
+};
+
+// d_i: d_i d_j S_ij and d_i x what leaves the target add up to the area of i.
+std::vector<double> scaled_rows(const ThermalFaces& faces, const ExchangeFactors& rows,
+                                const std::vector<double>& share) {
+  std::vector<double> scale(faces.size(), 1.0), sum(faces.size());
+  for (int round = 0; round < 200; ++round) {
+    double worst = 0;
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      sum[i] = static_cast<double>(rows.sky[i]) + static_cast<double>(rows.lower[i]);
+      for (std::size_t k = rows.first[i]; k < rows.first[i + 1]; ++k)
+        sum[i] += share[k] * scale[rows.to[k]];
+      sum[i] *= scale[i];
+      if (sum[i] > 0) worst = std::max(worst, std::abs(sum[i] - 1));
+    }
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      if (sum[i] > 0) scale[i] /= std::sqrt(sum[i]);
+    if (worst < 1e-7) break;
+  }
+  return scale;
+}
+
+}  // namespace
+
+ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces,
+                                 const ExchangeSettings& settings) {
+  ExchangeFactors out;
+  const std::size_t count = faces.size();
+  out.sky.assign(count, 0);
+  out.lower.assign(count, 0);
+  std::vector<Entry> entry;
+  RowTracer tracer(target, faces, settings);
+  const bool alone = target.convex;  // nothing is seen but sky and surface
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (faces.area_m2[i] <= 0) continue;
+    tracer.trace(i, entry, out.sky[i], out.lower[i], out.from_behind);
+  }
+  out.first.assign(count + 1, 0);
+  if (entry.empty() || alone) return out;
+
+  // Both ways of each pair.
+  const std::size_t one_way = entry.size();
+  entry.reserve(2 * one_way);
+  for (std::size_t k = 0; k < one_way; ++k)
+    entry.push_back({entry[k].to, entry[k].from, entry[k].share});
+  std::sort(entry.begin(), entry.end(), [](const Entry& a, const Entry& b) {
+    return std::tie(a.from, a.to, a.share) < std::tie(b.from, b.to, b.share);
+  });
+  std::vector<double> share;
+  for (std::size_t k = 0; k < entry.size();) {
+    const Entry& e = entry[k];
+    double sum = 0;
+    while (k < entry.size() && entry[k].from == e.from && entry[k].to == e.to)
+      sum += entry[k++].share;
+    if (e.from == e.to) sum *= 0.5;  // both ways are the same one, and areas are equal
+    const double from_m2 = faces.area_m2[e.from], to_m2 = faces.area_m2[e.to];
+    out.to.push_back(e.to);
+    share.push_back(e.from == e.to ? sum : to_m2 * sum / (from_m2 + to_m2));
+    ++out.first[e.from + 1];
+  }
+  for (std::size_t i = 0; i < count; ++i) out.first[i + 1] += out.first[i];
+  const std::vector<double> scale = scaled_rows(faces, out, share);
+  out.share.resize(share.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = scale[i] * (static_cast<double>(out.sky[i]) + static_cast<double>(out.lower[i]));
+    for (std::size_t k = out.first[i]; k < out.first[i + 1]; ++k)
+      sum += share[k] *= scale[i] * scale[out.to[k]];
+    const double to_one = sum > 0 ? 1 / sum : 0;
+    for (std::size_t k = out.first[i]; k < out.first[i + 1]; ++k)
+      out.share[k] = static_cast<float>(to_one * share[k]);
+    out.sky[i] = static_cast<float>(to_one * scale[i] * static_cast<double>(out.sky[i]));
+    out.lower[i] = static_cast<float>(to_one * scale[i] * static_cast<double>(out.lower[i]));
+  }
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,448 @@
+#include "core/thermal/scene/scene_heat.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+#include "core/base/constants.h"
+#include "core/thermal/scene/exchange_factors.h"
+#include "core/thermal/scene/sun_visibility.h"
+
+namespace irsig {
+namespace {
+
+constexpr int kMostRounds = 60;
+
+// Natural convection of water at large faces, Nu = 0.13 Ra^(1/3) at 15 deg C: expansion 1.5e-4 / K,
+// viscosity 1.19e-6, diffusivity 1.4e-7 m2/s, 0.6 W/(m K).
+constexpr Convection kStillWater{160, 160, 1};
+
+double power4(double t) { return t * t * t * t; }
+
+// Of one computation.
+struct Knots {
+  std::vector<std::size_t> of_request;
+  std::size_t day_intervals;
+  std::uint32_t rays, sun_points;
+  std::uint64_t seed;
+};
+
+// All faces under all knots, [knot x faces + face].
+class Computation {
+ public:
+  Computation(const Target& target, const ThermalFaces& faces, const SceneHeatRequest& request,
+              Knots knots)
+      : target_(target), faces_(faces), request_(request), knots_(std::move(knots)) {
+    for (std::uint32_t face = 0; face < faces_.size(); ++face) {
+      const bool under = faces_.centroid_z_m[face] > request_.beneath.surface_z_m;
+      covered_.push_back(under);
+      const HeatPart& part = part_of(face);
+      // Under a surface nothing shines; ground there is as warm as the ground.
+      emissivity_.push_back(under && request_.beneath.water ? 0.0 : part.emissivity);
+    }
+    for (std::size_t k = 0; k < count(); ++k) knot_s_.push_back(request_.knot_s[knot(k)]);
+  }
+
+  absl::Status solve() {
+    factors_ = exchange_factors(target_, faces_,
+                                {.rays = knots_.rays,
+                                 .seed = knots_.seed,
+                                 .surface_z_m = request_.beneath.surface_z_m});
+    rays_ += static_cast<std::uint64_t>(knots_.rays) * faces_.size();
+    light();
+    kelvin_.resize(count() * faces_.size());
+    error_k_.assign(count() * faces_.size(), 0.0f);
+    incoming_.resize(count() * faces_.size());
+    for (std::size_t k = 0; k < count(); ++k)
+      for (std::uint32_t i = 0; i < faces_.size(); ++i)
+        kelvin_[k * faces_.size() + i] = static_cast<float>(
+            part_of(i).build_up ? weather(k).air_k : part_of(i).stated_k);
+    double before_k = INFINITY;
+    for (rounds_ = 1;; ++rounds_) {
+      exchange();
+      const auto change_k = conduct();
+      if (!change_k.ok()) return change_k.status();
+      if (factors_.to.empty() || rounds_ == kMostRounds || *change_k < request_.exchange_tolerance_k) {
+        // Changes fall by the same factor from round to round.
+        const double falls = std::min(*change_k / before_k, 0.95);
+        left_k_ = factors_.to.empty() ? 0 : *change_k * falls / (1 - falls);
+        if (rounds_ == 1 && !factors_.to.empty()) left_k_ = *change_k;
+        return absl::OkStatus();
+      }
+      before_k = *change_k;
+    }
+  }
+
+  [[nodiscard]] float kelvin(std::size_t k, std::uint32_t face) const {
+    return kelvin_[k * faces_.size() + face];
+  }
+  [[nodiscard]] float error_k(std::size_t k, std::uint32_t face) const {
+    return error_k_[k * faces_.size() + face];
+  }
+  [[nodiscard]] const HeatPart& part_of(std::uint32_t face) const {
+    return request_.part[target_.facet[faces_.facet[face]].part];
+  }
+  [[nodiscard]] int rounds() const { return rounds_; }
+  [[nodiscard]] double left_k() const { return left_k_; }
+  [[nodiscard]] double closure_w_m2() const { return closure_w_m2_; }
+  [[nodiscard]] std::uint64_t rays() const { return rays_; }
+  [[nodiscard]] std::uint64_t from_behind() const { return factors_.from_behind; }
+
+ private:
+  [[nodiscard]] std::size_t count() const { return knots_.of_request.size(); }
+  [[nodiscard]] std::size_t knot(std::size_t k) const { return knots_.of_request[k]; }
+  [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
+    return request_.weather[knot(k)];
+  }
+
+  // Sunlight absorbed at every knot, what faces reflect to each other included.
+  void light() {
+    absorbed_.assign(count() * faces_.size(), 0.0f);
+    std::vector<float> lit(faces_.size());
+    std::vector<double> own(faces_.size()), total(faces_.size()), kept(faces_.size());
+    for (std::uint32_t i = 0; i < faces_.size(); ++i) kept[i] = part_of(i).solar_absorptance;
+    for (std::size_t k = 0; k < count(); ++k) {
+      const HeatWeather& w = weather(k);
+      const bool sun = w.direct_normal_w_m2 > 0 && w.sun.z < 0;
+      if (!sun && w.diffuse_horizontal_w_m2 <= 0) continue;
+      const double direct = sun ? w.direct_normal_w_m2 : 0;
+      if (sun) {
+        sun_visibility(target_, faces_, {w.sun, w.sun_radius_rad},
+                       {.points = knots_.sun_points,
+                        .seed = mix(knots_.seed, knot(k)),
+                        .surface_z_m = request_.beneath.surface_z_m},
+                       lit);
+        rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces_.size() / 2;
+      } else {
+        std::fill(lit.begin(), lit.end(), 0.0f);
+      }
+      const double from_below = request_.beneath.solar_albedo *
+                                (w.diffuse_horizontal_w_m2 + direct * std::max(0.0, -w.sun.z));
+      for (std::size_t i = 0; i < faces_.size(); ++i)
+        own[i] = covered_[i] ? 0
+                             : direct * static_cast<double>(lit[i]) +
+                                   static_cast<double>(factors_.sky[i]) * w.diffuse_horizontal_w_m2 +
+                                   static_cast<double>(factors_.lower[i]) * from_below;
+      total = own;
+      gather(own, kept, {}, total);
+      for (std::size_t i = 0; i < faces_.size(); ++i)
+        absorbed_[k * faces_.size() + i] = static_cast<float>(kept[i] * total[i]);
+    }
+  }
+
+  // Long-wave irradiance of every face at every knot, from the temperatures of the last round.
+  void exchange() {
+    std::vector<double> own(faces_.size()), total(faces_.size()), emitted(faces_.size());
+    const Beneath& b = request_.beneath;
+    for (std::size_t k = 0; k < count(); ++k) {
+      const double sky = weather(k).sky_w_m2,
+                   ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
+                   below = b.emissivity * ground + (1 - b.emissivity) * sky;
+      for (std::size_t i = 0; i < faces_.size(); ++i) {
+        own[i] = covered_[i] ? (b.water ? 0 : ground)
+                             : static_cast<double>(factors_.sky[i]) * sky +
+                                   static_cast<double>(factors_.lower[i]) * below;
+        emitted[i] = emissivity_[i] * kStefanBoltzmannWM2K4 *
+                     power4(static_cast<double>(kelvin_[k * faces_.size() + i]));
+      }
+      if (k == 0) total = own;
+      gather(own, emissivity_, emitted, total);
+      for (std::size_t i = 0; i < faces_.size(); ++i)
+        incoming_[k * faces_.size() + i] = static_cast<float>(total[i]);
+    }
+  }
+
+  // total_i = own_i + sum_j F_ij (emitted_j + (1 - kept_j) total_j), by Gauss and Seidel from what
+  // `total` has. What is absorbed somewhere is a part of what others send: it converges.
+  void gather(const std::vector<double>& own, const std::vector<double>& kept,
+              const std::vector<double>& emitted, std::vector<double>& total) const {
+    if (factors_.to.empty()) {
+      total = own;
+      return;
+    }
+    for (int round = 0; round < 2000; ++round) {
+      double change = 0;
+      for (std::size_t i = 0; i < faces_.size(); ++i) {
+        if (covered_[i]) {
+          total[i] = own[i];
+          continue;
+        }
+        double sum = own[i];
+        for (std::size_t e = factors_.first[i]; e < factors_.first[i + 1]; ++e) {
+          const std::uint32_t j = factors_.to[e];
+          sum += static_cast<double>(factors_.share[e]) *
+                 ((emitted.empty() ? 0 : emitted[j]) + (1 - kept[j]) * total[j]);
+        }
+        change = std::max(change, std::abs(sum - total[i]));
+        total[i] = sum;
+      }
+      if (change < 1e-4) return;
+    }
+  }
+
+  // The walls of each build-up; the largest change of a temperature.
+  absl::StatusOr<double> conduct() {
+    double change_k = 0;
+    for (std::uint32_t b = 0; b < request_.build_up.size(); ++b) {
+      std::vector<std::uint32_t> wall;  // front faces
+      for (std::uint32_t i = 0; i < faces_.fronts; ++i)
+        if (part_of(i).build_up == b && faces_.area_m2[i] > 0) wall.push_back(i);
+      if (wall.empty()) continue;
+      const auto changed = conduct(request_.build_up[b], wall);
+      if (!changed.ok())
+        return absl::Status(changed.status().code(),
+                            absl::StrCat("build_up \"", request_.build_up[b].name,
+                                         "\": ", changed.status().message()));
+      change_k = std::max(change_k, *changed);
+    }
+    return change_k;
+  }
+
+  [[nodiscard]] FaceProperties properties(std::uint32_t face) const {
+    if (covered_[face])
+      return {emissivity_[face], request_.beneath.water ? kStillWater : kForcedOnly};
+    Convection air = tarp_natural(
+        -static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
+    air.mixing = 0;  // with forced parts by MoWiTT: root of the sum of squares, as in DOE-2
+    return {emissivity_[face], air};
+  }
+
+  void expose(std::size_t k, std::uint32_t face, const FaceExposure& to, std::size_t at) const {
+    to.absorbed_w_m2[at] = static_cast<double>(absorbed_[k * faces_.size() + face]);
+    to.incoming_w_m2[at] = static_cast<double>(incoming_[k * faces_.size() + face]);
+    if (covered_[face]) {
+      const Beneath& b = request_.beneath;
+      to.fluid_k[at] = b.temperature_k;
+      to.forced_h_w_m2_k[at] =
+          b.water ? plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s,
+                                         2 * target_.radius_m)
+                  : 0;
+      return;
+    }
+    const HeatWeather& w = weather(k);
+    to.fluid_k[at] = w.air_k;
+    const FaceNormal n = normal_of(target_, faces_, face);
+    const double towards = static_cast<double>(n.x) * w.wind_from.x +
+                           static_cast<double>(n.y) * w.wind_from.y;
+    to.forced_h_w_m2_k[at] = mowitt_forced_w_m2_k(
+        w.wind_m_s, towards > -1e-6 ? WindSide::kWindward : WindSide::kLeeward);
+  }
+
+  absl::StatusOr<double> conduct(const WallBuildUp& build_up,
+                                 const std::vector<std::uint32_t>& wall) {
+    HeatRequest ask;
+    ask.layers = build_up.layers;
+    ask.inner_side = build_up.inner_side;
+    ask.knot_s = knot_s_;
+    const bool open = build_up.inner_side == InnerSide::kOpen;
+    double mean_k = 0;
+    for (std::size_t k = 0; k < count(); ++k)
+      mean_k += weather(k).air_k / static_cast<double>(count());
+    for (const std::uint32_t face : wall) {
+      ask.outer.push_back(properties(face));
+      if (!open) continue;
+      const std::uint32_t back = faces_.back_of_facet[faces_.facet[face]];
+      if (back == ThermalFaces::kNone)
+        return absl::InvalidArgumentError(
+            "its inside is open, and a part made of it is not two_sided");
+      ask.inner.push_back(properties(back));
+    }
+    ask.start = PeriodicStart{mean_k, knots_.day_intervals, request_.tolerance_k, 200};
+    for (std::size_t k = 0; k < count(); ++k) ask.output_knot.push_back(k);
+    ask.output_boundary = {0};
+    if (open) ask.output_boundary.push_back(build_up.layers.size());
+    ask.accuracy.tolerance_k = request_.tolerance_k;
+    const auto exposure = [&](std::size_t interval, std::span<const std::uint32_t> element,
+                              const Exposure& to) {
+      for (std::size_t at = 0; at < element.size(); ++at) {
+        const std::uint32_t face = wall[element[at]];
+        expose(interval, face, to.outer_begin, at);
+        expose(interval + 1, face, to.outer_end, at);
+        inside(build_up, interval, face, to.inner_begin, at);
+        inside(build_up, interval + 1, face, to.inner_end, at);
+      }
+    };
+    const auto result = solve_heat(ask, exposure);
+    if (!result.ok()) return result.status();
+    double change_k = 0;
+    const auto take = [&](std::size_t boundary, std::size_t element, std::uint32_t face) {
+      for (std::size_t k = 0; k < count(); ++k) {
+        float& kelvin = kelvin_[k * faces_.size() + face];
+        const std::size_t at = result->at(k, boundary, element);
+        const auto now = static_cast<float>(result->temperature_k[at]);
+        change_k = std::max(change_k, std::abs(static_cast<double>(now - kelvin)));
+        kelvin = now;
+        error_k_[k * faces_.size() + face] = static_cast<float>(result->error_k[at]);
+      }
+    };
+    for (std::size_t e = 0; e < wall.size(); ++e) {
+      take(0, e, wall[e]);
+      if (open) take(1, e, faces_.back_of_facet[faces_.facet[wall[e]]]);
+      closure_w_m2_ = std::max(closure_w_m2_, result->closure_w_m2[e]);
+      // A single wall of two faces that are not both its own (a closed plate of which one side is
+      // modelled) has the back's temperature of its front.
+      const std::uint32_t back = faces_.back_of_facet[faces_.facet[wall[e]]];
+      if (!open && back != ThermalFaces::kNone) take(0, e, back);
+    }
+    return change_k;
+  }
+
+  void inside(const WallBuildUp& build_up, std::size_t k, std::uint32_t face,
+              const FaceExposure& to, std::size_t at) const {
+    switch (build_up.inner_side) {
+      case InnerSide::kAdiabatic:
+        return;
+      case InnerSide::kHeatFlux:
+        to.absorbed_w_m2[at] = build_up.inner_flux_w_m2;
+        return;
+      case InnerSide::kAir:
+        to.forced_h_w_m2_k[at] = build_up.inner_h_w_m2_k;
+        to.fluid_k[at] = build_up.inner_k;
+        return;
+      case InnerSide::kFixedTemperature:
+        to.fluid_k[at] = build_up.inner_k;
+        return;
+      case InnerSide::kOpen:
+        expose(k, faces_.back_of_facet[faces_.facet[face]], to, at);
+        return;
+    }
+  }
+
+  static std::uint64_t mix(std::uint64_t seed, std::size_t knot) {
+    return seed * 0x9e3779b97f4a7c15ULL + knot + 1;
+  }
+
+  const Target& target_;
+  const ThermalFaces& faces_;
+  const SceneHeatRequest& request_;
+  Knots knots_;
+  std::vector<double> knot_s_;
+  std::vector<bool> covered_;       // [face] under water or ground
+  std::vector<double> emissivity_;  // [face]
+  ExchangeFactors factors_;
+  std::vector<float> absorbed_, incoming_, kelvin_, error_k_;
+  int rounds_ = 0;
+  double left_k_ = 0, closure_w_m2_ = 0;
+  std::uint64_t rays_ = 0;
+};
+
+// [facet] The largest difference to a neighbour over an edge in the same plane and part.
+class PlaneNeighbours {
+ public:
+  explicit PlaneNeighbours(const Target& target) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> at_edge;
+    for (std::uint32_t f = 0; f < target.facet.size(); ++f)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t a = target.triangle[3 * f + c],
+                            b = target.triangle[3 * f + (c + 1) % 3];
+        at_edge[std::minmax(a, b)].push_back(f);
+      }
+    for (const auto& [edge, facets] : at_edge)
+      for (std::size_t i = 0; i < facets.size(); ++i)
+        for (std::size_t j = i + 1; j < facets.size(); ++j) {
+          const Target::Facet &a = target.facet[facets[i]], &b = target.facet[facets[j]];
+          if (a.part == b.part && a.nx * b.nx + a.ny * b.ny + a.nz * b.nz > 0.999f)
+            pair_.emplace_back(facets[i], facets[j]);
+        }
+  }
+  [[nodiscard]] std::vector<float> largest_difference(const std::vector<float>& kelvin) const {
+    std::vector<float> out(kelvin.size(), 0.0f);
+    for (const auto& [a, b] : pair_) {
+      const float difference = std::abs(kelvin[a] - kelvin[b]);
+      if (std::isnan(difference)) continue;
+      out[a] = std::max(out[a], difference);
+      out[b] = std::max(out[b], difference);
+    }
+    return out;
+  }
+
+ private:
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_;
+};
+
+absl::Status check(const Target& target, const SceneHeatRequest& request) {
+  const auto wrong = [](const std::string& what) { return absl::InvalidArgumentError(what); };
+  if (request.part.size() != target.part.size()) return wrong("parts: one for each of the target's");
+  if (request.knot_s.size() < 3 || request.knot_s.size() % 2 == 0 ||
+      request.weather.size() != request.knot_s.size())
+    return wrong("knots: an odd number of three or more, with weather for each");
+  if (request.day_knots == 0 || request.day_knots % 2 != 0 ||
+      request.day_knots >= request.knot_s.size())
+    return wrong("day_knots: even, of the knots' intervals");
+  for (const std::size_t k : request.output_knot)
+    if (k % 2 != 0 || k >= request.knot_s.size()) return wrong("output_knot: even, of the knots");
+  for (std::size_t p = 0; p < request.part.size(); ++p) {
+    const HeatPart& part = request.part[p];
+    const std::string name = absl::StrCat("part \"", target.part[p].name, "\": ");
+    if (!(part.solar_absorptance >= 0 && part.solar_absorptance <= 1))
+      return wrong(absl::StrCat(name, "solar absorptance ", part.solar_absorptance,
+                                ", expected 0 to 1"));
+    if (!(part.emissivity >= 0 && part.emissivity <= 1))
+      return wrong(absl::StrCat(name, "emissivity ", part.emissivity, ", expected 0 to 1"));
+    if (part.build_up && *part.build_up >= request.build_up.size())
+      return wrong(absl::StrCat(name, "no such build-up"));
+    if (!part.build_up && !(part.stated_k > 0))
+      return wrong(absl::StrCat(name, "neither build-up nor temperature"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
+                                                 const SceneHeatRequest& request) {
+  if (const absl::Status status = check(target, request); !status.ok()) return status;
+  const ThermalFaces faces = make_thermal_faces(target);
+  Knots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
+  Knots half{{},
+             request.day_knots / 2,
+             std::max(request.rays / 2, 1u),
+             std::max(request.sun_points / 2, 1u),
+             request.seed + 0x5bd1e995u};
+  for (std::size_t k = 0; k < request.knot_s.size(); ++k) {
+    all.of_request.push_back(k);
+    if (k % 2 == 0) half.of_request.push_back(k);
+  }
+  Computation fine(target, faces, request, std::move(all));
+  Computation coarse(target, faces, request, std::move(half));
+  for (Computation* each : {&fine, &coarse})
+    if (const absl::Status status = each->solve(); !status.ok()) return status;
+
+  SceneHeatResult out;
+  out.exchange_rounds = fine.rounds();
+  out.exchange_left_k = fine.left_k();
+  out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
+  out.from_behind = fine.from_behind() + coarse.from_behind();
+  out.rays = fine.rays() + coarse.rays();
+  const PlaneNeighbours neighbours(target);
+  const auto facets = static_cast<std::uint32_t>(faces.fronts);
+  for (const std::size_t k : request.output_knot) {
+    std::vector<float>& kelvin = out.kelvin.emplace_back(facets, NAN);
+    std::vector<float>& error_k = out.error_k.emplace_back(facets, NAN);
+    std::vector<double> square(request.part.size(), 0.0), area(request.part.size(), 0.0);
+    for (std::uint32_t f = 0; f < facets; ++f) {
+      if (!fine.part_of(f).build_up || faces.area_m2[f] <= 0) continue;
+      kelvin[f] = fine.kelvin(k, f);
+      const double difference = static_cast<double>(kelvin[f] - coarse.kelvin(k / 2, f));
+      const std::uint32_t part = target.facet[f].part;
+      square[part] += faces.area_m2[f] * difference * difference;
+      area[part] += faces.area_m2[f];
+    }
+    const std::vector<float> steps = neighbours.largest_difference(kelvin);
+    for (std::uint32_t f = 0; f < facets; ++f) {
+      if (std::isnan(kelvin[f])) continue;
+      const std::uint32_t part = target.facet[f].part;
+      double error = static_cast<double>(fine.error_k(k, f)) + fine.left_k() +
+                     std::max(std::abs(static_cast<double>(kelvin[f] - coarse.kelvin(k / 2, f))),
+                              std::sqrt(square[part] / area[part])) +
+                     static_cast<double>(steps[f]) / std::sqrt(12.0);
+      if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
+        error += 0.5 * std::abs(static_cast<double>(kelvin[f] - fine.kelvin(k, back)));
+      error_k[f] = static_cast<float>(error);
+    }
+  }
+  return out;
+}
+
+}  // namespace irsig

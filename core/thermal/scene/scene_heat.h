@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/scene/target.h"
+#include "core/thermal/heat_solver.h"
+
+namespace irsig {
+
+// Temperatures of all faces of a target outdoors: walls (heat_solver.h) in the weather, sun with
+// shadows, and everything exchanging radiation with everything. Equations, errors and limits:
+// docs/methods/thermal.md.
+
+// What a part is to heat. Reflection is diffuse.
+struct HeatPart {
+  double solar_absorptance;               // [0, 1]
+  double emissivity;                      // hemispherical, total, long-wave: [0, 1]
+  std::optional<std::uint32_t> build_up;  // none: its temperature is stated
+  double stated_k = 0;
+};
+
+struct WallBuildUp {
+  std::string name;  // for messages
+  std::vector<Layer> layers;
+  InnerSide inner_side = InnerSide::kAdiabatic;  // kOpen: for parts seen from both sides
+  double inner_k = 0;                            // kAir, kFixedTemperature
+  double inner_h_w_m2_k = 0;                     // kAir
+  double inner_flux_w_m2 = 0;                    // kHeatFlux
+};
+
+// What lies below the horizon; of what lies below its surface water takes the temperature of the
+// water that flows along, ground that of the ground.
+struct Beneath {
+  bool water = false;
+  double surface_z_m = 0;  // of the body frame, down; infinite: no surface
+  double temperature_k = 0;
+  double emissivity = 1, solar_albedo = 0;  // [0, 1]
+  double flow_m_s = 0;                      // of water along the hull
+};
+
+// Sky and air at one instant.
+struct HeatWeather {
+  double air_k;
+  double wind_m_s;        // relative to the target
+  Vec<Body> wind_from;    // unit vector, horizontal: where it comes from
+  Vec<Body> sun;          // unit vector towards the sun
+  double sun_radius_rad;  // its angular radius
+  double direct_normal_w_m2, diffuse_horizontal_w_m2;
+  double sky_w_m2;  // long-wave, horizontal
+};
+
+struct SceneHeatRequest {
+  std::vector<HeatPart> part;  // of the target
+  std::vector<WallBuildUp> build_up;
+  Beneath beneath;
+  // Weather at knots, linear between. Every second one, from the first, is a knot of the
+  // computation that shows the errors; so the count is odd.
+  std::vector<double> knot_s;
+  std::vector<HeatWeather> weather;  // [knot]
+  std::size_t day_knots;             // the first so many intervals are a day that has repeated for ever
+  std::vector<std::size_t> output_knot;  // even, increasing
+  std::uint32_t rays = 256;              // of each face to its surroundings
+  std::uint32_t sun_points = 4;          // of each face, for every place of the sun
+  std::uint64_t seed = 1;
+  double tolerance_k = 0.01;           // of conduction (HeatAccuracy)
+  double exchange_tolerance_k = 0.02;  // between two rounds of exchange
+};
+
+struct SceneHeatResult {
+  // [output][facet] of its front. Of facets with a stated temperature, and of degenerate ones: not
+  // a number.
+  std::vector<std::vector<float>> kelvin, error_k;
+  int exchange_rounds = 0;
+  double exchange_left_k = 0;      // what another round would change at most
+  double closure_w_m2 = 0;         // of all walls (HeatResult)
+  std::uint64_t from_behind = 0;  // ExchangeFactors
+  std::uint64_t rays = 0;
+};
+
+// Two computations: of all knots, and of every second one with half the rays and other points.
+// error_k has what conduction is not sure of, what another round of exchange would change, the
+// difference of the two computations (or the root mean square of the part's differences at that
+// time, if larger: one difference may be small by luck), how much the neighbours in the same plane
+// differ (their temperature is not the facet's over all of it: difference / sqrt(12)), and, of
+// sheets, half of what their two faces differ. An estimate; of the stated model alone.
+[[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
+                                                               const SceneHeatRequest& request);
+
+}  // namespace irsig

@@ -1,0 +1,286 @@
+// Exchange factors, sun and shadows, and the heat balance of scenes.
+#include "core/thermal/scene/scene_heat.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/constants.h"
+#include "core/thermal/scene/exchange_factors.h"
+#include "core/thermal/scene/sun_visibility.h"
+
+namespace irsig {
+namespace {
+
+Mesh generated(const std::string& kind, std::uint64_t triangles, double radius_m = 0,
+               double length_m = 0, double width_m = 0, double height_m = 0) {
+  auto mesh = generate_mesh({kind, triangles, radius_m, length_m, width_m, height_m});
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return *std::move(mesh);
+}
+
+void append(Mesh& a, const Mesh& b) {
+  const auto base = static_cast<std::uint32_t>(a.vertex.size());
+  const auto groups = static_cast<std::uint32_t>(a.group.size());
+  a.vertex.insert(a.vertex.end(), b.vertex.begin(), b.vertex.end());
+  for (const auto& t : b.triangle) a.triangle.push_back({base + t[0], base + t[1], base + t[2]});
+  for (const auto g : b.triangle_group) a.triangle_group.push_back(groups + g);
+  a.group.insert(a.group.end(), b.group.begin(), b.group.end());
+}
+
+// A rectangle of n x m squares cut in two, spanned by u and v from a corner; its front is where
+// u x v points.
+Mesh plate(const std::string& name, Vec<Body> corner, Vec<Body> u, Vec<Body> v, int n) {
+  Mesh out;
+  out.group = {name};
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      out.vertex.push_back(corner + (static_cast<double>(i) / n) * u +
+                           (static_cast<double>(j) / n) * v);
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i * (n + 1) + j); };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      out.triangle.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      out.triangle.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  out.triangle_group.assign(out.triangle.size(), 0);
+  return out;
+}
+
+Target target_of(const Mesh& mesh, std::vector<PartSpec> parts) {
+  auto target = make_target(mesh, std::move(parts), widest_isa());
+  EXPECT_TRUE(target.ok()) << target.status();
+  return *std::move(target);
+}
+PartSpec part(const std::string& name, bool two_sided = false) {
+  PartSpec out;
+  out.name = name;
+  out.two_sided = two_sided;
+  return out;
+}
+
+// Share of what part a sends that arrives at part b.
+double between(const Target& target, std::uint32_t a, std::uint32_t b, std::uint32_t rays,
+               std::uint64_t seed = 1) {
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = rays, .seed = seed, .surface_z_m = INFINITY});
+  double sum = 0, area = 0;
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    if (target.facet[faces.facet[i]].part != a) continue;
+    area += faces.area_m2[i];
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k)
+      if (target.facet[faces.facet[f.to[k]]].part == b)
+        sum += faces.area_m2[i] * static_cast<double>(f.share[k]);
+  }
+  return sum / area;
+}
+
+TEST(ExchangeFactors, ClosedForms) {
+  struct Case {
+    const char* what;
+    Mesh a, b;
+    double expected;
+  };
+  const Vec<Body> x{1, 0, 0}, y{0, 1, 0}, up{0, 0, -1};
+  std::vector<Case> cases;
+  // z is down: x cross y points down.
+  cases.push_back({"equal squares, gap 1", plate("a", {0, 0, 0}, x, y, 8),
+                   plate("b", {0, 0, 1}, y, x, 8), 0.19982489569838738});
+  cases.push_back({"equal squares, gap 0.1", plate("a", {0, 0, 0}, x, y, 8),
+                   plate("b", {0, 0, 0.1}, y, x, 8), 0.82699452239725658});
+  cases.push_back({"squares with a common edge", plate("a", {0, 0, 0}, y, x, 8),
+                   plate("b", {0, 0, 0}, up, y, 8), 0.20004377607540315});
+  for (const Case& c : cases) {
+    Mesh mesh = c.a;
+    append(mesh, c.b);
+    const Target target = target_of(mesh, {part("a"), part("b")});
+    double sum = 0, square = 0;
+    constexpr int kSeeds = 8;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+      const double f = between(target, 0, 1, 1024, static_cast<std::uint64_t>(seed));
+      sum += f;
+      square += f * f;
+    }
+    const double mean = sum / kSeeds,
+                 stderr_ = std::sqrt(std::max(0.0, square / kSeeds - mean * mean) / (kSeeds - 1));
+    std::printf("%-32s %.6f +- %.6f expected %.6f\n", c.what, mean, stderr_, c.expected);
+    EXPECT_NEAR(mean, c.expected, std::max(4.5 * stderr_, 1e-4)) << c.what;
+    EXPECT_LT(stderr_, 1e-3 * c.expected) << c.what;
+  }
+}
+
+TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
+  // A large ground below a small box: one facet of the ground meets the box with a few rays.
+  Mesh mesh = plate("ground", {-20, -20, 1}, {0, 40, 0}, {40, 0, 0}, 3);
+  append(mesh, generated("box", 48));
+  const Target target = target_of(mesh, {part("ground", true), part("box")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  ASSERT_EQ(faces.size(), faces.fronts + 18);
+  const ExchangeFactors f = exchange_factors(target, faces, {.rays = 256, .surface_z_m = INFINITY});
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    double sum = static_cast<double>(f.sky[i]) + static_cast<double>(f.lower[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k) {
+      const double there = faces.area_m2[i] * static_cast<double>(f.share[k]);
+      sum += static_cast<double>(f.share[k]);
+      const auto begin = f.to.begin() + static_cast<std::ptrdiff_t>(f.first[f.to[k]]),
+                 end = f.to.begin() + static_cast<std::ptrdiff_t>(f.first[f.to[k] + 1]);
+      const auto found = std::find(begin, end, i);
+      ASSERT_NE(found, end);
+      const double back = faces.area_m2[f.to[k]] *
+                          static_cast<double>(f.share[static_cast<std::size_t>(found - f.to.begin())]);
+      EXPECT_NEAR(there, back, 1e-5 * there);
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+  }
+}
+
+TEST(SunVisibility, HalfOfAPlateInTheShadow) {
+  // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is 1
+  // long.
+  Mesh mesh = plate("floor", {0, 0, 0}, {0, 2, 0}, {2, 0, 0}, 1);
+  append(mesh, plate("wall", {0, -5, 0}, {0, 12, 0}, {0, 0, -1}, 1));
+  const Target target = target_of(mesh, {part("floor"), part("wall", true)});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const double s = std::sqrt(0.5);
+  double mean = 0, area = 0;
+  for (std::uint64_t seed = 1; seed <= 64; ++seed) {
+    std::vector<float> lit(faces.size());
+    sun_visibility(target, faces, {{-s, 0, -s}, 0.0047},
+                   {.points = 16, .seed = seed, .surface_z_m = INFINITY}, lit);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      mean += faces.area_m2[i] * static_cast<double>(lit[i]);
+      area += faces.area_m2[i];
+    }
+    // The wall's side that faces the sun has all of it.
+    for (std::uint32_t i = 2; i < faces.size(); ++i)
+      EXPECT_NEAR(lit[i], faces.is_back(i) ? 0 : s, 1e-5);
+  }
+  EXPECT_NEAR(mean / area, 0.5 * s, 0.01);
+}
+
+// A day with the same weather throughout.
+SceneHeatRequest steady(double air_k, double sky_w_m2, std::size_t knots = 49) {
+  SceneHeatRequest r;
+  for (std::size_t k = 0; k < knots; ++k) {
+    r.knot_s.push_back(86400.0 * static_cast<double>(k) / static_cast<double>(knots - 1));
+    r.weather.push_back({air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, 0, 0, sky_w_m2});
+  }
+  r.day_knots = knots - 1;
+  r.output_knot = {0, knots / 4 * 2};
+  r.beneath.surface_z_m = INFINITY;
+  return r;
+}
+WallBuildUp steel(InnerSide side) {
+  WallBuildUp out;
+  out.name = "steel";
+  out.layers = {{0.005, 45, 7850, 490}};
+  out.inner_side = side;
+  return out;
+}
+
+TEST(SceneHeat, APlateBetweenSkyAndAirHasTheTemperatureOfItsBalance) {
+  const Target target = target_of(generated("disk", 64), {part("disk", true)});
+  SceneHeatRequest r = steady(290, 300);
+  for (HeatWeather& w : r.weather) {
+    w.wind_m_s = 3;
+    w.direct_normal_w_m2 = 500;
+    w.sun = {0.6, 0, -0.8};
+    w.diffuse_horizontal_w_m2 = 80;
+  }
+  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 285, .emissivity = 0.95, .solar_albedo = 0.2};
+  r.part = {{0.7, 0.9, 0u, 0}};
+  r.build_up = {steel(InnerSide::kOpen)};
+  r.rays = 4096;
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  // Vertical, half sky and half ground on both sides; the front faces the sun.
+  const double ground = 0.95 * kStefanBoltzmannWM2K4 * std::pow(285, 4) + 0.05 * 300,
+               incoming = 0.5 * (300 + ground), from_ground = 0.2 * (80 + 500 * 0.8),
+               absorbed = 0.7 * (500 * 0.6 + 2 * 0.5 * (80 + from_ground));
+  const auto heat = [&](double at) {
+    const double n = 1.31 * std::cbrt(std::abs(at - 290));
+    return absorbed + 2 * 0.9 * (incoming - kStefanBoltzmannWM2K4 * std::pow(at, 4)) -
+           (std::hypot(n, 3.26 * std::pow(3, 0.89)) + std::hypot(n, 3.55 * std::pow(3, 0.617))) *
+               (at - 290);
+  };
+  double low = 250, high = 400;
+  for (int i = 0; i < 60; ++i) (heat(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+  for (std::size_t f = 0; f < target.facet.size(); ++f) {
+    EXPECT_NEAR(result->kelvin[1][f], low, 0.05);
+    EXPECT_LT(result->error_k[1][f], 0.2);
+    EXPECT_GE(result->error_k[1][f], std::abs(static_cast<double>(result->kelvin[1][f]) - low));
+  }
+}
+
+// A hollow box, seen from inside: its facets are turned round.
+Mesh hollow_box() {
+  Mesh mesh = generated("box", 192, 0, 2, 1, 1);
+  for (auto& t : mesh.triangle) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TEST(SceneHeat, AClosedEnclosureOfOneTemperatureStaysThere) {
+  const Target target = target_of(hollow_box(), {part("box")});
+  SceneHeatRequest r = steady(300, 0);
+  r.part = {{0.5, 0.05, 0u, 0}};
+  r.build_up = {steel(InnerSide::kAdiabatic)};
+  r.exchange_tolerance_k = 1e-3;
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (const float kelvin : result->kelvin[1]) EXPECT_NEAR(kelvin, 300, 1e-3);
+}
+
+TEST(SceneHeat, TwoTemperaturesAndAMirrorBetween) {
+  // Concentric spheres as in the table of view factors: inner 400 K, emissivity 0.8; outer 300 K,
+  // 0.5. The net flux of the inner one follows from the outer one's heat: here the outer one's
+  // inside is kept at 300 K behind a conductance, and its face's temperature tells the flux.
+  Mesh mesh = generated("sphere", 2000, 1);
+  Mesh outer = generated("sphere", 2000, 2);
+  for (auto& t : outer.triangle) std::swap(t[1], t[2]);
+  mesh.group = {"inner"};
+  mesh.triangle_group.assign(mesh.triangle.size(), 0);
+  outer.group = {"outer"};
+  outer.triangle_group.assign(outer.triangle.size(), 0);
+  append(mesh, outer);
+  const Target target = target_of(mesh, {part("inner"), part("outer")});
+  SceneHeatRequest r = steady(300, 0);
+  r.part = {{0.5, 0.8, std::nullopt, 400}, {0.5, 0.5, 0u, 0}};
+  WallBuildUp wall = steel(InnerSide::kFixedTemperature);
+  wall.layers = {{0.001, 0.1, 1000, 1000}};
+  wall.inner_k = 300;
+  r.build_up = {wall};
+  r.rays = 512;
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  double t = 0, count = 0;
+  for (std::size_t f = 0; f < target.facet.size(); ++f)
+    if (target.facet[f].part == 1) {
+      t += static_cast<double>(result->kelvin[1][f]);
+      ++count;
+    }
+  t /= count;
+  const double through = 100 * (t - 300) +
+                         1.31 * std::pow(std::abs(t - 300), 4.0 / 3);  // and its air, at 300 K
+  const double a = target.part_area_m2[0] / target.part_area_m2[1];
+  const double exchange = kStefanBoltzmannWM2K4 * (std::pow(400, 4) - std::pow(t, 4)) /
+                          (1 / 0.8 + a * (1 / 0.5 - 1)) * a;
+  EXPECT_NEAR(through / exchange, 1, 0.03) << t;
+}
+
+TEST(SceneHeat, WhatIsWrongIsNamed) {
+  const Target target = target_of(generated("disk", 8), {part("disk")});
+  SceneHeatRequest r = steady(290, 300);
+  r.part = {{0.7, 0.9, 0u, 0}};
+  r.build_up = {steel(InnerSide::kOpen)};
+  EXPECT_NE(solve_scene_heat(target, r).status().message().find("two_sided"), std::string::npos);
+  r.build_up[0].inner_side = InnerSide::kAdiabatic;
+  r.build_up[0].layers[0].thickness_m = 0;
+  EXPECT_NE(solve_scene_heat(target, r).status().message().find("steel"), std::string::npos);
+  r.part = {{1.7, 0.9, 0u, 0}};
+  EXPECT_NE(solve_scene_heat(target, r).status().message().find("absorptance"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace irsig
