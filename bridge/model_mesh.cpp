@@ -4,9 +4,13 @@
 #include <string_view>
 
 #include "absl/strings/str_cat.h"
+#include "core/scene/cut_edges.h"
 
 namespace irsig {
 namespace {
+
+// Of facets that element_size_m makes: temperatures of a day take a second for a thousand of them.
+constexpr std::uint64_t kMostElements = 1'000'000;
 
 absl::Status at(const std::string& path, const absl::Status& status) {
   return {status.code(), absl::StrCat(path, ": ", status.message())};
@@ -46,7 +50,9 @@ absl::StatusOr<Mesh> model_mesh(const schema::ResolvedSweep& sweep, const Assets
   if (model.offset_m_size() == 3)
     where.offset_m = {model.offset_m(0), model.offset_m(1), -model.offset_m(2)};
   if (model.has_draft_m() || model.offset_m_size() > 0) place(*mesh, where);
-  return mesh;
+  if (!sweep.sweep().heat().has_element_size_m()) return mesh;
+  auto cut = cut_long_edges(*mesh, sweep.sweep().heat().element_size_m(), kMostElements);
+  return cut.ok() ? cut : absl::StatusOr<Mesh>(at("heat.element_size_m", cut.status()));
 }
 
 }  // namespace irsig

@@ -70,7 +70,7 @@ const MaterialKind* find_material_kind(const std::string& name) {
 }
 
 std::vector<const char*> keys_of(const MaterialKind& kind) {
-  std::vector<const char*> keys = {"name", "kind"};
+  std::vector<const char*> keys = {"name", "kind", "solar_absorptance", "thermal_emissivity"};
   for (const OpticalProperty& property : kind.property) {
     keys.insert(keys.end(), property.value.begin(), property.value.end());
     keys.push_back(property.table);

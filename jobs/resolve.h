@@ -29,6 +29,10 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
                            std::vector<std::string>& known, schema::Sweep& sweep,
                            Findings& findings);
 
+// [[build_up]], and which parts and materials have what computed temperatures need. Solids of the
+// library are written out as their numbers.
+void resolve_build_ups(schema::Sweep& sweep, Findings& findings);
+
 // [[temperature_field]], and where seasons name them.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
 // By name, with the hashes of their files; then of a season's condition, with the parts that have

@@ -13,6 +13,10 @@
 namespace irsig {
 namespace {
 
+// Of every kind, for computed temperatures.
+constexpr SectionCheck::Names::value_type kAbsorptance = "solar_absorptance",
+                                          kEmissivity = "thermal_emissivity";
+
 const std::vector<std::string>& built_in_names() {
   static const std::vector<std::string> names = {"hull", "hull_index", "hull_paper"};
   return names;
@@ -87,10 +91,10 @@ class MaterialCheck {
   void hull() const {
     const std::string& kind = material_.kind();
     if (kind != "hull_paper") {
-      check_.only({"name", "kind"}, absl::StrCat("to kind \"", kind, "\""));
+      check_.only({"name", "kind", kAbsorptance, kEmissivity}, absl::StrCat("to kind \"", kind, "\""));
       return;
     }
-    check_.only({"name", "kind", "allow_energy_gain"}, "to kind \"hull_paper\"");
+    check_.only({"name", "kind", kAbsorptance, kEmissivity, "allow_energy_gain"}, "to kind \"hull_paper\"");
     if (!material_.allow_energy_gain()) {
       check_.error("allow_energy_gain",
                    "is not true: hull_paper emits and reflects more than it receives, expected "
@@ -102,7 +106,7 @@ class MaterialCheck {
   // The library's entry in the place of the table that names it; nothing if that was wrong.
   [[nodiscard]] std::optional<schema::Material> from_library() const {
     const std::size_t before = findings_.count();
-    check_.only({"name", "kind", "entry", "roughness"}, "to kind \"library\"");
+    check_.only({"name", "kind", kAbsorptance, kEmissivity, "entry", "roughness"}, "to kind \"library\"");
     const char* key = material_.has_entry() ? "entry" : "name";
     const std::string name = material_.has_entry() ? material_.entry() : material_.name();
     const auto entry = library_entry(name);
@@ -128,6 +132,10 @@ class MaterialCheck {
     message->set_name(material_.name());
     message->set_entry(name);
     if (material_.has_roughness()) message->set_roughness(material_.roughness());
+    if (material_.has_solar_absorptance())
+      message->set_solar_absorptance(material_.solar_absorptance());
+    if (material_.has_thermal_emissivity())
+      message->set_thermal_emissivity(material_.thermal_emissivity());
     return *message;
   }
 

@@ -142,6 +142,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_name(file, *resolved.mutable_sweep(), findings);
   check_numbers(file.sweep, "", findings);
   resolve_target(model_bytes, resolved, findings);
+  resolve_build_ups(*resolved.mutable_sweep(), findings);
   check_temperature_fields(file, findings);
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);

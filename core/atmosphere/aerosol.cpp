@@ -263,7 +263,34 @@ double visibility_km_of(double extinction_km) {
   return 3.912 / (extinction_km + kMolecularExtinctionPerKm);
 }
 
+// What the height table is asked with; and what the Navy model's cross sections are scaled by.
+struct ScaledVisibility {
+  double visibility_km, navy_scale;
+};
+ScaledVisibility scaled_visibility(const AerosolSpec& spec, double surface_humidity_percent) {
+  ScaledVisibility out{1e-3 * spec.visibility_m, 1};
+  if (spec.kind != AerosolKind::kNavyMaritime) return out;
+  const double surface_km = navy_visible_per_km(navy_mix(spec, surface_humidity_percent));
+  if (spec.visibility_m == 0)
+    out.visibility_km = visibility_km_of(surface_km);
+  else
+    out.navy_scale =
+        std::max(0.0, 3.912 / out.visibility_km - kMolecularExtinctionPerKm) / surface_km;
+  return out;
+}
+
 }  // namespace
+
+double aerosol_depth_550(const AerosolSpec& spec, double surface_humidity_percent) {
+  if (spec.kind == AerosolKind::kNone) return 0;
+  // The Navy model's lowest 2 km have the extinction that its visibility means.
+  const auto [visibility_km, navy_scale] = scaled_visibility(spec, surface_humidity_percent);
+  constexpr double kStepKm = 0.05, kTopKm = 100;
+  double depth = 0;
+  for (double z = 0.5 * kStepKm; z < kTopKm; z += kStepKm)
+    depth += kStepKm * extinction_per_km(spec, z, visibility_km);
+  return depth;
+}
 
 absl::Status check_aerosol(const AerosolSpec& spec) {
   if (spec.kind == AerosolKind::kNone) return absl::OkStatus();
@@ -295,15 +322,7 @@ AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
   if (spec.kind == AerosolKind::kNone) return out;
   const double height_km = 1e-3 * height_m;
   const bool navy = spec.kind == AerosolKind::kNavyMaritime;
-  double visibility_km = 1e-3 * spec.visibility_m, navy_scale = 1;
-  if (navy) {
-    const double surface_km = navy_visible_per_km(navy_mix(spec, surface_humidity_percent));
-    if (spec.visibility_m == 0) {
-      visibility_km = visibility_km_of(surface_km);
-    } else {
-      navy_scale = std::max(0.0, 3.912 / visibility_km - kMolecularExtinctionPerKm) / surface_km;
-    }
-  }
+  const auto [visibility_km, navy_scale] = scaled_visibility(spec, surface_humidity_percent);
 
   const ModelOptics& model = model_of(spec.kind, height_km);
   const TablePosition at = humidity_position(model.humidity_percent, relative_humidity_percent);

@@ -45,6 +45,10 @@ struct AerosolOptics {
   AirSpectrum asymmetry;  // mean cosine of the scattering angle, [-1, 1]
 };
 
+// Vertical optical depth of all particles at 0.55 um, from the ground to 100 km. As aerosol_optics
+// has them.
+[[nodiscard]] double aerosol_depth_550(const AerosolSpec& spec, double surface_humidity_percent);
+
 // Extinction, absorption and asymmetry are tabulated against wavelength and humidity
 // (log(100 - humidity), the Navy model's in humidity; logarithms of the coefficients); extinction
 // at 0.55 um against height and visibility. Humidities above 99 % (Navy model: 98 %) are taken as

@@ -165,7 +165,7 @@ SceneHeatRequest steady(double air_k, double sky_w_m2, std::size_t knots = 49) {
   SceneHeatRequest r;
   for (std::size_t k = 0; k < knots; ++k) {
     r.knot_s.push_back(86400.0 * static_cast<double>(k) / static_cast<double>(knots - 1));
-    r.weather.push_back({air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, 0, 0, sky_w_m2});
+    r.weather.push_back({air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, {0, 0, sky_w_m2}, {0, 0, sky_w_m2}});
   }
   r.day_knots = knots - 1;
   r.output_knot = {0, knots / 4 * 2};
@@ -185,9 +185,8 @@ TEST(SceneHeat, APlateBetweenSkyAndAirHasTheTemperatureOfItsBalance) {
   SceneHeatRequest r = steady(290, 300);
   for (HeatWeather& w : r.weather) {
     w.wind_m_s = 3;
-    w.direct_normal_w_m2 = 500;
     w.sun = {0.6, 0, -0.8};
-    w.diffuse_horizontal_w_m2 = 80;
+    w.before = w.after = {500, 80, 300};
   }
   r.beneath = {.surface_z_m = INFINITY, .temperature_k = 285, .emissivity = 0.95, .solar_albedo = 0.2};
   r.part = {{0.7, 0.9, 0u, 0}};

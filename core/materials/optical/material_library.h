@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/materials/material_spec.h"
+#include "core/materials/wavelength_range.h"
 
 namespace irsig {
 
@@ -27,13 +28,6 @@ struct LibraryEntry {
 // An entry's file (data/README.md has the format). Errors: file:line:column.
 [[nodiscard]] absl::StatusOr<LibraryEntry> read_library_entry(std::string_view text,
                                                               std::string_view file_name);
-
-// Where all tables of a material are known. `everywhere`: it has no table.
-struct WavelengthRange {
-  double min_um, max_um;
-  bool everywhere;
-};
-[[nodiscard]] WavelengthRange wavelength_range(const MaterialSpec& spec);
 
 // "cook_torrance", "ward_1992" ...: the kind of a sweep file's [[material]] that this model is.
 [[nodiscard]] std::string model_kind(const MaterialSpec& spec);

@@ -96,38 +96,39 @@ class Computation {
     return request_.weather[knot(k)];
   }
 
-  // Sunlight absorbed at every knot, what faces reflect to each other included.
+  // Sunlight absorbed per direct normal irradiance at every knot, and per diffuse horizontal one at
+  // any; what faces reflect to each other included.
   void light() {
-    absorbed_.assign(count() * faces_.size(), 0.0f);
-    std::vector<float> lit(faces_.size());
-    std::vector<double> own(faces_.size()), total(faces_.size()), kept(faces_.size());
-    for (std::uint32_t i = 0; i < faces_.size(); ++i) kept[i] = part_of(i).solar_absorptance;
+    const std::size_t faces = faces_.size();
+    direct_.assign(count() * faces, 0.0f);
+    std::vector<float> lit(faces);
+    std::vector<double> own(faces), total(faces), kept(faces);
+    for (std::uint32_t i = 0; i < faces; ++i) kept[i] = part_of(i).solar_absorptance;
+    const auto from_below = [&](std::size_t i) {
+      return request_.beneath.solar_albedo * static_cast<double>(factors_.lower[i]);
+    };
+    const auto gathered = [&](const auto& store) {
+      total = own;
+      gather(own, kept, {}, 1e-6, total);
+      for (std::size_t i = 0; i < faces; ++i) store(i, static_cast<float>(kept[i] * total[i]));
+    };
+    for (std::size_t i = 0; i < faces; ++i)
+      own[i] = covered_[i] ? 0 : static_cast<double>(factors_.sky[i]) + from_below(i);
+    diffuse_.resize(faces);
+    gathered([&](std::size_t i, float value) { diffuse_[i] = value; });
     for (std::size_t k = 0; k < count(); ++k) {
       const HeatWeather& w = weather(k);
-      const bool sun = w.direct_normal_w_m2 > 0 && w.sun.z < 0;
-      if (!sun && w.diffuse_horizontal_w_m2 <= 0) continue;
-      const double direct = sun ? w.direct_normal_w_m2 : 0;
-      if (sun) {
-        sun_visibility(target_, faces_, {w.sun, w.sun_radius_rad},
-                       {.points = knots_.sun_points,
-                        .seed = mix(knots_.seed, knot(k)),
-                        .surface_z_m = request_.beneath.surface_z_m},
-                       lit);
-        rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces_.size() / 2;
-      } else {
-        std::fill(lit.begin(), lit.end(), 0.0f);
-      }
-      const double from_below = request_.beneath.solar_albedo *
-                                (w.diffuse_horizontal_w_m2 + direct * std::max(0.0, -w.sun.z));
-      for (std::size_t i = 0; i < faces_.size(); ++i)
-        own[i] = covered_[i] ? 0
-                             : direct * static_cast<double>(lit[i]) +
-                                   static_cast<double>(factors_.sky[i]) * w.diffuse_horizontal_w_m2 +
-                                   static_cast<double>(factors_.lower[i]) * from_below;
-      total = own;
-      gather(own, kept, {}, total);
-      for (std::size_t i = 0; i < faces_.size(); ++i)
-        absorbed_[k * faces_.size() + i] = static_cast<float>(kept[i] * total[i]);
+      if (w.sun.z >= 0 || std::max(w.before.direct_normal_w_m2, w.after.direct_normal_w_m2) <= 0)
+        continue;
+      sun_visibility(target_, faces_, {w.sun, w.sun_radius_rad},
+                     {.points = knots_.sun_points,
+                      .seed = mix(knots_.seed, knot(k)),
+                      .surface_z_m = request_.beneath.surface_z_m},
+                     lit);
+      rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces / 2;
+      for (std::size_t i = 0; i < faces; ++i)
+        own[i] = covered_[i] ? 0 : static_cast<double>(lit[i]) - w.sun.z * from_below(i);
+      gathered([&](std::size_t i, float value) { direct_[k * faces + i] = value; });
     }
   }
 
@@ -136,7 +137,7 @@ class Computation {
     std::vector<double> own(faces_.size()), total(faces_.size()), emitted(faces_.size());
     const Beneath& b = request_.beneath;
     for (std::size_t k = 0; k < count(); ++k) {
-      const double sky = weather(k).sky_w_m2,
+      const double sky = 0.5 * (weather(k).before.sky_w_m2 + weather(k).after.sky_w_m2),
                    ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
                    below = b.emissivity * ground + (1 - b.emissivity) * sky;
       for (std::size_t i = 0; i < faces_.size(); ++i) {
@@ -147,7 +148,7 @@ class Computation {
                      power4(static_cast<double>(kelvin_[k * faces_.size() + i]));
       }
       if (k == 0) total = own;
-      gather(own, emissivity_, emitted, total);
+      gather(own, emissivity_, emitted, 1e-4, total);
       for (std::size_t i = 0; i < faces_.size(); ++i)
         incoming_[k * faces_.size() + i] = static_cast<float>(total[i]);
     }
@@ -156,7 +157,8 @@ class Computation {
   // total_i = own_i + sum_j F_ij (emitted_j + (1 - kept_j) total_j), by Gauss and Seidel from what
   // `total` has. What is absorbed somewhere is a part of what others send: it converges.
   void gather(const std::vector<double>& own, const std::vector<double>& kept,
-              const std::vector<double>& emitted, std::vector<double>& total) const {
+              const std::vector<double>& emitted, double tolerance,
+              std::vector<double>& total) const {
     if (factors_.to.empty()) {
       total = own;
       return;
@@ -177,7 +179,7 @@ class Computation {
         change = std::max(change, std::abs(sum - total[i]));
         total[i] = sum;
       }
-      if (change < 1e-4) return;
+      if (change < tolerance) return;
     }
   }
 
@@ -208,8 +210,14 @@ class Computation {
     return {emissivity_[face], air};
   }
 
-  void expose(std::size_t k, std::uint32_t face, const FaceExposure& to, std::size_t at) const {
-    to.absorbed_w_m2[at] = static_cast<double>(absorbed_[k * faces_.size() + face]);
+  // At the begin of the interval after a knot, or at the end of the one before.
+  enum class Side { kAfter, kBefore };
+  void expose(std::size_t k, Side side, std::uint32_t face, const FaceExposure& to,
+              std::size_t at) const {
+    const HeatRadiation& light = side == Side::kAfter ? weather(k).after : weather(k).before;
+    to.absorbed_w_m2[at] =
+        light.direct_normal_w_m2 * static_cast<double>(direct_[k * faces_.size() + face]) +
+        light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[face]);
     to.incoming_w_m2[at] = static_cast<double>(incoming_[k * faces_.size() + face]);
     if (covered_[face]) {
       const Beneath& b = request_.beneath;
@@ -257,10 +265,10 @@ class Computation {
                               const Exposure& to) {
       for (std::size_t at = 0; at < element.size(); ++at) {
         const std::uint32_t face = wall[element[at]];
-        expose(interval, face, to.outer_begin, at);
-        expose(interval + 1, face, to.outer_end, at);
-        inside(build_up, interval, face, to.inner_begin, at);
-        inside(build_up, interval + 1, face, to.inner_end, at);
+        expose(interval, Side::kAfter, face, to.outer_begin, at);
+        expose(interval + 1, Side::kBefore, face, to.outer_end, at);
+        inside(build_up, interval, Side::kAfter, face, to.inner_begin, at);
+        inside(build_up, interval + 1, Side::kBefore, face, to.inner_end, at);
       }
     };
     const auto result = solve_heat(ask, exposure);
@@ -288,7 +296,7 @@ class Computation {
     return change_k;
   }
 
-  void inside(const WallBuildUp& build_up, std::size_t k, std::uint32_t face,
+  void inside(const WallBuildUp& build_up, std::size_t k, Side side, std::uint32_t face,
               const FaceExposure& to, std::size_t at) const {
     switch (build_up.inner_side) {
       case InnerSide::kAdiabatic:
@@ -304,7 +312,7 @@ class Computation {
         to.fluid_k[at] = build_up.inner_k;
         return;
       case InnerSide::kOpen:
-        expose(k, faces_.back_of_facet[faces_.facet[face]], to, at);
+        expose(k, side, faces_.back_of_facet[faces_.facet[face]], to, at);
         return;
     }
   }
@@ -321,7 +329,8 @@ class Computation {
   std::vector<bool> covered_;       // [face] under water or ground
   std::vector<double> emissivity_;  // [face]
   ExchangeFactors factors_;
-  std::vector<float> absorbed_, incoming_, kelvin_, error_k_;
+  std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
+  std::vector<float> incoming_, kelvin_, error_k_;
   int rounds_ = 0;
   double left_k_ = 0, closure_w_m2_ = 0;
   std::uint64_t rays_ = 0;

@@ -44,14 +44,17 @@ struct Beneath {
 };
 
 // Sky and air at one instant.
-struct HeatWeather {
-  double air_k;
-  double wind_m_s;        // relative to the target
-  Vec<Body> wind_from;    // unit vector, horizontal: where it comes from
-  Vec<Body> sun;          // unit vector towards the sun
-  double sun_radius_rad;  // its angular radius
+struct HeatRadiation {
   double direct_normal_w_m2, diffuse_horizontal_w_m2;
   double sky_w_m2;  // long-wave, horizontal
+};
+struct HeatWeather {
+  double air_k;
+  double wind_m_s;         // relative to the target
+  Vec<Body> wind_from;     // unit vector, horizontal: where it comes from
+  Vec<Body> sun;           // unit vector towards the sun
+  double sun_radius_rad;   // its angular radius
+  HeatRadiation before, after;  // the instant: of records that are means they jump
 };
 
 struct SceneHeatRequest {

@@ -10,7 +10,7 @@
 
 namespace irsig {
 
-void sun_visibility(const Target& target, const ThermalFaces& faces, const SunPlace& sun,
+void sun_visibility(const Target& target, const ThermalFaces& faces, const SunDisk& sun,
                     const SunSettings& settings, std::span<float> out) {
   std::fill(out.begin(), out.end(), 0.0f);
   if (sun.direction.z >= 0) return;

@@ -11,7 +11,7 @@ namespace irsig {
 // angle times the share of the face that sees the sun, from `points` rays a face to places on the
 // sun's disk. 0 below the horizon's plane and for what lies below surface_z_m (as exchange_factors
 // has it).
-struct SunPlace {
+struct SunDisk {
   Vec<Body> direction;  // unit vector towards its centre
   double angular_radius_rad;
 };
@@ -21,7 +21,7 @@ struct SunSettings {
   double surface_z_m = 0;
 };
 //   out  [face]
-void sun_visibility(const Target& target, const ThermalFaces& faces, const SunPlace& sun,
+void sun_visibility(const Target& target, const ThermalFaces& faces, const SunDisk& sun,
                     const SunSettings& settings, std::span<float> out);
 
 }  // namespace irsig

@@ -1,0 +1,210 @@
+#include "bridge/heat_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/environment/named.h"
+#include "bridge/environment/weather_from_message.h"
+#include "bridge/heat_weather.h"
+#include "bridge/material_from_message.h"
+#include "bridge/model_mesh.h"
+#include "bridge/spec_to_request.h"
+#include "core/geo/sun.h"
+#include "core/materials/total_emissivity.h"
+#include "core/thermal/scene/scene_heat.h"
+
+namespace irsig {
+namespace {
+
+absl::Status at(const std::string& path, const absl::Status& status) {
+  return {status.code(), absl::StrCat(path, ": ", status.message())};
+}
+
+// Emissivities change little with temperature: taken at that of the outdoors.
+constexpr double kOutdoorsK = 290;
+// A blackbody's flux that a material's tables should cover; less is said.
+constexpr double kCoveredShare = 0.9;
+
+struct Surface {
+  double solar_absorptance, emissivity;
+};
+absl::StatusOr<Surface> surface_of(const schema::Material& material, const std::string& path,
+                                   std::vector<std::string>& warning) {
+  if (!material.has_solar_absorptance())
+    return absl::InvalidArgumentError(absl::StrCat(path, ".solar_absorptance: is missing"));
+  if (material.has_thermal_emissivity())
+    return Surface{material.solar_absorptance(), material.thermal_emissivity()};
+  const auto spec = material_from_message(material);
+  if (!spec.ok()) return at(path, spec.status());
+  const auto total = total_emissivity(*spec, kOutdoorsK);
+  if (!total.ok()) return at(path, total.status());
+  if (total->covered < kCoveredShare)
+    warning.push_back(absl::StrCat(
+        path, ": the spectrum of \"", material.name(), "\" covers ",
+        std::lround(100 * total->covered), " % of what it emits; beyond it, its last values make its "
+        "thermal emissivity ", absl::SixDigits(total->value), ": state thermal_emissivity"));
+  return Surface{material.solar_absorptance(), total->value};
+}
+
+absl::StatusOr<WallBuildUp> build_up_of(const schema::BuildUp& message, const std::string& path) {
+  const auto side = named<InnerSide>(path + ".inside", message.inside(),
+                                     {{"adiabatic", InnerSide::kAdiabatic},
+                                      {"heat_flux", InnerSide::kHeatFlux},
+                                      {"air", InnerSide::kAir},
+                                      {"temperature", InnerSide::kFixedTemperature},
+                                      {"open", InnerSide::kOpen}});
+  if (!side.ok()) return side.status();
+  WallBuildUp out;
+  out.name = message.name();
+  for (const schema::Layer& l : message.layer())
+    out.layers.push_back({l.thickness_m(), l.conductivity_w_m_k(), l.density_kg_m3(),
+                          l.specific_heat_j_kg_k()});
+  if (const absl::Status status = check_layers(out.layers); !status.ok()) return at(path, status);
+  out.inner_side = *side;
+  out.inner_k = message.inside_temperature_k();
+  out.inner_h_w_m2_k = message.inside_h_w_m2_k();
+  out.inner_flux_w_m2 = message.inside_heat_flux_w_m2();
+  return out;
+}
+
+std::string bytes_of(const std::vector<std::vector<float>>& rows) {
+  static_assert(std::endian::native == std::endian::little);
+  std::string out;
+  for (const std::vector<float>& row : rows)
+    out.append(reinterpret_cast<const char*>(row.data()), sizeof(float) * row.size());
+  return out;
+}
+
+// Of each part whose facets have temperatures.
+void add_parts(const Target& target, const std::vector<double>& area_m2,
+               const SceneHeatResult& heat, schema::HeatJobResult& out) {
+  for (std::uint32_t p = 0; p < target.part.size(); ++p)
+    for (std::size_t t = 0; t < heat.kelvin.size(); ++t) {
+      double area = 0, mean = 0, error = 0, coldest = INFINITY, hottest = 0;
+      for (std::size_t f = 0; f < target.facet.size(); ++f) {
+        const auto kelvin = static_cast<double>(heat.kelvin[t][f]);
+        if (target.facet[f].part != p || std::isnan(kelvin)) continue;
+        area += area_m2[f];
+        mean += area_m2[f] * kelvin;
+        error += area_m2[f] * static_cast<double>(heat.error_k[t][f]);
+        coldest = std::min(coldest, kelvin);
+        hottest = std::max(hottest, kelvin);
+      }
+      if (area <= 0) continue;
+      schema::PartTemperature& row = *out.add_part();
+      row.set_part_index(p);
+      row.set_time_index(static_cast<std::uint32_t>(t));
+      row.set_mean_k(mean / area);
+      row.set_coldest_k(coldest);
+      row.set_hottest_k(hottest);
+      row.set_error_k(error / area);
+    }
+}
+
+// Degenerate facets send nothing; so that each facet of a part has a temperature, they have the
+// part's mean.
+void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
+                     const schema::HeatJobResult& means, SceneHeatResult& heat) {
+  for (const schema::PartTemperature& mean : means.part())
+    for (std::size_t f = 0; f < target.facet.size(); ++f) {
+      if (target.facet[f].part != mean.part_index() || !part[mean.part_index()].build_up) continue;
+      float& kelvin = heat.kelvin[mean.time_index()][f];
+      if (!std::isnan(kelvin)) continue;
+      kelvin = static_cast<float>(mean.mean_k());
+      heat.error_k[mean.time_index()][f] = static_cast<float>(mean.error_k());
+    }
+}
+
+}  // namespace
+
+absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& resolved,
+                                                   const Assets& assets, std::size_t run) {
+  const schema::Sweep& sweep = resolved.sweep();
+  if (run >= static_cast<std::size_t>(resolved.heat_size()))
+    return absl::InvalidArgumentError(
+        absl::StrCat("a job asks for temperatures ", run, " of ", resolved.heat_size()));
+  const schema::HeatRun& heat = resolved.heat(static_cast<int>(run));
+  const auto mesh = model_mesh(resolved, assets);
+  if (!mesh.ok()) return mesh.status();
+  auto parts = parts_from_sweep(sweep);
+  if (!parts.ok()) return parts.status();
+  const auto target = make_target(*mesh, *std::move(parts), widest_isa());
+  if (!target.ok()) return target.status();
+
+  schema::HeatJobResult out;
+  std::vector<std::string> warning;
+  SceneHeatRequest request;
+  for (int b = 0; b < sweep.build_up_size(); ++b) {
+    auto build_up = build_up_of(sweep.build_up(b), absl::StrCat("build_up[", b, "]"));
+    if (!build_up.ok()) return build_up.status();
+    request.build_up.push_back(*std::move(build_up));
+  }
+  for (int p = 0; p < sweep.part_size(); ++p) {
+    const int m = static_cast<int>(target->part[static_cast<std::size_t>(p)].material);
+    const auto surface = surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), warning);
+    if (!surface.ok()) return surface.status();
+    HeatPart part{surface->solar_absorptance, surface->emissivity, std::nullopt,
+                  heat.part_temperature_k(p)};
+    for (std::uint32_t b = 0; b < request.build_up.size() && part.stated_k == 0; ++b)
+      if (request.build_up[b].name == sweep.part(p).build_up()) part.build_up = b;
+    request.part.push_back(part);
+  }
+  auto weather = heat_weather(sweep, heat);
+  if (!weather.ok()) return weather.status();
+  warning.insert(warning.end(), weather->warning.begin(), weather->warning.end());
+  request.beneath = weather->beneath;
+  request.knot_s = weather->knot_s;
+  request.weather = weather->at;
+  request.day_knots = weather->day_knots;
+  request.output_knot = weather->output_knot;
+  request.rays = sweep.heat().rays();
+  request.seed = sweep.seed();
+  request.tolerance_k = sweep.heat().tolerance_k();
+
+  auto solved = solve_scene_heat(*target, request);
+  if (!solved.ok()) return solved.status();
+  // What two times share a knot of a day that repeats.
+  SceneHeatResult by_time = *std::move(solved);
+  {
+    std::vector<std::vector<float>> kelvin, error_k;
+    for (const std::size_t k : weather->output_of_time) {
+      kelvin.push_back(by_time.kelvin[k]);
+      error_k.push_back(by_time.error_k[k]);
+    }
+    by_time.kelvin = std::move(kelvin);
+    by_time.error_k = std::move(error_k);
+  }
+  if (by_time.from_behind > 0)
+    warning.push_back(absl::StrCat(by_time.from_behind,
+                                   " rays of exchange met one-sided facets from behind: set "
+                                   "two_sided = true for parts that are sheets"));
+  std::vector<double> area_m2;
+  for (std::size_t f = 0; f < mesh->triangle.size(); ++f) {
+    const auto& c = mesh->triangle[f];
+    area_m2.push_back(0.5 * length(cross(mesh->vertex[c[1]] - mesh->vertex[c[0]],
+                                         mesh->vertex[c[2]] - mesh->vertex[c[0]])));
+  }
+  add_parts(*target, area_m2, by_time, out);
+  fill_degenerate(*target, request.part, out, by_time);
+
+  schema::HeatField field;
+  for (const std::string& time : heat.time_utc()) {
+    const auto utc = parse_rfc3339(time);
+    if (!utc.ok()) return utc.status();
+    field.add_unix_s(unix_seconds(*utc));
+  }
+  field.set_facets(static_cast<std::uint32_t>(target->facet.size()));
+  field.set_kelvin(bytes_of(by_time.kelvin));
+  field.set_error_k(bytes_of(by_time.error_k));
+  out.set_field(field.SerializeAsString());
+  out.mutable_warning()->Assign(warning.begin(), warning.end());
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,209 @@
+#include "bridge/heat_weather.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/environment/weather_from_message.h"
+#include "core/base/constants.h"
+#include "core/geo/sun.h"
+#include "core/materials/optical/material_library.h"
+#include "core/materials/total_emissivity.h"
+#include "core/thermal/weather_course.h"
+
+namespace irsig {
+namespace {
+
+WeatherCourse course_from_message(const schema::WeatherCourse& message) {
+  WeatherCourse out;
+  out.radiation_interval_s = message.radiation_interval_s();
+  out.periodic = message.periodic();
+  for (const schema::WeatherRecord& r : message.record()) {
+    WeatherRecord& to = out.record.emplace_back();
+    to.unix_s = r.unix_s();
+    to.air_k = r.air_temperature_k();
+    to.dew_point_k = r.dew_point_k();
+    to.pressure_pa = r.pressure_pa();
+    to.wind_m_s = r.wind_speed_m_s();
+    to.wind_from_deg = r.wind_from_deg();
+    to.cloud_cover = r.cloud_cover();
+    if (r.has_direct_normal_w_m2()) to.direct_normal_w_m2 = r.direct_normal_w_m2();
+    if (r.has_diffuse_horizontal_w_m2()) to.diffuse_horizontal_w_m2 = r.diffuse_horizontal_w_m2();
+    if (r.has_sky_w_m2()) to.sky_w_m2 = r.sky_w_m2();
+  }
+  return out;
+}
+
+// Extinction goes with wavelength to the power of minus this [angstrom1961]: haze of the land; of
+// the sea, whose particles are larger; of fog, whose droplets are larger than both.
+double angstrom_exponent(AerosolKind kind) {
+  switch (kind) {
+    case AerosolKind::kNone:
+    case AerosolKind::kRural:
+    case AerosolKind::kUrban:
+    case AerosolKind::kTropospheric:
+      return 1.3;
+    case AerosolKind::kMaritime:
+    case AerosolKind::kNavyMaritime:
+      return 0.6;
+    case AerosolKind::kAdvectionFog:
+    case AerosolKind::kRadiationFog:
+      return 0;
+  }
+  return 0;
+}
+
+// Ozone above the surface, at standard pressure and temperature.                        [cm]
+double ozone_cm(const AirProfile& profile) {
+  constexpr double kLoschmidtM3 = 2.686780111e25;
+  const auto per_m3 = [](const AirLevel& l) {
+    return 1e-6 * l.gas.o3_ppmv * l.pressure_pa / (kBoltzmannJK * l.temperature_k);
+  };
+  double column_m2 = 0;
+  for (std::size_t i = 1; i < profile.level.size(); ++i) {
+    const AirLevel &low = profile.level[i - 1], &high = profile.level[i];
+    column_m2 += 0.5 * (per_m3(low) + per_m3(high)) * (high.height_m - low.height_m);
+  }
+  return 100 * column_m2 / kLoschmidtM3;
+}
+
+absl::StatusOr<SkyAerosol> sky_of(const schema::HeatRun& heat, double albedo) {
+  const auto weather = weather_from_message(heat.weather(), heat.surroundings());
+  if (!weather.ok()) return weather.status();
+  const AerosolSpec& aerosol = weather->air.aerosol;
+  const double depth = aerosol_depth_550(
+      aerosol, relative_humidity_percent(weather->air.profile.level.front()));
+  const double exponent = angstrom_exponent(aerosol.kind);
+  return SkyAerosol{depth * std::pow(550.0 / 380, exponent), depth * std::pow(550.0 / 500, exponent),
+                    ozone_cm(weather->air.profile), albedo};
+}
+
+absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Surroundings& s) {
+  Beneath out;
+  if (s.kind() == "ground") {
+    out.temperature_k = s.ground_temperature_k();
+    out.emissivity = s.ground_emissivity();
+  } else if (s.kind() == "sea") {
+    out.water = true;
+    out.temperature_k = s.sea_temperature_k();
+    out.flow_m_s = sweep.place().speed_m_s();
+    out.emissivity = s.sea_emissivity();
+    if (s.sea_model() != "grey") {
+      const auto water = library_entry("sea_water");
+      if (!water.ok()) return water.status();
+      const auto total = total_emissivity(water->spec, out.temperature_k);
+      if (!total.ok()) return total.status();
+      out.emissivity = total->value;
+    }
+  } else {
+    return absl::InvalidArgumentError(
+        absl::StrCat("surroundings.kind = \"", s.kind(),
+                     "\": temperatures are computed above a sea or ground"));
+  }
+  out.solar_albedo = s.solar_albedo();
+  return out;
+}
+
+// Times that must be knots, increasing, each at least a minute from the next but for those wanted;
+// then so many between that each distance is at most the step, in even numbers.
+std::vector<double> knots_between(const std::vector<double>& wanted, std::vector<double> other,
+                                  double step_s) {
+  constexpr double kTogetherS = 60;
+  std::vector<double> fixed = wanted;
+  for (const double t : other)
+    if (std::none_of(fixed.begin(), fixed.end(),
+                     [&](double f) { return std::abs(f - t) < kTogetherS; }))
+      fixed.push_back(t);
+  std::sort(fixed.begin(), fixed.end());
+  std::vector<double> out = {fixed.front()};
+  for (std::size_t i = 1; i < fixed.size(); ++i) {
+    const double gap = fixed[i] - fixed[i - 1];
+    const auto pieces = 2 * static_cast<int>(std::ceil(gap / (2 * step_s) - 1e-9));
+    for (int k = 1; k < pieces; ++k) out.push_back(fixed[i - 1] + gap * k / pieces);
+    out.push_back(fixed[i]);
+  }
+  return out;
+}
+
+HeatWeather weather_at_knot(const WeatherCourse& course, const CourseRadiation& radiation,
+                            const schema::Place& place, double unix_s) {
+  const WeatherRecord w = weather_at(course, unix_s);
+  const SunPosition sun = radiation.sun_at(unix_s);
+  const auto side = [&](CourseRadiation::Side which) {
+    const Radiation r = radiation.at(unix_s, which);
+    return HeatRadiation{r.direct_normal_w_m2, r.diffuse_horizontal_w_m2, r.sky_w_m2};
+  };
+  // The wind that a moving target feels.
+  const double from = w.wind_from_deg * kRadPerDeg, heading = place.heading_deg() * kRadPerDeg;
+  const Vec<Enu> wind = -w.wind_m_s * Vec<Enu>{std::sin(from), std::cos(from), 0},
+                 own = place.speed_m_s() * Vec<Enu>{std::sin(heading), std::cos(heading), 0},
+                 felt = wind - own;
+  const double speed = length(felt);
+  return {w.air_k,
+          speed,
+          speed > 0 ? body_from_enu((-1 / speed) * felt, place.heading_deg()) : Vec<Body>{1, 0, 0},
+          body_from_enu(sun.direction, place.heading_deg()),
+          sun.angular_radius_deg * kRadPerDeg,
+          side(CourseRadiation::Side::kBefore),
+          side(CourseRadiation::Side::kAfter)};
+}
+
+}  // namespace
+
+absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema::HeatRun& heat) {
+  const WeatherCourse course = course_from_message(heat.course());
+  HeatKnots out;
+  auto beneath = beneath_of(sweep, heat.surroundings());
+  if (!beneath.ok()) return beneath.status();
+  out.beneath = *beneath;
+  const auto sky = sky_of(heat, out.beneath.solar_albedo);
+  if (!sky.ok()) return sky.status();
+  const schema::Place& place = sweep.place();
+  const auto radiation = CourseRadiation::make(
+      course, {place.latitude_deg(), place.longitude_deg(), place.height_m()}, *sky);
+  if (!radiation.ok()) return radiation.status();
+
+  std::vector<double> wanted;
+  for (const std::string& time : heat.time_utc()) {
+    const auto utc = parse_rfc3339(time);
+    if (!utc.ok()) return utc.status();
+    wanted.push_back(within_course(course, unix_seconds(*utc)));
+  }
+  std::vector<double> fixed = wanted;
+  std::sort(fixed.begin(), fixed.end());
+  fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
+  constexpr double kDayS = 86400;
+  const double begin_s = course.record.front().unix_s,
+               end_s = course.periodic ? begin_s + kDayS : fixed.back(),
+               day_end_s = begin_s + kDayS;
+  if (day_end_s > course.record.back().unix_s + 1)
+    return absl::InvalidArgumentError("the weather before the first time is shorter than a day");
+  std::vector<double> must = fixed;
+  for (const double t : {begin_s, day_end_s, std::max(end_s, day_end_s)})
+    if (std::find(must.begin(), must.end(), t) == must.end()) must.push_back(t);
+  std::vector<double> other = radiation->sun_crossings();
+  if (course.radiation_interval_s > 0)
+    for (const WeatherRecord& r : course.record) other.push_back(r.unix_s);
+  std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });
+  out.knot_s = knots_between(must, std::move(other), 60 * sweep.heat().step_minutes());
+  for (const double t : out.knot_s)
+    out.at.push_back(weather_at_knot(course, *radiation, place, t));
+  const auto knot_of = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(out.knot_s.begin(), out.knot_s.end(), t) -
+                                    out.knot_s.begin());
+  };
+  out.day_knots = knot_of(day_end_s);
+  for (const double t : fixed) out.output_knot.push_back(knot_of(t));
+  for (const double t : wanted)
+    out.output_of_time.push_back(static_cast<std::size_t>(
+        std::lower_bound(fixed.begin(), fixed.end(), t) - fixed.begin()));
+  if (radiation->unplaced_j_m2() > 0)
+    out.warning.push_back(absl::StrCat("weather: ", std::lround(radiation->unplaced_j_m2()),
+                                       " J/m2 of direct sunlight while no sun is up"));
+  return out;
+}
+
+}  // namespace irsig

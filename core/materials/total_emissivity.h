@@ -1,0 +1,22 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/materials/material_spec.h"
+
+namespace irsig {
+
+// Hemispherical total emissivity: of all that a surface at a temperature emits, relative to a
+// blackbody.
+struct TotalEmissivity {
+  double value;
+  // The share of a blackbody's flux at wavelengths that the material's tables cover; beyond them the
+  // value at their end is used. 1: no table ends.
+  double covered;
+};
+// By 16 cosines (Gauss and Legendre) and 64 wavelengths of equal shares of a blackbody's flux: 1e-3
+// for tables without lines narrower than that. What Material::prepare refuses is refused.
+//   temperature_k  > 0
+[[nodiscard]] absl::StatusOr<TotalEmissivity> total_emissivity(const MaterialSpec& spec,
+                                                               double temperature_k);
+
+}  // namespace irsig

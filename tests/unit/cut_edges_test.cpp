@@ -1,0 +1,85 @@
+// Facets cut until no edge is longer than asked.
+#include "core/scene/cut_edges.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+namespace irsig {
+namespace {
+
+Mesh of_kind(const std::string& kind, std::uint64_t triangles) {
+  auto mesh = generate_mesh({kind, triangles, 0, 0, 0, 0});
+  EXPECT_TRUE(mesh.ok()) << mesh.status();
+  return *std::move(mesh);
+}
+
+// Area by group, and the sum of area x normal.
+struct Measure {
+  std::map<std::uint32_t, double> area;
+  Vec<Body> sum;
+  double longest = 0;
+  // How often each edge is met, by direction: of a closed surface once in each.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edge;
+};
+Measure measured(const Mesh& mesh) {
+  Measure out;
+  for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
+    const auto& c = mesh.triangle[f];
+    const Vec<Body> twice = cross(mesh.vertex[c[1]] - mesh.vertex[c[0]],
+                                  mesh.vertex[c[2]] - mesh.vertex[c[0]]);
+    out.area[mesh.triangle_group[f]] += 0.5 * length(twice);
+    out.sum = out.sum + 0.5 * twice;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ++out.edge[{c[i], c[(i + 1) % 3]}];
+      out.longest = std::max(out.longest, length(mesh.vertex[c[(i + 1) % 3]] - mesh.vertex[c[i]]));
+    }
+  }
+  return out;
+}
+
+TEST(CutEdges, KeepSurfaceSidesGroupsAndClosedness) {
+  for (const char* kind : {"box", "frigate", "cone"}) {
+    const Mesh mesh = of_kind(kind, kind == std::string("frigate") ? 4000 : 60);
+    const Measure before = measured(mesh);
+    for (const double share : {0.9, 0.4, 0.11}) {
+      const double longest = share * before.longest;
+      const auto cut = cut_long_edges(mesh, longest, 10'000'000);
+      ASSERT_TRUE(cut.ok()) << cut.status();
+      const Measure after = measured(*cut);
+      EXPECT_LE(after.longest, longest) << kind;
+      EXPECT_GT(cut->triangle.size(), mesh.triangle.size()) << kind;
+      for (const auto& [group, area] : before.area)
+        EXPECT_NEAR(after.area.at(group), area, 1e-9 * area) << kind;
+      EXPECT_NEAR(length(after.sum - before.sum), 0, 1e-9 * before.longest * before.longest);
+      // What was closed stays closed: no edge without its other side that had one before.
+      const auto open = [](const Measure& m) {
+        return std::count_if(m.edge.begin(), m.edge.end(), [&](const auto& e) {
+          const auto other = m.edge.find({e.first.second, e.first.first});
+          return other == m.edge.end() || other->second != e.second;
+        });
+      };
+      if (open(before) == 0) {
+        EXPECT_EQ(open(after), 0) << kind;
+      }
+    }
+  }
+}
+
+TEST(CutEdges, WhatIsShortEnoughStaysAsItIs) {
+  const Mesh mesh = of_kind("sphere", 200);
+  const auto cut = cut_long_edges(mesh, 10, 1000);
+  ASSERT_TRUE(cut.ok());
+  EXPECT_EQ(cut->triangle, mesh.triangle);
+  EXPECT_EQ(cut->vertex, mesh.vertex);
+}
+
+TEST(CutEdges, TooManyFacetsAreRefused) {
+  EXPECT_THAT(std::string(cut_long_edges(of_kind("box", 12), 1e-3, 100'000).status().message()),
+              testing::HasSubstr("more than 100000"));
+}
+
+}  // namespace
+}  // namespace irsig
