@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "core/base/csv_rows.h"
 #include "core/geo/sun.h"
 #include "core/scene/import_ply_header.h"
 #include "fmt/format.h"
@@ -21,23 +22,19 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 class CsvReader {
  public:
   CsvReader(std::string_view text, const std::string& file_name)
-      : text_(text), errors_(file_name) {}
+      : rows_in_(text), errors_(file_name) {}
 
   absl::StatusOr<FieldRows> read() {
-    while (!text_.empty() && !errors_.full()) {
-      const std::size_t end = std::min(text_.find('\n'), text_.size());
-      std::string_view line = text_.substr(0, end);
-      text_.remove_prefix(std::min(end + 1, text_.size()));
-      ++line_;
-      if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-      if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
+    while (!errors_.full() && rows_in_.next()) {
+      line_ = rows_in_.line();
       if (column_.empty()) {
-        read_header(cells_of(line));
+        read_header(rows_in_.cells());
         if (errors_.any()) break;
       } else {
-        read_row(cells_of(line));
+        read_row(rows_in_.cells());
       }
     }
+    line_ = rows_in_.line();
     if (!errors_.any() && column_.empty()) errors_.add(1, 1, "there is no header");
     if (!errors_.any() && rows_.row.empty()) errors_.add(line_, 1, "there are no values");
     if (errors_.any()) return errors_.status();
@@ -45,29 +42,10 @@ class CsvReader {
   }
 
  private:
-  struct Cell {
-    std::string_view text;
-    std::size_t column;
-  };
-
-  // Of the line alone, valid until the next one.
-  const std::vector<Cell>& cells_of(std::string_view line) {
-    cell_.clear();
-    for (std::size_t at = 0;;) {
-      const std::size_t end = std::min(line.find(',', at), line.size());
-      std::size_t first = at, last = end;
-      while (first < last && (line[first] == ' ' || line[first] == '\t')) ++first;
-      while (last > first && (line[last - 1] == ' ' || line[last - 1] == '\t')) --last;
-      cell_.push_back({line.substr(first, last - first), first + 1});
-      if (end == line.size()) return cell_;
-      at = end + 1;
-    }
-  }
-
-  void read_header(const std::vector<Cell>& cells) {
+  void read_header(const std::vector<CsvCell>& cells) {
     static const std::vector<std::string> known = {
         "facet", "vertex", "x", "y", "z", "temperature", "error", "time", "part", "season"};
-    for (const Cell& cell : cells) {
+    for (const CsvCell& cell : cells) {
       const std::string name(cell.text);
       if (std::find(known.begin(), known.end(), name) == known.end())
         errors_.add(
@@ -98,7 +76,7 @@ class CsvReader {
     time_at_ = find("time");
   }
 
-  void read_row(const std::vector<Cell>& cells) {
+  void read_row(const std::vector<CsvCell>& cells) {
     if (cells.size() != column_.size()) {
       errors_.add(line_, cells.back().column,
                   fmt::format("{} cells, expected {}", cells.size(), column_.size()));
@@ -106,9 +84,8 @@ class CsvReader {
     }
     const auto number = [&](const char* name, std::optional<std::size_t> at, double absent) {
       if (!at) return absent;
-      const Cell& cell = cells[*at];
-      const std::optional<double> value = number_of(cell.text);
-      if (value && std::isfinite(*value)) return *value;
+      const CsvCell& cell = cells[*at];
+      if (const std::optional<double> value = finite_number(cell.text)) return *value;
       errors_.add(line_, cell.column,
                   fmt::format("{} = \"{}\", expected a number", name, cell.text));
       return absent;
@@ -116,7 +93,7 @@ class CsvReader {
     FieldRows::Row row;
     row.line = line_;
     if (index_at_) {
-      const Cell& cell = cells[*index_at_];
+      const CsvCell& cell = cells[*index_at_];
       const std::optional<std::int64_t> index = integer_of(cell.text);
       if (!index || *index < 0)
         errors_.add(line_, cell.column,
@@ -135,7 +112,7 @@ class CsvReader {
   }
 
   // Most rows have the time of the one before.
-  double time_of(const Cell& cell) {
+  double time_of(const CsvCell& cell) {
     if (cell.text == last_time_) return last_unix_s_;
     const auto time = parse_rfc3339(cell.text);
     if (!time.ok()) {
@@ -151,14 +128,13 @@ class CsvReader {
     return at == at_.end() ? std::nullopt : std::optional(at->second);
   }
 
-  std::string_view text_;
+  CsvRows rows_in_;
   FileErrors errors_;
   std::size_t line_ = 0;
   std::vector<std::string> column_;
   std::map<std::string, std::size_t> at_;
   std::optional<std::size_t> index_at_, temperature_at_, error_at_, time_at_;
   std::array<std::optional<std::size_t>, 3> place_at_;
-  std::vector<Cell> cell_;
   std::string last_time_;
   double last_unix_s_ = kNone;
   FieldRows rows_;

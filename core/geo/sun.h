@@ -22,6 +22,8 @@ struct UtcTime {
 
 // Seconds since 1970-01-01T00:00:00Z without leap seconds (a leap second counts as the next one).
 [[nodiscard]] double unix_seconds(const UtcTime& time);
+// The inverse, for years 0 to 9999; to 0.2 us, as fine as such a double is in our century.
+[[nodiscard]] UtcTime utc_time(double unix_s);
 
 struct SunPosition {
   double azimuth_deg;  // clockwise from true north [0, 360); at the poles: from longitude_deg's

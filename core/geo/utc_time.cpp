@@ -1,5 +1,6 @@
 #include <erfa.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
@@ -185,6 +186,20 @@ double unix_seconds(const UtcTime& time) {
   const auto days = std::chrono::sys_days(day).time_since_epoch().count();
   return 86400.0 * static_cast<double>(days) + 3600.0 * time.hour + 60.0 * time.minute +
          time.second;
+}
+
+UtcTime utc_time(double unix_s) {
+  const double day = std::floor(unix_s / 86400);
+  const std::chrono::year_month_day date{
+      std::chrono::sys_days(std::chrono::days(static_cast<int>(day)))};
+  const double of_day = unix_s - 86400 * day;
+  const int minute = std::min(1439, static_cast<int>(of_day / 60));
+  return {static_cast<int>(date.year()),
+          static_cast<int>(static_cast<unsigned>(date.month())),
+          static_cast<int>(static_cast<unsigned>(date.day())),
+          minute / 60,
+          minute % 60,
+          of_day - 60 * minute};
 }
 
 }  // namespace irsig

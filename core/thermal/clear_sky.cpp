@@ -47,7 +47,7 @@ double extraterrestrial_w_m2(double day_of_year) {
                  0.000719 * std::cos(2 * day) + 0.000077 * std::sin(2 * day));
 }
 
-double saturation_pressure_pa(double temperature_k) {
+double vapour_pressure_pa(double temperature_k) {
   const double t = temperature_k - 273.15;
   return 611.2 * std::exp(17.62 * t / (243.12 + t));
 }

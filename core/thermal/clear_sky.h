@@ -35,9 +35,9 @@ struct ClearSkyIrradiance {
 // the series of [spencer1971]: 0.01 %.
 [[nodiscard]] double extraterrestrial_w_m2(double day_of_year);
 
-// Saturation over water, 611.2 Pa exp(17.62 t / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from
-// -45 to 60 deg C.
-[[nodiscard]] double saturation_pressure_pa(double temperature_k);
+// Of water vapour in air with this dew point; at saturation, that of the air: 611.2 Pa exp(17.62 t
+// / (243.12 + t)), t in deg C [sonntag1990]: 0.3 % from -45 to 60 deg C.
+[[nodiscard]] double vapour_pressure_pa(double dew_point_k);
 // The inverse; vapour pressure > 0.
 [[nodiscard]] double dew_point_k(double vapour_pressure_pa);
 

@@ -154,16 +154,16 @@ TEST(ClearSky, BirdAndHulstrom) {
 }
 
 TEST(ClearSky, EmissivityAndVapour) {
-  EXPECT_NEAR(saturation_pressure_pa(293.15), 2332.5960220978072, 1e-9);
-  EXPECT_NEAR(saturation_pressure_pa(263.15), 287.0310312013222, 1e-9);
+  EXPECT_NEAR(vapour_pressure_pa(293.15), 2332.5960220978072, 1e-9);
+  EXPECT_NEAR(vapour_pressure_pa(263.15), 287.0310312013222, 1e-9);
   for (const double t : {240.0, 273.15, 300.0}) {
-    EXPECT_NEAR(dew_point_k(saturation_pressure_pa(t)), t, 1e-9);
+    EXPECT_NEAR(dew_point_k(vapour_pressure_pa(t)), t, 1e-9);
   }
   EXPECT_NEAR(sky_emissivity_prata(293.15, 1200), 0.790463551381135, 1e-12);
   EXPECT_NEAR(sky_emissivity_berdahl_martin(283.15, 12, 101325),
               0.711 + 0.056 + 0.0073 - 0.013 + 0.00159, 1e-9);
   // Second opinions on the same sky: within 0.03 of each other.
-  EXPECT_NEAR(sky_emissivity_prata(288.15, saturation_pressure_pa(280)),
+  EXPECT_NEAR(sky_emissivity_prata(288.15, vapour_pressure_pa(280)),
               sky_emissivity_berdahl_martin(280, 6, 100000), 0.03);
   EXPECT_EQ(cloud_factor(0), 1);
   EXPECT_NEAR(cloud_factor(1), 1.154, 1e-12);

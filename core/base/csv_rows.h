@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace irsig {
+
+// A cell of a line, without the white space around it, and where it stands (from 1).
+struct CsvCell {
+  std::string_view text;
+  std::size_t line, column;
+};
+
+// Walks over the lines of a CSV file ("\n" or "\r\n", cells between commas, no quotes). The text
+// must outlive it.
+class CsvRows {
+ public:
+  explicit CsvRows(std::string_view text) : text_(text) {}
+
+  // The next line that is neither empty nor a remark ('#'); false at the end of the text.
+  bool next();
+  // The next one that is not empty, remarks included.
+  bool next_with_remarks();
+  [[nodiscard]] std::string_view whole() const { return whole_; }
+  [[nodiscard]] std::size_t line() const { return line_; }
+  // Of this line, valid until the next one.
+  [[nodiscard]] const std::vector<CsvCell>& cells();
+
+ private:
+  std::string_view text_, whole_;
+  std::size_t line_ = 0;
+  std::vector<CsvCell> cell_;
+};
+
+// The whole text as a finite number; nothing if it is none.
+[[nodiscard]] std::optional<double> finite_number(std::string_view text);
+
+}  // namespace irsig

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/geo/sun.h"
+
+namespace irsig {
+
+// The weather at the surface as it goes on, in SI. Times: seconds since 1970 UTC, without leap
+// seconds. Equations and sources: docs/methods/thermal.md, "Weather".
+
+struct WeatherRecord {
+  double unix_s = 0;
+  double air_k = 0;
+  double dew_point_k = 0;
+  double pressure_pa = 0;
+  double wind_m_s = 0;
+  double wind_from_deg = 0;  // clockwise from true north
+  double cloud_cover = 0;    // [0, 1]
+  // Stated by all records of a course or by none; the first two together. Absent: a model's.
+  std::optional<double> direct_normal_w_m2, diffuse_horizontal_w_m2;
+  std::optional<double> sky_w_m2;  // long-wave, horizontal
+};
+
+struct WeatherCourse {
+  std::vector<WeatherRecord> record;
+  // Radiation is the mean over so long before its record; 0: of its instant.
+  double radiation_interval_s = 0;
+  bool periodic = false;  // the last record is the first, a day later
+};
+
+// INVALID_ARGUMENT, which record (from 0) and what: fewer than two, times that do not increase, a
+// dew point above the air, numbers that no weather has (160 to 350 K, 300 to 1100 hPa, wind to
+// 120 m/s, radiation of 0 to 1500 W/m2), radiation in some records only, means over other intervals
+// than those between records or of more than 3 h, a periodic course that does not close.
+[[nodiscard]] absl::Status check_course(const WeatherCourse& course);
+
+// The instant within the course that stands for this one: of a periodic course that of its day,
+// else the same.
+[[nodiscard]] double within_course(const WeatherCourse& course, double unix_s);
+
+// Linear in time between records, the wind's direction that of the vector between (0.5 m/s from
+// north and 0.5 m/s from south: the nearer record's). A periodic course goes on for ever; before
+// and after another one its first and last record. No radiation: that is CourseRadiation's.
+[[nodiscard]] WeatherRecord weather_at(const WeatherCourse& course, double unix_s);
+
+// Geodetic.
+struct SunPlace {
+  double latitude_deg, longitude_deg, height_m;
+};
+
+// What the model of a clear sky wants to know that weather does not say (clear_sky.h).
+struct SkyAerosol {
+  double depth_380, depth_500;  // vertical aerosol optical depths at 380 and 500 nm
+  double ozone_cm;
+  double albedo;  // of sea or ground, to sunlight: [0, 1]
+};
+
+struct Radiation {
+  double direct_normal_w_m2;       // 0 while the sun's centre is below the horizon
+  double diffuse_horizontal_w_m2;  // of the whole sky
+  double sky_w_m2;                 // long-wave, horizontal
+  bool low_sun;  // sunlight by the model, below 5 deg of elevation, where it is not tested
+};
+
+// The radiation of a course at any instant.
+//
+// Means over intervals are spread so that each keeps its energy (to 1e-9,
+// tests/unit/weather_course_test.cpp): the direct normal irradiance is the same as long as the sun
+// is up, so that the direct horizontal one goes with the sine of its elevation; the diffuse one
+// goes with sine + sin 6 deg, so that twilight has some; long-wave is constant. They jump at
+// records. Of instants: linear between records.
+//
+// Without sunlight in the course: [bird1981] for a clear sky; G = G_clear (1 - 0.75 N^3.4)
+// [kasten1980] under clouds of cover N, with the diffuse share k + (1 - k) N^2, k that of the clear
+// sky (0.3 in the paper's): direct = direct_clear (1 - 0.75 N^3.4) (1 - N^2). Without long-wave
+// radiation: [prata1996] times the factor of [clark1978], at most 1.
+class CourseRadiation {
+ public:
+  // Copies the course, which must pass check_course(). INVALID_ARGUMENT: it does not, or the place
+  // or the time has no sun.
+  [[nodiscard]] static absl::StatusOr<CourseRadiation> make(WeatherCourse course,
+                                                            const SunPlace& place,
+                                                            const SkyAerosol& sky);
+
+  // At a record's own time: of the interval that ends there, or of the one that begins.
+  enum class Side { kBefore, kAfter };
+  [[nodiscard]] Radiation at(double unix_s, Side side = Side::kBefore) const;
+
+  // The sun where the radiation has it: at within_course(unix_s).
+  [[nodiscard]] SunPosition sun_at(double unix_s) const;
+
+  // Instants within the course when the sun's centre rises or sets, increasing.
+  [[nodiscard]] const std::vector<double>& sun_crossings() const { return crossing_; }
+
+  // Direct radiation that no sun could bring: of records in whose interval it is not up, or above
+  // the horizon for so short that it would be brighter than in space. Normal to it, all records.
+  [[nodiscard]] double unplaced_j_m2() const { return unplaced_j_m2_; }
+
+ private:
+  struct Spread {
+    double direct;   // normal irradiance while the sun is up
+    double diffuse;  // per weight of the diffuse part; or the irradiance itself
+    bool diffuse_constant;
+  };
+
+  WeatherCourse course_;
+  SunPlace place_{};
+  SkyAerosol sky_{};
+  std::vector<Spread> spread_;  // of each record; empty: none states means
+  std::vector<double> crossing_;
+  double unplaced_j_m2_ = 0;
+};
+
+// When local (true) solar time is 0 h on a date, by the equation of time of [spencer1971]: 1
+// minute.
+[[nodiscard]] double solar_midnight_unix_s(int year, int month, int day, double longitude_deg);
+
+// A day that is stated: air between two temperatures as a cosine about its warmest hour, all else
+// constant. Records every 20 minutes, between which a straight line is 0.1 % of the amplitude from
+// the cosine; periodic, beginning at local solar midnight.
+struct StatedDay {
+  double air_min_k, air_max_k;
+  double warmest_hour;  // of local solar time: [0, 24]
+  double dew_point_k, pressure_pa, wind_m_s, wind_from_deg, cloud_cover;
+};
+// INVALID_ARGUMENT: a maximum below the minimum, a dew point above the minimum, or as check_course.
+[[nodiscard]] absl::StatusOr<WeatherCourse> day_course(const StatedDay& day,
+                                                       double midnight_unix_s);
+
+}  // namespace irsig
