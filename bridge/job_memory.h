@@ -28,7 +28,8 @@ struct JobMemory {
 // Accuracy: the largest resident size of a worker was 0.86 to 1.07 of this in eight sweeps (vacuum
 // and real air, 2 to 72 conditions, steps of 0.1 to 0.01 um, 5000 to 200 000 triangles).
 // environment: null without an atmosphere; emitters: those with temperatures of their own;
-// field_bytes: of the files that state them.
+// field_bytes: of the files and the results of heat jobs that state them. What a heat job itself
+// takes is not part of it.
 [[nodiscard]] JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
                                    const Environment* environment, std::size_t emitters,
                                    std::size_t field_bytes);

@@ -6,7 +6,9 @@
 #include <ctime>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "bridge/check_numbers.h"
+#include "bridge/heat_field.h"
 #include "bridge/model_warnings.h"
 #include "bridge/profile_rows.h"
 #include "bridge/result_to_proto.h"
@@ -28,12 +30,13 @@ class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-                std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
+                Assets assets, std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
                 std::vector<std::string> warnings)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        assets_(std::move(assets)),
         field_bytes_(field_bytes),
         encoder_(std::move(encoder)),
         warnings_(std::move(warnings)) {}
@@ -54,7 +57,8 @@ class CoreJobRunner final : public JobRunner {
 
   [[nodiscard]] JobMemory memory() const override {
     return job_memory(sweep_, *simulator_, environment_.get(),
-                      temperatures_.emitters ? temperatures_.emitters->part.size() : 0,
+                      temperatures_.emitters ? temperatures_.emitters->part.size()
+                                             : temperatures_.awaited_emitters,
                       field_bytes_);
   }
 
@@ -63,10 +67,24 @@ class CoreJobRunner final : public JobRunner {
     switch (job.kind_case()) {
       case schema::JobSpec::kView:
         return compute_view(job.view());
+      case schema::JobSpec::kHeat:
+        return compute_heat_job(job.heat());
       case schema::JobSpec::KIND_NOT_SET:
         break;
     }
     return absl::InvalidArgumentError("the job is of a kind that this worker does not know");
+  }
+
+  absl::StatusOr<schema::JobResult> compute_heat_job(const schema::HeatJob& job) {
+    if (static_cast<int>(job.heat()) >= sweep_.heat_size())
+      return absl::InvalidArgumentError(
+          absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
+    auto computed = compute_heat(sweep_, assets_, job.heat());
+    if (!computed.ok()) return computed.status();
+    schema::JobResult result;
+    *result.mutable_heat() = *std::move(computed);
+    result.set_seed_hex(absl::StrFormat("%016x", sweep_.sweep().seed()));
+    return result;
   }
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
@@ -118,6 +136,7 @@ class CoreJobRunner final : public JobRunner {
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   SweepTemperatures temperatures_;
+  Assets assets_;            // of a sweep with heat runs
   std::size_t field_bytes_;  // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
   std::vector<std::string> warnings_;
@@ -126,6 +145,14 @@ class CoreJobRunner final : public JobRunner {
 // There the sensor's place is rounded to 1e-7 of the target; at 1e12 the intensity of a disk was
 // 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
 constexpr double kMostRangeInSizes = 1e9;
+
+// Of what the heat jobs leave: a temperature and its error, of each facet at each time.
+std::size_t heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
+  std::size_t times = 0;
+  for (const schema::HeatRun& run : sweep.heat())
+    times += static_cast<std::size_t>(run.time_utc_size());
+  return 2 * sizeof(float) * facets * times;
+}
 
 std::string cpu_vendor() {
   if (__builtin_cpu_is("amd")) return "amd";
@@ -136,9 +163,12 @@ std::string cpu_vendor() {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
-    const schema::ResolvedSweep& sweep, const Assets& assets,
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
     std::optional<ThumbnailEncoder> encoder) {
-  auto scene = scene_from_sweep(sweep, assets);
+  if (!heat.empty() && awaits_temperatures(sweep, heat))
+    return absl::InternalError(absl::StrCat("the results of ", heat.size(), " heat jobs for the ",
+                                            sweep.heat_size(), " that the sweep has"));
+  auto scene = scene_from_sweep(sweep, assets, heat);
   if (!scene.ok()) return scene.status();
   if (const absl::Status status = check_above_surface(sweep, scene->mesh); !status.ok())
     return status;
@@ -164,8 +194,10 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   if (!environment.ok()) return environment.status();
   return std::make_unique<CoreJobRunner>(
       sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
-      bytes_of(assets) - asset(assets, sweep.model_sha256()).size(), std::move(encoder),
-      model_warnings(sweep, *scene));
+      sweep.heat_size() > 0 ? assets : Assets(),
+      bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
+          heat_bytes(sweep, scene->mesh.triangle.size()),
+      std::move(encoder), model_warnings(sweep, *scene));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

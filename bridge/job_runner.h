@@ -25,10 +25,12 @@ class JobRunner {
  public:
   // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT and
   // names the key's path in the sweep ("part[2].name: no group of the model matches \"funel\"").
+  // heat: what the sweep's heat jobs have left, in their order. Without it the scene can be tried,
+  // and the heat jobs of a sweep can be run; run() refuses its views with FAILED_PRECONDITION.
   // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
   // run() refuses the others with FAILED_PRECONDITION.
   static absl::StatusOr<std::unique_ptr<JobRunner>> create(
-      const schema::ResolvedSweep& sweep, const Assets& assets,
+      const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
       std::optional<ThumbnailEncoder> encoder = {});
   virtual ~JobRunner() = default;
 

@@ -66,7 +66,7 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
 }  // namespace
 
 absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
-                                            const Assets& assets) {
+                                            const Assets& assets, const HeatOutputs& heat) {
   const schema::Sweep& sweep = resolved.sweep();
   SweepScene scene;
   auto mesh = model_mesh(resolved, assets);
@@ -103,7 +103,7 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     scene.band.push_back(std::move(band));
   }
   scene.spectral_breaks_um = spectral_breaks_um(resolved);
-  auto temperatures = temperatures_from_sweep(resolved, assets, scene.mesh, scene.part);
+  auto temperatures = temperatures_from_sweep(resolved, assets, heat, scene.mesh, scene.part);
   if (!temperatures.ok()) return temperatures.status();
   scene.temperatures = *std::move(temperatures);
   for (int p = 0; p < sweep.part_size(); ++p)
@@ -147,6 +147,10 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
                                              std::shared_ptr<const Environment> environment,
                                              const SweepTemperatures& temperatures) {
   const schema::Sweep& sweep = resolved.sweep();
+  if (temperatures.awaited)
+    return absl::FailedPreconditionError(
+        "a view of this sweep needs the temperatures that its heat jobs compute, and they are not "
+        "given");
   if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
     return absl::InvalidArgumentError(absl::StrCat(
         "a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));

@@ -17,9 +17,10 @@ namespace irsig {
 struct SweepScene : SceneSpec {
   SweepTemperatures temperatures;
 };
-// assets: its files.
+// assets: its files; heat: of its heat runs, or nothing for a scene that no view is asked of.
 [[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
-                                                          const Assets& assets);
+                                                          const Assets& assets,
+                                                          const HeatOutputs& heat);
 
 // INVALID_ARGUMENT for each material that creates energy in the sweep's bands and is not declared
 // with allow_energy_gain = true. `materials`: of the scene above, prepared.
@@ -32,7 +33,7 @@ struct SweepScene : SceneSpec {
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 
 // Everything of one view's job but the scene: the sun's position is computed here. `environment`:
-// of environment_from_sweep; `temperatures`: of its scene.
+// of environment_from_sweep; `temperatures`: of its scene. FAILED_PRECONDITION: they are awaited.
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
     const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
     std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures);

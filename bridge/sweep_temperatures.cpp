@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "bridge/environment/named.h"
+#include "bridge/heat_outputs.h"
 #include "bridge/model_mesh.h"
 #include "core/fields/temperature_field.h"
 #include "core/geo/sun.h"
@@ -72,11 +74,157 @@ absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& 
       key, absl::StrReplaceAll(std::string(lines), {{"\n", absl::StrCat("\n", key)}})));
 }
 
+// Which parts of the sweep have theirs from the field.
+std::vector<bool> parts_of(const schema::ResolvedSweep& sweep, const schema::ConditionField& from) {
+  std::vector<bool> out(static_cast<std::size_t>(sweep.sweep().part_size()), false);
+  for (const std::uint32_t part : from.part()) out[part] = true;
+  return out;
+}
+
+// What a computed temperature must be to be used: as of one from a file.
+bool says_something(double kelvin, double error_k) {
+  return kelvin - error_k >= 1 && kelvin + error_k <= kMostEmitterK;
+}
+
+// Of one sweep's facets, one condition after the other.
+class FacetReader {
+ public:
+  FacetReader(const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+              FieldMesh of_file, const std::vector<std::uint32_t>& part_of_facet)
+      : sweep_(sweep),
+        assets_(assets),
+        heat_(heat),
+        of_file_(std::move(of_file)),
+        part_of_facet_(part_of_facet) {}
+
+  absl::Status read(const schema::Condition& c, FacetTemperatures& at) {
+    if (!c.has_temperature_field()) return absl::OkStatus();
+    return c.temperature_field().has_heat() ? read_computed(c, at) : read_file(c, at);
+  }
+
+ private:
+  absl::Status read_computed(const schema::Condition& c, FacetTemperatures& at) {
+    const schema::ConditionField& from = c.temperature_field();
+    const std::size_t run = from.heat(), facets = part_of_facet_.size();
+    if (run >= heat_.size())
+      return absl::FailedPreconditionError(
+          absl::StrCat("the temperatures of season \"", c.season(),
+                       "\" are computed by a job whose result is not "
+                       "known yet"));
+    const auto named = [&](const std::string& what) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("computed temperatures of season \"", c.season(), "\": ", what));
+    };
+    if (!computed_.contains(run)) {
+      auto field = read_heat_field(heat_[run], facets);
+      if (!field.ok()) return named(std::string(field.status().message()));
+      computed_[run] = *std::move(field);
+    }
+    const schema::HeatField& field = computed_[run];
+    const auto time = parse_rfc3339(c.time_utc());
+    if (!time.ok()) return time.status();
+    const auto found = std::find(field.unix_s().begin(), field.unix_s().end(), unix_seconds(*time));
+    if (found == field.unix_s().end()) return named("there are none at " + c.time_utc());
+    const auto row = static_cast<std::size_t>(found - field.unix_s().begin());
+    std::vector<float> kelvin(facets), error_k(facets);
+    const std::size_t bytes = facets * sizeof(float);
+    std::memcpy(kelvin.data(), field.kelvin().data() + row * bytes, bytes);
+    std::memcpy(error_k.data(), field.error_k().data() + row * bytes, bytes);
+    const std::vector<bool> by_field = parts_of(sweep_, from);
+    for (std::size_t f = 0; f < facets; ++f) {
+      if (!by_field[part_of_facet_[f]]) continue;
+      if (!says_something(static_cast<double>(kelvin[f]), static_cast<double>(error_k[f])))
+        return named(absl::StrCat("facet ", f, " of part \"",
+                                  sweep_.sweep().part(static_cast<int>(part_of_facet_[f])).name(),
+                                  "\" is ", kelvin[f], " K +- ", error_k[f], " K at ", c.time_utc(),
+                                  ", which says nothing"));
+      at.kelvin[f] = kelvin[f];
+      at.error_k[f] = error_k[f];
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status read_file(const schema::Condition& c, FacetTemperatures& at) {
+    const schema::ConditionField& from = c.temperature_field();
+    const std::string& name = from.field().name();
+    const std::size_t facets = part_of_facet_.size();
+    if (!known_.contains(name)) {
+      const auto how = import_of(from);
+      if (!how.ok()) return how.status();
+      auto field = read_temperature_field(asset(assets_, from.sha256()), *how, of_file_);
+      if (!field.ok()) return wrong(sweep_, c, std::string(field.status().message()));
+      known_[name] = *std::move(field);
+    }
+    const auto time = parse_rfc3339(c.time_utc());
+    if (!time.ok()) return time.status();
+    const TemperatureField& field = known_[name];
+    const auto all = at_time(field, unix_seconds(*time));
+    if (!all.ok())
+      return wrong(sweep_, c,
+                   absl::StrCat(from.file_name(), ": there are no temperatures at ", c.time_utc(),
+                                ", which is before the first time or after the last"));
+    const std::vector<bool> by_field = parts_of(sweep_, from);
+    std::size_t lacking = 0, first = 0;
+    for (std::size_t f = 0; f < facets; ++f) {
+      if (!by_field[part_of_facet_[f]]) continue;
+      at.kelvin[f] = all->kelvin[f];
+      at.error_k[f] = all->error_k[f];
+      if (std::isnan(all->kelvin[f])) {
+        if (lacking++ == 0) first = f;
+        continue;
+      }
+      // What the corners of a facet differ by, or two times, may be more than it has.
+      const double kelvin = static_cast<double>(all->kelvin[f]),
+                   error_k = static_cast<double>(all->error_k[f]);
+      if (!says_something(kelvin, error_k))
+        return wrong(sweep_, c,
+                     absl::StrCat(from.file_name(), ": facet ", f, " is ", kelvin, " K +- ",
+                                  error_k, " K at ", c.time_utc(),
+                                  ", which says nothing: expected a smaller error, values of "
+                                  "facets instead of vertices, or more times"));
+    }
+    if (lacking > 0)
+      return wrong(
+          sweep_, c,
+          absl::StrCat(from.file_name(), ": ", lacking, " of ", facets,
+                       " facets have no temperature (the first: facet ", first, " of part \"",
+                       sweep_.sweep().part(static_cast<int>(part_of_facet_[first])).name(), "\"), ",
+                       from.field().match() == "centroid"
+                           ? absl::StrCat("expected a value within ", from.field().max_distance_m(),
+                                          " m of each centroid")
+                           : "expected a value for each",
+                       ", or a stated temperature of the part"));
+    return absl::OkStatus();
+  }
+
+  const schema::ResolvedSweep& sweep_;
+  const Assets& assets_;
+  const HeatOutputs& heat_;
+  FieldMesh of_file_;
+  const std::vector<std::uint32_t>& part_of_facet_;
+  std::map<std::string, TemperatureField> known_;      // by name
+  std::map<std::size_t, schema::HeatField> computed_;  // by heat run
+};
+
+// The most emitters that computed temperatures make: each facet its own.
+std::size_t facets_of_computed_parts(const schema::ResolvedSweep& sweep,
+                                     const std::vector<std::uint32_t>& part_of_facet) {
+  std::vector<bool> computed(static_cast<std::size_t>(sweep.sweep().part_size()), false);
+  for (const schema::Condition& c : sweep.condition())
+    for (const std::uint32_t part : c.temperature_field().part()) computed[part] = true;
+  return static_cast<std::size_t>(std::count_if(part_of_facet.begin(), part_of_facet.end(),
+                                                [&](std::uint32_t p) { return computed[p]; }));
+}
+
 }  // namespace
 
+bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat) {
+  return heat.size() != static_cast<std::size_t>(sweep.heat_size());
+}
+
 absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
-    const schema::ResolvedSweep& sweep, const Assets& assets, const Mesh& mesh,
-    const std::vector<std::uint32_t>& part_of_facet) {
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet) {
   std::vector<FacetTemperatures> out;
   if (std::none_of(sweep.condition().begin(), sweep.condition().end(),
                    [](const schema::Condition& c) { return c.has_temperature_field(); }))
@@ -93,65 +241,19 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     of_file.vertex.resize(mesh.vertex.size());
     of_file.triangle = mesh.triangle;
   }
-  std::map<std::string, TemperatureField> known;  // by name
-  const std::size_t facets = mesh.triangle.size();
+  FacetReader reader(sweep, assets, heat, std::move(of_file), part_of_facet);
   for (const schema::Condition& c : sweep.condition()) {
     FacetTemperatures& at = out.emplace_back();
-    at.kelvin.assign(facets, NAN);
-    at.error_k.assign(facets, NAN);
-    if (!c.has_temperature_field()) continue;
-    const schema::ConditionField& from = c.temperature_field();
-    const std::string& name = from.field().name();
-    if (!known.contains(name)) {
-      const auto how = import_of(from);
-      if (!how.ok()) return how.status();
-      auto field = read_temperature_field(asset(assets, from.sha256()), *how, of_file);
-      if (!field.ok()) return wrong(sweep, c, std::string(field.status().message()));
-      known[name] = *std::move(field);
-    }
-    const auto time = parse_rfc3339(c.time_utc());
-    if (!time.ok()) return time.status();
-    const TemperatureField& field = known[name];
-    const auto all = at_time(field, unix_seconds(*time));
-    if (!all.ok())
-      return wrong(sweep, c,
-                   absl::StrCat(from.file_name(), ": there are no temperatures at ", c.time_utc(),
-                                ", which is before the first time or after the last"));
-    std::vector<bool> by_field(static_cast<std::size_t>(sweep.sweep().part_size()), false);
-    for (const std::uint32_t part : from.part()) by_field[part] = true;
-    std::size_t lacking = 0, first = 0;
-    for (std::size_t f = 0; f < facets; ++f) {
-      if (!by_field[part_of_facet[f]]) continue;
-      at.kelvin[f] = all->kelvin[f];
-      at.error_k[f] = all->error_k[f];
-      if (std::isnan(all->kelvin[f]) && lacking++ == 0) first = f;
-      // What the corners of a facet differ by, or two times, may be more than it has.
-      const double kelvin = static_cast<double>(all->kelvin[f]),
-                   error_k = static_cast<double>(all->error_k[f]);
-      if (kelvin - error_k < 1 || kelvin + error_k > kMostEmitterK)
-        return wrong(sweep, c,
-                     absl::StrCat(from.file_name(), ": facet ", f, " is ", kelvin, " K +- ",
-                                  error_k, " K at ", c.time_utc(),
-                                  ", which says nothing: expected a smaller error, values of "
-                                  "facets instead of vertices, or more times"));
-    }
-    if (lacking > 0)
-      return wrong(
-          sweep, c,
-          absl::StrCat(from.file_name(), ": ", lacking, " of ", facets,
-                       " facets have no temperature (the first: facet ", first, " of part \"",
-                       sweep.sweep().part(static_cast<int>(part_of_facet[first])).name(), "\"), ",
-                       from.field().match() == "centroid"
-                           ? absl::StrCat("expected a value within ", from.field().max_distance_m(),
-                                          " m of each centroid")
-                           : "expected a value for each",
-                       ", or a stated temperature of the part"));
+    at.kelvin.assign(mesh.triangle.size(), NAN);
+    at.error_k.assign(mesh.triangle.size(), NAN);
+    if (const absl::Status status = reader.read(c, at); !status.ok()) return status;
   }
   return out;
 }
 
 absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::ResolvedSweep& sweep,
-                                                          const Assets& assets, const Mesh& mesh,
+                                                          const Assets& assets,
+                                                          const HeatOutputs& heat, const Mesh& mesh,
                                                           const std::vector<PartSpec>& parts) {
   SweepTemperatures out;
   const auto of_groups = part_of_groups(mesh, parts);
@@ -159,7 +261,18 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
   std::vector<std::uint32_t> part_of_facet;
   for (const std::uint32_t group : mesh.triangle_group)
     part_of_facet.push_back((*of_groups)[group]);
-  const auto facets = facet_temperatures(sweep, assets, mesh, part_of_facet);
+  if (awaits_temperatures(sweep, heat)) {
+    out.awaited = true;
+    out.awaited_emitters = facets_of_computed_parts(sweep, part_of_facet);
+    schema::ResolvedSweep of_files = sweep;  // what is wrong with those is said now
+    for (schema::Condition& c : *of_files.mutable_condition())
+      if (c.temperature_field().has_heat()) c.clear_temperature_field();
+    if (const auto read = facet_temperatures(of_files, assets, heat, mesh, part_of_facet);
+        !read.ok())
+      return read.status();
+    return out;
+  }
+  const auto facets = facet_temperatures(sweep, assets, heat, mesh, part_of_facet);
   if (!facets.ok()) return facets.status();
   if (facets->empty()) return out;
   ElementEmission emission = make_element_emission(part_of_facet, parts.size(), *facets);

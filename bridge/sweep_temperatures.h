@@ -13,6 +13,10 @@ namespace irsig {
 
 // The temperatures of a sweep's facets, where they have their own.
 struct SweepTemperatures {
+  // Jobs compute some of them, and what these left is not given: no view can be asked for. Then
+  // there are no emitters, and this many at most will be.
+  bool awaited = false;
+  std::size_t awaited_emitters = 0;
   std::shared_ptr<const Emitters> emitters;  // null: each part has one temperature
   // [condition]; then also, of each part whose facets have their own: the hottest one, its error
   // included, and their mean. Else 0.                                                      [K]
@@ -20,13 +24,17 @@ struct SweepTemperatures {
   std::vector<std::vector<double>> part_k, part_mean_k;
 };
 
+// Whether jobs compute some of the sweep's temperatures and `heat` does not have what they left.
+[[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
+
 // [condition][facet] of a sweep, NaN where its part's temperature is stated; empty: all are.
-// part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong with a file; a facet of a
-// part without temperature, or with an error that leaves nothing of it; an instant beyond the
-// file's.
+// heat: of its heat runs; part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong
+// with a file; a facet of a part without temperature, or with an error that leaves nothing of it;
+// an instant beyond the file's, or one that no heat run was asked for. FAILED_PRECONDITION:
+// computed temperatures are not known.
 [[nodiscard]] absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
-    const schema::ResolvedSweep& sweep, const Assets& assets, const Mesh& mesh,
-    const std::vector<std::uint32_t>& part_of_facet);
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet);
 
 // Whether a part is 30 K or more above the coldest part in any condition, facets by their mean:
 // what Part.hot is by default (jobs/resolve_sweep.cpp, where all temperatures are stated). Not by
@@ -35,7 +43,7 @@ struct SweepTemperatures {
                           std::size_t part);
 
 [[nodiscard]] absl::StatusOr<SweepTemperatures> temperatures_from_sweep(
-    const schema::ResolvedSweep& sweep, const Assets& assets, const Mesh& mesh,
-    const std::vector<PartSpec>& parts);
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Mesh& mesh, const std::vector<PartSpec>& parts);
 
 }  // namespace irsig

@@ -82,8 +82,9 @@ const std::vector<std::string>& legend() {
 }
 
 absl::Status write_study(const AccuracyOptions& given) {
-  const auto source = load_accuracy_source(given.source, given.sweep);
+  auto source = load_accuracy_source(given.source, given.sweep);
   if (!source.ok()) return source.status();
+  if (auto known = have_temperatures(source->loaded); !known.ok()) return known;
   const LoadedSweep* loaded = &source->loaded;
   const auto studied = study_accuracy(*loaded, given.rows);
   if (!studied.ok()) return studied.status();

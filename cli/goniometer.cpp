@@ -145,7 +145,7 @@ class GoniometerCommand {
         "angles: zeniths from the plate's normal; azimuth 0 on the source's side, 180 on the "
         "mirror's"};
 
-    auto scene = scene_from_sweep(resolved->scene, model_alone(resolved->scene, model_bytes));
+    auto scene = scene_from_sweep(resolved->scene, model_alone(resolved->scene, model_bytes), {});
     if (!scene.ok()) return located(*file, scene.status());
     GoniometerScene under;
     under.mesh = std::move(scene->mesh);

@@ -28,7 +28,7 @@ namespace irsig {
 namespace {
 
 absl::StatusOr<TargetExtent> extent_of(const StoredSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep.resolved, sweep.assets);
+  const auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
   if (!scene.ok()) return scene.status();
   return target_extent(scene->mesh.vertex);
 }

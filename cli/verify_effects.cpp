@@ -37,8 +37,9 @@ double thread_cpu_s() {
 absl::Status verify_sweep(const VerifyOptions& given, int& exit_code) {
   AccuracyAsked asked;
   asked.relative_error = given.relative_error;
-  const auto loaded = load_sweep(given.sweep, asked);
+  auto loaded = load_sweep(given.sweep, asked);
   if (!loaded.ok()) return loaded.status();
+  if (auto known = have_temperatures(*loaded); !known.ok()) return known;
   const schema::ResolvedSweep& sweep = loaded->resolved;
   bool first = true;
   std::string failures;

@@ -143,6 +143,11 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   session.job_key = (*job)->spec.job_key();
   reply.set_state(schema::LeaseReply::STATE_LEASED);
   reply.set_fencing_token(session.fencing_token);
+  for (std::size_t i = 0; i < (*job)->output.size(); ++i) {
+    schema::JobOutput& output = *reply.add_output();
+    output.set_job_key((*job)->spec.needs(static_cast<int>(i)));
+    output.set_sha256((*job)->output[i]);
+  }
   *reply.mutable_job() = std::move((*job)->spec);
   return reply;
 }
@@ -403,6 +408,8 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     out->set_rays(sweep.rays);
     out->set_worst_relative_error(sweep.worst_relative_error);
     for (const auto& failure : sweep.failures) out->add_failure(failure);
+    out->set_heat_jobs(sweep.heat_jobs);
+    out->set_heat_done(sweep.heat_done);
   }
   reply.set_workers(static_cast<std::uint32_t>(sessions_.size()));
   return reply;

@@ -137,9 +137,8 @@ std::string ending_of(const std::string& file) {
   return absl::AsciiStrToLower(file.substr(std::min(file.size(), file.rfind('.'))));
 }
 
-// What all jobs of the sweep have in common and what determines their results.
-std::string determining_encoding(schema::ResolvedSweep sweep) {
-  sweep.clear_viewpoint();
+// Of whatever kind of job.
+void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   sweep.set_model_file_name(ending_of(sweep.model_file_name()));
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.mutable_model()->clear_file();
@@ -149,7 +148,7 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   asked.clear_precompute();
   asked.clear_published();
   asked.mutable_transport()->clear_job_size_vertices();
-  // These were written out into the conditions, where they are complete.
+  // These were written out into the conditions and heat runs, where they are complete.
   asked.clear_season();
   asked.clear_temperature_field();
   asked.clear_time();
@@ -162,18 +161,54 @@ std::string determining_encoding(schema::ResolvedSweep sweep) {
   air.clear_co2_ppmv();
   air.clear_refraction();
   for (schema::Part& part : *asked.mutable_part()) part.clear_temperature_k();
+}
+
+void clear_file_names(schema::Weather& weather) {
+  weather.clear_profile_file_name();
+  weather.clear_modtran_file_name();
+}
+
+// What all views of the sweep have in common and what determines their results.
+std::string encoding_for_views(schema::ResolvedSweep sweep) {
+  clear_what_no_job_reads(sweep);
+  sweep.clear_viewpoint();
+  sweep.clear_heat();  // the keys of what views need stand for it
   for (schema::Condition& condition : *sweep.mutable_condition()) {
     condition.clear_warning();
     if (condition.has_temperature_field()) {
       schema::ConditionField& from = *condition.mutable_temperature_field();
-      from.mutable_field()->clear_name();
+      if (from.has_field()) from.mutable_field()->clear_name();
       from.set_file_name(ending_of(from.file_name()));
     }
-    if (!condition.has_weather()) continue;
-    condition.mutable_weather()->clear_profile_file_name();
-    condition.mutable_weather()->clear_modtran_file_name();
+    if (condition.has_weather()) clear_file_names(*condition.mutable_weather());
   }
   return canonical_encoding(sweep);
+}
+
+// What determines the temperatures of one heat run: all of the sweep but how it is looked at. What
+// is not named here counts, and so does what is added to the messages.
+std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
+  const schema::HeatRun only = sweep.heat(run);
+  clear_what_no_job_reads(sweep);
+  sweep.clear_viewpoint();
+  sweep.clear_condition();
+  sweep.clear_heat();
+  *sweep.add_heat() = only;
+  if (only.has_weather()) clear_file_names(*sweep.mutable_heat(0)->mutable_weather());
+  schema::Sweep& asked = *sweep.mutable_sweep();
+  asked.clear_band();
+  asked.clear_accuracy();
+  asked.clear_effects();
+  asked.clear_output();
+  asked.clear_profile();
+  asked.mutable_model()->clear_accepted_backface_share();
+  for (schema::Part& part : *asked.mutable_part()) part.clear_hot();  // decides who gets paths
+  return canonical_encoding(sweep);
+}
+
+std::string heat_job_key(const schema::ResolvedSweep& sweep, int physics_version, int run) {
+  return sha256_hex(absl::StrCat("irsig heat job 1\nphysics_version ", physics_version, "\nsweep ",
+                                 sha256_hex(encoding_for_heat(sweep, run)), "\n"));
 }
 
 // Of a view.
@@ -195,14 +230,23 @@ std::string job_key(const std::string& sweep_digest, int physics_version,
 
 std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int physics_version) {
   const std::string sweep_sha256 = sha256_hex(canonical_encoding(sweep));
-  const std::string digest = sha256_hex(determining_encoding(sweep));
+  const std::string digest = sha256_hex(encoding_for_views(sweep));
   const std::vector<Piece> pieces = cut_job(sweep);
   const auto times = static_cast<std::uint32_t>(sweep.sweep().time_size());
   std::vector<schema::JobSpec> jobs;
+  std::vector<std::string> heat_keys;
+  for (int run = 0; run < sweep.heat_size(); ++run) {
+    schema::JobSpec& job = jobs.emplace_back();
+    job.set_sweep_sha256(sweep_sha256);
+    job.mutable_heat()->set_heat(static_cast<std::uint32_t>(run));
+    job.set_job_key(heat_job_key(sweep, physics_version, run));
+    heat_keys.push_back(job.job_key());
+  }
   for (int view = 0; view < sweep.viewpoint_size(); ++view) {
     for (const Piece& piece : pieces) {
       schema::JobSpec& job = jobs.emplace_back();
       job.set_sweep_sha256(sweep_sha256);
+      job.mutable_needs()->Add(heat_keys.begin(), heat_keys.end());
       job.mutable_view()->set_viewpoint_index(static_cast<std::uint32_t>(view));
       for (std::uint32_t s = piece.seasons.begin; s < piece.seasons.end; ++s) {
         for (std::uint32_t t = piece.times.begin; t < piece.times.end; ++t)

@@ -181,7 +181,8 @@ absl::StatusOr<CheckedDatabase> check_database_errors(
   const schema::ResolvedSweep& sweep = source.loaded.resolved;
   auto views = stored_views(*source.database, sweep, asked.views);
   if (!views.ok()) return views.status();
-  const auto scene = scene_from_sweep(sweep, source.loaded.assets);
+  if (auto known = have_temperatures(source.loaded); !known.ok()) return known;
+  const auto scene = scene_from_sweep(sweep, source.loaded.assets, source.loaded.heat);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();

@@ -43,12 +43,12 @@ std::string left_out_of(const SignatureResult& row, std::uint32_t allowed_reflec
 }  // namespace
 
 absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
-                                             const Assets& assets, const Viewpoint& viewpoint,
-                                             std::uint32_t condition, std::uint32_t band,
-                                             const ReferenceValue& reference, WorkBudget budget,
-                                             const CpuClock& cpu_s) {
+                                             const Assets& assets, const HeatOutputs& heat,
+                                             const Viewpoint& viewpoint, std::uint32_t condition,
+                                             std::uint32_t band, const ReferenceValue& reference,
+                                             WorkBudget budget, const CpuClock& cpu_s) {
   const schema::ResolvedSweep row = one_row(sweep, condition, band);
-  const auto scene = scene_from_sweep(row, assets);
+  const auto scene = scene_from_sweep(row, assets, heat);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();

@@ -18,8 +18,8 @@ struct EffectsCurves {
 // One row of a sweep computed as a sweep of this one row would be: with the effects that the
 // asked error calls for, and with all effects; 10 % to 0.03 %, as far as the budget goes.
 [[nodiscard]] absl::StatusOr<EffectsCurves> effects_curves(
-    const schema::ResolvedSweep& sweep, const Assets& assets, const Viewpoint& viewpoint,
-    std::uint32_t condition, std::uint32_t band, const ReferenceValue& reference, WorkBudget budget,
-    const CpuClock& cpu_s);
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
+    const Viewpoint& viewpoint, std::uint32_t condition, std::uint32_t band,
+    const ReferenceValue& reference, WorkBudget budget, const CpuClock& cpu_s);
 
 }  // namespace irsig

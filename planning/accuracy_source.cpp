@@ -58,6 +58,7 @@ absl::StatusOr<AccuracySource> load_accuracy_source(const std::string& path,
   out.loaded.file.sweep = stored->resolved.sweep();
   out.loaded.resolved = std::move(stored->resolved);
   out.loaded.assets = std::move(stored->assets);
+  out.loaded.heat = std::move(stored->heat);
   out.database = *std::move(reader);
   return out;
 }

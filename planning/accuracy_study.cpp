@@ -59,7 +59,7 @@ absl::StatusOr<std::unique_ptr<BuiltScene>> build(const LoadedSweep& loaded, con
   }
   auto out = std::make_unique<BuiltScene>();
   const double start_s = process_cpu_s();
-  auto scene = scene_from_sweep(resolved, loaded.assets);
+  auto scene = scene_from_sweep(resolved, loaded.assets, loaded.heat);
   if (!scene.ok()) return scene.status();
   scene->tracer = change.tracer;
   auto simulator = Simulator::create(*scene);
@@ -188,8 +188,9 @@ class RowStudy {
   }
 
   absl::Status effects() {
-    auto curves = effects_curves(loaded_.resolved, loaded_.assets, place_.viewpoint, row_.condition,
-                                 row_.band, out_.reference, share_of(0.12), process_cpu_s);
+    auto curves =
+        effects_curves(loaded_.resolved, loaded_.assets, loaded_.heat, place_.viewpoint,
+                       row_.condition, row_.band, out_.reference, share_of(0.12), process_cpu_s);
     if (!curves.ok()) return curves.status();
     for (WorkMeasurement& m : curves->work) out_.work.push_back(std::move(m));
     out_.left_out = std::move(curves->left_out);

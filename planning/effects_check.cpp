@@ -58,7 +58,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
         "say --relative-error");
   const auto rows = chosen_rows(sweep, asked);
   if (!rows.ok()) return rows.status();
-  const auto scene = scene_from_sweep(sweep, loaded.assets);
+  const auto scene = scene_from_sweep(sweep, loaded.assets, loaded.heat);
   if (!scene.ok()) return scene.status();
   const auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();

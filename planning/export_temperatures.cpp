@@ -23,13 +23,14 @@ absl::Status export_temperatures(const std::string& database, const std::string&
   const auto source = load_accuracy_source(database, sweep_name);
   if (!source.ok()) return source.status();
   const schema::ResolvedSweep& sweep = source->loaded.resolved;
-  const auto scene = scene_from_sweep(sweep, source->loaded.assets);
+  const auto scene = scene_from_sweep(sweep, source->loaded.assets, source->loaded.heat);
   if (!scene.ok()) return scene.status();
   const auto of_groups = part_of_groups(scene->mesh, scene->part);
   if (!of_groups.ok()) return of_groups.status();
   std::vector<std::uint32_t> part;
   for (const std::uint32_t group : scene->mesh.triangle_group) part.push_back((*of_groups)[group]);
-  const auto fields = facet_temperatures(sweep, source->loaded.assets, scene->mesh, part);
+  const auto fields =
+      facet_temperatures(sweep, source->loaded.assets, source->loaded.heat, scene->mesh, part);
   if (!fields.ok()) return fields.status();
   const std::vector<Column> columns = {{"season"}, {"time"},        {"part"},
                                        {"facet"},  {"temperature"}, {"error"}};

@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "bridge/heat_outputs.h"
 #include "bridge/job_runner.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/replicates.h"
@@ -39,6 +40,7 @@ constexpr double kBeyond = 5;
 struct Computed {
   schema::ResolvedSweep sweep;
   std::string model;
+  HeatOutputs heat;
   schema::ViewJob job;
   std::vector<schema::SignatureRow> row;
   std::uint64_t rays = 0;
@@ -52,9 +54,14 @@ absl::StatusOr<Computed> compute(const RandomScene& scene) {
   auto resolved = resolve_sweep(*file, out.model);
   if (!resolved.ok()) return resolved.status();
   out.sweep = *std::move(resolved);
-  const auto runner = JobRunner::create(out.sweep, model_alone(out.sweep, out.model));
+  const Assets model = model_alone(out.sweep, out.model);
+  auto heat = heat_outputs(out.sweep, model);
+  if (!heat.ok()) return heat.status();
+  out.heat = *std::move(heat);
+  const auto runner = JobRunner::create(out.sweep, model, out.heat);
   if (!runner.ok()) return runner.status();
   for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version())) {
+    if (!job.has_view()) continue;  // its temperatures are known
     const auto result = (*runner)->run(job);
     if (!result.ok()) return result.status();
     out.job = job.view();
@@ -91,7 +98,8 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
 
 absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
                           SceneVerdict& verdict) {
-  const auto scene = scene_from_sweep(program.sweep, model_alone(program.sweep, program.model));
+  const auto scene =
+      scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat);
   if (!scene.ok()) return scene.status();
   const auto request = request_from_job(program.sweep, program.job, nullptr, scene->temperatures);
   if (!request.ok()) return request.status();

@@ -7,6 +7,8 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "bridge/heat_outputs.h"
+#include "bridge/sweep_temperatures.h"
 #include "core/base/user_file.h"
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
@@ -148,13 +150,21 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   for (schema::Condition& condition : *loaded.resolved.mutable_condition())
     for (std::string& warning : *condition.mutable_warning())
       warning = loaded.file.as_written(warning);
-  const auto runner = JobRunner::create(loaded.resolved, loaded.assets);
+  const auto runner = JobRunner::create(loaded.resolved, loaded.assets, {});
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
   for (const std::string& warning : (*runner)->warnings())
     loaded.warnings.push_back(absl::StrCat(
         loaded.file.location(warning.substr(0, warning.find(':'))), ": warning: ", warning));
   return loaded;
+}
+
+absl::Status have_temperatures(LoadedSweep& loaded) {
+  if (!awaits_temperatures(loaded.resolved, loaded.heat)) return absl::OkStatus();
+  auto computed = heat_outputs(loaded.resolved, loaded.assets);
+  if (!computed.ok()) return locate(loaded.file, computed.status());
+  loaded.heat = *std::move(computed);
+  return absl::OkStatus();
 }
 
 }  // namespace irsig

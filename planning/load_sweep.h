@@ -25,6 +25,7 @@ struct LoadedSweep {
   SweepFile file;
   schema::ResolvedSweep resolved;
   Assets assets;
+  HeatOutputs heat = {};  // what its heat jobs leave; empty: not computed yet
   // What is odd in it, one line each: its weather (jobs/check_weather.h), open shells of its model.
   std::vector<std::string> warnings;
   JobMemory memory = {};  // of one worker
@@ -38,5 +39,8 @@ struct LoadedSweep {
 // file:line:column: ..., those of the model and of the scene included.
 [[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,
                                                      const AccuracyAsked& asked);
+
+// Computes, in this process, the temperatures that jobs compute, unless they are known already.
+[[nodiscard]] absl::Status have_temperatures(LoadedSweep& loaded);
 
 }  // namespace irsig

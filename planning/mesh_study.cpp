@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "bridge/heat_outputs.h"
 #include "bridge/job_runner.h"
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
@@ -77,7 +78,7 @@ absl::StatusOr<std::vector<AskedMesh>> asked_meshes(const std::string& list,
 absl::StatusOr<schema::ResolvedSweep> comparable(schema::ResolvedSweep resolved,
                                                  const std::optional<double>& relative_error) {
   for (const schema::Condition& condition : resolved.condition())
-    if (condition.has_temperature_field())
+    if (condition.has_temperature_field() && !condition.temperature_field().has_heat())
       return absl::InvalidArgumentError(
           absl::StrCat("--meshes: season \"", condition.season(),
                        "\" has the temperatures of the temperature field \"",
@@ -121,7 +122,7 @@ MeshValue area_of(const schema::Estimate& area, std::uint64_t target_paths) {
 
 // What can be said of a mesh before anything is traced. `sweep` is that of the mesh.
 absl::StatusOr<MeasuredMesh> looked_at(const AskedMesh& asked, const schema::ResolvedSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes));
+  const auto scene = scene_from_sweep(sweep, model_alone(sweep, asked.file_bytes), {});
   if (!scene.ok()) return scene.status();
   if (auto parts = part_of_groups(scene->mesh, scene->part); !parts.ok()) return parts.status();
   MeasuredMesh out;
@@ -136,7 +137,10 @@ absl::Status trace(const AskedMesh& asked, const schema::ResolvedSweep& sweep,
                    const ChosenRows& rows, const std::vector<std::uint64_t>& views,
                    const CpuClock& cpu_s, MeasuredMesh& out) {
   const double start_s = cpu_s();
-  const auto runner = JobRunner::create(sweep, model_alone(sweep, asked.file_bytes));
+  const Assets model = model_alone(sweep, asked.file_bytes);
+  const auto heat = heat_outputs(sweep, model);
+  if (!heat.ok()) return heat.status();
+  const auto runner = JobRunner::create(sweep, model, *heat);
   if (!runner.ok()) return runner.status();
   out.setup_cpu_s = cpu_s() - start_s;
   for (const std::uint64_t viewpoint : views) {

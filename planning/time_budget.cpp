@@ -29,7 +29,7 @@ absl::StatusOr<Timing> time_views(const LoadedSweep& loaded, std::uint64_t sampl
   auto sweep = with_samples(loaded.resolved, samples);
   // Only workers encode thumbnails; 0.25 ms a row is nothing that a budget would notice.
   sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
-  const auto runner = JobRunner::create(sweep, loaded.assets);
+  const auto runner = JobRunner::create(sweep, loaded.assets, loaded.heat);
   if (!runner.ok()) return runner.status();
   Timing timing;
   for (const int view : views) {
@@ -72,6 +72,7 @@ absl::StatusOr<std::string> spend_time_budget(LoadedSweep& loaded, std::uint32_t
   const auto accuracy = loaded.resolved.sweep().accuracy();
   const int count = loaded.resolved.viewpoint_size();
   const std::set<int> views = {0, count / 2, count - 1};
+  if (auto known = have_temperatures(loaded); !known.ok()) return known;
   // The first run also pays for what is built once (tables, caches): it is not counted.
   if (const auto warm = time_views(loaded, kFewSamples, views); !warm.ok()) return warm.status();
   const auto few = time_views(loaded, kFewSamples, views);

@@ -6,7 +6,8 @@ std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep) {
   std::set<std::string> out;
   if (!sweep.model_sha256().empty()) out.insert(sweep.model_sha256());
   for (const schema::Condition& condition : sweep.condition())
-    if (condition.has_temperature_field()) out.insert(condition.temperature_field().sha256());
+    if (condition.has_temperature_field() && !condition.temperature_field().has_heat())
+      out.insert(condition.temperature_field().sha256());
   return out;
 }
 

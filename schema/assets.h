@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schema/job.pb.h"
 
@@ -12,7 +13,11 @@ namespace irsig {
 // The bytes of files that a resolved sweep refers to, by their SHA-256.
 using Assets = std::map<std::string, std::string>;
 
-// Those that it needs: its model's (unless it is generated), its temperature fields'.
+// What the jobs of a sweep's heat runs have computed, in their order: each a serialized HeatField.
+// Empty: not known.
+using HeatOutputs = std::vector<std::string>;
+
+// The files that it needs: its model's (unless it is generated), its temperature fields'.
 [[nodiscard]] std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep);
 
 // Empty: the sweep has no such file.

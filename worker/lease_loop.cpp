@@ -198,7 +198,7 @@ class LeaseLoop {
   // Computes and returns one job. UNAVAILABLE: the coordinator is gone. Everything else that goes
   // wrong with the job itself is reported to the coordinator.
   absl::Status compute(const schema::LeaseReply& lease) {
-    auto result = attempt(lease.job());
+    auto result = attempt(lease);
     if (result.ok()) {
       const auto status = send(lease.fencing_token(), *result);
       if (!status.ok() && !is_unreachable(status)) {
@@ -210,8 +210,7 @@ class LeaseLoop {
       return result.status();
     }
     spdlog::warn("job {} failed: {}", lease.job().job_key(), result.status().ToString());
-    runner_.reset();  // the next attempt starts from nothing
-    runner_sweep_.clear();
+    forget_runner();  // the next attempt starts from nothing
     schema::FailRequest request;
     request.set_worker_id(worker_id_);
     request.set_fencing_token(lease.fencing_token());
@@ -224,10 +223,10 @@ class LeaseLoop {
     });
   }
 
-  absl::StatusOr<schema::JobResult> attempt(const schema::JobSpec& job) {
+  absl::StatusOr<schema::JobResult> attempt(const schema::LeaseReply& lease) {
     try {
-      if (auto status = have_runner(job.sweep_sha256()); !status.ok()) return status;
-      auto result = runner_->run(job);
+      if (auto status = have_runner(lease); !status.ok()) return status;
+      auto result = runner_->run(lease.job());
       // What the computation calls unavailable or not found is no matter of the connection.
       if (!result.ok()) return absl::InternalError(result.status().message());
       return result;
@@ -236,11 +235,32 @@ class LeaseLoop {
     }
   }
 
-  // The scene stays from job to job; a worker computes one sweep at a time.
-  absl::Status have_runner(const std::string& sweep_sha256) {
-    if (runner_ && runner_sweep_ == sweep_sha256) return absl::OkStatus();
+  void forget_runner() {
     runner_.reset();
     runner_sweep_.clear();
+    runner_outputs_.clear();
+  }
+
+  absl::Status fetch(const std::string& sha256, std::string& bytes) {
+    absl::StatusOr<std::string> fetched;
+    const auto status = persist([&] {
+      fetched = fetch_file(*farm_, sha256, kStream_s);
+      return fetched.status();
+    });
+    if (status.ok()) bytes = *std::move(fetched);
+    return status;
+  }
+
+  // The scene stays from job to job; a worker computes one sweep at a time. A runner that was made
+  // before the outputs were there still runs what needs none.
+  absl::Status have_runner(const schema::LeaseReply& lease) {
+    const std::string& sweep_sha256 = lease.job().sweep_sha256();
+    std::vector<std::string> outputs;
+    for (const schema::JobOutput& output : lease.output())
+      if (!output.sha256().empty()) outputs.push_back(output.sha256());
+    if (runner_ && runner_sweep_ == sweep_sha256 && (outputs.empty() || outputs == runner_outputs_))
+      return absl::OkStatus();
+    forget_runner();
     absl::StatusOr<schema::ResolvedSweep> sweep;
     auto status = persist([&] {
       sweep = fetch_sweep(*farm_, sweep_sha256, kStream_s);
@@ -251,18 +271,18 @@ class LeaseLoop {
     std::erase_if(assets_, [&](const auto& have) { return !needed.contains(have.first); });
     for (const std::string& sha256 : needed) {
       if (assets_.contains(sha256)) continue;
-      absl::StatusOr<std::string> bytes;
-      status = persist([&] {
-        bytes = fetch_file(*farm_, sha256, kStream_s);
-        return bytes.status();
-      });
-      if (!status.ok()) return status;
-      assets_[sha256] = *std::move(bytes);
+      std::string bytes;
+      if (status = fetch(sha256, bytes); !status.ok()) return status;
+      assets_[sha256] = std::move(bytes);
     }
-    auto runner = make_runner_(*sweep, assets_);
+    HeatOutputs heat(outputs.size());
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+      if (status = fetch(outputs[i], heat[i]); !status.ok()) return status;
+    auto runner = make_runner_(*sweep, assets_, heat);
     if (!runner.ok()) return absl::InternalError(runner.status().message());
     runner_ = *std::move(runner);
     runner_sweep_ = sweep_sha256;
+    runner_outputs_ = std::move(outputs);
     return absl::OkStatus();
   }
 
@@ -294,6 +314,7 @@ class LeaseLoop {
   std::string worker_id_;
   std::unique_ptr<JobRunner> runner_;
   std::string runner_sweep_;
+  std::vector<std::string> runner_outputs_;  // hashes of what the runner was given
   Assets assets_;
   Heart heart_;
 };

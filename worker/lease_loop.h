@@ -14,7 +14,7 @@ namespace irsig {
 
 // Makes the thing that computes: JobRunner::create with an encoder, or a test's own.
 using RunnerFactory = std::function<absl::StatusOr<std::unique_ptr<JobRunner>>(
-    const schema::ResolvedSweep& sweep, const Assets& assets)>;
+    const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat)>;
 
 struct WorkerPlan {
   Address coordinator;

@@ -42,7 +42,8 @@ int report(const absl::Status& status) {
 }
 
 absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
-    const irsig::schema::ResolvedSweep& sweep, const irsig::Assets& assets) {
+    const irsig::schema::ResolvedSweep& sweep, const irsig::Assets& assets,
+    const irsig::HeatOutputs& heat) {
   const irsig::ThumbnailEncoder encoder{
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_png({width_px, height_px, pixels});
@@ -50,7 +51,7 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
       [](std::uint32_t width_px, std::uint32_t height_px, const std::vector<float>& pixels) {
         return irsig::encode_exr({width_px, height_px, pixels});
       }};
-  return irsig::JobRunner::create(sweep, assets, encoder);
+  return irsig::JobRunner::create(sweep, assets, heat, encoder);
 }
 
 }  // namespace

@@ -24,6 +24,21 @@ SELECT name, temperature FROM (
   FROM condition WHERE condition_id = ?1 AND temperature_field IS NOT NULL)
 ORDER BY place, name;
 
+-- Of sweeps with done heat jobs only: the others have the digests that they had before there were any.
+-- name: digest_heat_jobs
+SELECT j.job_id, h.heat_index, j.superseded, h.season, h.output_sha256, h.warning, p.seed_hex, p.physics_version
+FROM heat_job h JOIN job j USING (job_id) JOIN provenance p USING (job_id)
+WHERE j.sweep_id = ?1 AND h.output_sha256 IS NOT NULL
+ORDER BY h.heat_index, j.superseded, h.season, h.output_sha256;
+
+-- name: digest_computed_temperatures
+SELECT t.time_index, t.time_utc, p.name, t.mean_k, t.coldest_k, t.hottest_k, t.error_k
+FROM computed_temperature t JOIN part p USING (part_id)
+WHERE t.job_id = ?1 ORDER BY t.time_index, p.part_index, p.name;
+
+-- name: has_heat_output
+SELECT EXISTS (SELECT 1 FROM heat_job JOIN job USING (job_id) WHERE sweep_id = ?1 AND output_sha256 IS NOT NULL);
+
 -- name: digest_bands
 SELECT band_id, band_index, superseded, name, lambda_min_um, lambda_max_um, lambda_um
 FROM band WHERE sweep_id = ?1 ORDER BY band_index, superseded, definition_sha256;

@@ -11,21 +11,28 @@ INSERT INTO attempt (job_id, worker_id, leased_unix_s) VALUES (?1, ?2, ?3) RETUR
 UPDATE job SET state = ?2 WHERE job_id = ?1;
 
 -- name: queued_job
-SELECT w.sweep_sha256, j.job_key, j.kind, v.viewpoint_index, j.condition_index, j.band_index, j.state,
+SELECT w.sweep_sha256, j.job_key, j.kind, h.heat_index, v.viewpoint_index, j.condition_index, j.band_index, j.state,
        (SELECT count(DISTINCT a.worker_name) FROM attempt a
         WHERE a.job_id = j.job_id AND a.outcome = 3 AND a.fencing_token > j.failures_after_token)
 FROM job j
 JOIN sweep w USING (sweep_id)
 LEFT JOIN viewpoint v USING (viewpoint_id)
+LEFT JOIN heat_job h USING (job_id)
 WHERE j.job_id = ?1;
 
 -- name: needs_of_job
-SELECT j.job_key FROM job_need n JOIN job j ON j.job_id = n.needs_job_id WHERE n.job_id = ?1 ORDER BY j.job_index;
+SELECT j.job_key, coalesce(h.output_sha256, '')
+FROM job_need n
+JOIN job j ON j.job_id = n.needs_job_id
+LEFT JOIN heat_job h ON h.job_id = j.job_id
+WHERE n.job_id = ?1
+ORDER BY j.job_index;
 
 -- name: leased_job
-SELECT j.job_id, j.sweep_id, j.job_key, j.kind, j.viewpoint_id, j.condition_index, j.band_index
+SELECT j.job_id, j.sweep_id, j.job_key, j.kind, h.heat_index, j.viewpoint_id, j.condition_index, j.band_index
 FROM attempt a
 JOIN job j USING (job_id)
+LEFT JOIN heat_job h USING (job_id)
 WHERE a.fencing_token = ?1 AND a.outcome = 0;
 
 -- name: end_attempt
@@ -74,22 +81,27 @@ SELECT sweep_id FROM sweep WHERE sweep_sha256 = ?1;
 UPDATE job SET state = 4 WHERE sweep_id = ?1 AND state IN (0, 1);
 
 -- name: progress
-SELECT sweep, sweep_sha256, jobs, waiting, leased, done, quarantined, cancelled, rays, worst_relative_error, sweep_id
+SELECT sweep, sweep_sha256, jobs, waiting, leased, done, quarantined, cancelled, rays, worst_relative_error, sweep_id,
+       heat_jobs, heat_done
 FROM sweep_view
 ORDER BY sweep_id;
 
--- The messages of quarantined jobs: the last failure of each, or the first job that it needs and that was given up.
+-- The messages of quarantined jobs: the last failure of each; and of those that were given up because of a job that
+-- they need, how many, the first and the last, by the first such job.
 -- name: failures_of_sweep
-SELECT job_index, worker_name, message
-FROM (SELECT j.job_index, a.worker_name, a.message, max(a.fencing_token)
-      FROM job j JOIN attempt a USING (job_id)
+SELECT job_index, last_index, jobs, season, worker_name, message, needed_index
+FROM (SELECT j.job_index, j.job_index AS last_index, 1 AS jobs, coalesce(h.season, '') AS season, a.worker_name,
+             a.message, NULL AS needed_index, max(a.fencing_token)
+      FROM job j JOIN attempt a USING (job_id) LEFT JOIN heat_job h USING (job_id)
       WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND j.unmet_needs = 0 AND a.outcome = 3
       GROUP BY j.job_id
       UNION ALL
-      SELECT j.job_index, 'no worker', 'needs job ' || min(needed.job_index) || ', which was given up', 0
-      FROM job j JOIN job_need n USING (job_id) JOIN job needed ON needed.job_id = n.needs_job_id
-      WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND needed.state = 3
-      GROUP BY j.job_id)
+      SELECT min(job_index), max(job_index), count(*), '', '', '', needed_index, 0
+      FROM (SELECT j.job_index, min(needed.job_index) AS needed_index
+            FROM job j JOIN job_need n USING (job_id) JOIN job needed ON needed.job_id = n.needs_job_id
+            WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND needed.state = 3
+            GROUP BY j.job_id)
+      GROUP BY needed_index)
 ORDER BY job_index;
 
 -- name: determinism_class

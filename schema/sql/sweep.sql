@@ -52,7 +52,9 @@ DELETE FROM sweep_asset WHERE sweep_id = ?1;
 INSERT INTO sweep_asset (sweep_id, sha256) VALUES (?1, ?2) ON CONFLICT DO NOTHING;
 
 -- name: delete_unused_assets
-DELETE FROM asset WHERE sha256 NOT IN (SELECT sha256 FROM sweep_asset);
+DELETE FROM asset
+WHERE sha256 NOT IN (SELECT sha256 FROM sweep_asset)
+  AND sha256 NOT IN (SELECT output_sha256 FROM heat_job WHERE output_sha256 IS NOT NULL);
 
 -- Parts, conditions, bands: everything is superseded first; what the new version defines alike comes back.
 
@@ -199,6 +201,14 @@ SET unmet_needs = (SELECT count(*) FROM job_need n JOIN job needed ON needed.job
                    WHERE n.job_id = job.job_id AND needed.state <> 2)
 WHERE sweep_id = ?1;
 
+-- name: revive_job
+UPDATE job
+SET superseded = 0, job_index = ?2, state = ?3,
+    failures_after_token = iif(?3 = state, failures_after_token,
+                               (SELECT coalesce(max(fencing_token), 0) FROM attempt WHERE attempt.job_id = ?1)),
+    failures = iif(?3 = state, failures, 0)
+WHERE job_id = ?1;
+
 -- name: revive_view_job
 UPDATE job
 SET superseded = 0, job_index = ?2, viewpoint_id = ?3, condition_index = ?4, band_index = ?5, state = ?6,
@@ -207,7 +217,8 @@ SET superseded = 0, job_index = ?2, viewpoint_id = ?3, condition_index = ?4, ban
     failures = iif(?6 = state, failures, 0)
 WHERE job_id = ?1;
 
--- A job that the sweep no longer has ends here; only a done one whose signatures wait for their replacement stays.
+-- A job that the sweep no longer has ends here; only a done one whose signatures or temperatures wait for their
+-- replacement stays.
 
 -- name: revoke_superseded_leases
 UPDATE attempt SET outcome = 4, message = 'the sweep no longer has this job'
@@ -219,7 +230,8 @@ UPDATE job SET state = 2 WHERE sweep_id = ?1 AND superseded = 1;
 -- name: delete_superseded_jobs
 DELETE FROM job
 WHERE sweep_id = ?1 AND superseded = 1
-  AND NOT EXISTS (SELECT 1 FROM signature WHERE signature.job_id = job.job_id);
+  AND NOT EXISTS (SELECT 1 FROM signature WHERE signature.job_id = job.job_id)
+  AND NOT EXISTS (SELECT 1 FROM computed_temperature t WHERE t.job_id = job.job_id);
 
 -- name: delete_superseded_jobs_of_viewpoint
 DELETE FROM job
@@ -240,6 +252,7 @@ WHERE sweep_id = ?1 AND superseded = 1
 DELETE FROM part
 WHERE sweep_id = ?1 AND superseded = 1
   AND NOT EXISTS (SELECT 1 FROM part_temperature t WHERE t.part_id = part.part_id)
+  AND NOT EXISTS (SELECT 1 FROM computed_temperature t WHERE t.part_id = part.part_id)
   AND NOT EXISTS (
     SELECT 1 FROM signature s JOIN viewpoint v USING (viewpoint_id) JOIN part_intensity i USING (signature_id)
     WHERE v.sweep_id = ?1 AND i.part_id = part.part_id);

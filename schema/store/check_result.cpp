@@ -170,10 +170,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
 }  // namespace
 
 absl::Status check_result(const schema::JobResult& result, const ExpectedResult& expected) {
-  if (result.job_key() != expected.job_key) {
-    return wrong("job_key",
-                 absl::StrCat("is ", result.job_key(), ", the leased job's is ", expected.job_key));
-  }
+  IRSIG_STORE_TRY(check_job_key(result, expected.job_key));
   std::set<std::pair<std::uint32_t, std::uint32_t>> missing;
   for (const std::uint32_t condition : expected.condition_index) {
     for (const std::uint32_t band : expected.band_index) missing.emplace(condition, band);
@@ -194,6 +191,15 @@ absl::Status check_result(const schema::JobResult& result, const ExpectedResult&
     return wrong("row", absl::StrCat("is missing for condition ", missing.begin()->first, ", band ",
                                      missing.begin()->second));
   }
+  return check_every_number(result);
+}
+
+absl::Status check_job_key(const schema::JobResult& result, const std::string& job_key) {
+  if (result.job_key() == job_key) return absl::OkStatus();
+  return wrong("job_key", absl::StrCat("is ", result.job_key(), ", the leased job's is ", job_key));
+}
+
+absl::Status check_every_number(const schema::JobResult& result) {
   return check_numbers(result, "", false);
 }
 

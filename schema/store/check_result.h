@@ -22,10 +22,16 @@ struct ExpectedResult {
   LedgerNames ledger;
 };
 
-// INVALID_ARGUMENT, naming the field, unless the result is its job's: every condition and band
+// INVALID_ARGUMENT, naming the field, unless the result is its view's: every condition and band
 // exactly once, every part, effect and row of a profile once, arrays of one length on increasing
 // wavelengths, finite numbers, errors and areas not negative.
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);
+
+// What holds for results of every kind: the key is the leased job's; numbers are finite, errors and
+// areas not negative, and counts fit into a signed column.
+[[nodiscard]] absl::Status check_job_key(const schema::JobResult& result,
+                                         const std::string& job_key);
+[[nodiscard]] absl::Status check_every_number(const schema::JobResult& result);
 
 }  // namespace irsig

@@ -1,5 +1,6 @@
 #include "schema/store/check_sweep.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -128,9 +129,75 @@ class ViewRule {
   std::size_t places_ = 0;
 };
 
+// Each heat run is computed by one job, in their order, before any view; and each view needs them
+// all, in this order.
+class HeatRule {
+ public:
+  explicit HeatRule(const schema::ResolvedSweep& sweep) : sweep_(sweep) {}
+
+  absl::Status add(const schema::JobSpec& job) {
+    if (job.heat().heat() != keys_.size() || job.heat().heat() >= runs() || job.needs_size() > 0)
+      return wrong(sweep_, absl::StrCat("the job \"", job.job_key(), "\" computes heat run ",
+                                        job.heat().heat(), " of ", runs(),
+                                        " out of order, or needs another job"));
+    keys_.push_back(job.job_key());
+    return absl::OkStatus();
+  }
+
+  absl::Status check_view(const schema::JobSpec& job) const {
+    if (runs() == 0) return absl::OkStatus();
+    if (keys_.size() == runs() &&
+        std::equal(keys_.begin(), keys_.end(), job.needs().begin(), job.needs().end()))
+      return absl::OkStatus();
+    return wrong(sweep_, absl::StrCat("the view \"", job.job_key(), "\" does not need the sweep's ",
+                                      runs(), " heat jobs"));
+  }
+
+ private:
+  [[nodiscard]] std::size_t runs() const { return static_cast<std::size_t>(sweep_.heat_size()); }
+
+  const schema::ResolvedSweep& sweep_;
+  std::vector<std::string> keys_;
+};
+
+// Runs are complete, and conditions name those that there are.
+absl::Status check_heat(const schema::ResolvedSweep& sweep) {
+  const int parts = sweep.sweep().part_size();
+  for (const schema::HeatRun& run : sweep.heat()) {
+    const std::string name = absl::StrCat("the heat run of \"", run.season(), "\" ");
+    if (!is_one_line(run.season()))
+      return wrong(sweep, name + "has control characters or is not UTF-8");
+    if (run.time_utc().empty()) return wrong(sweep, name + "has no times");
+    if (run.part_temperature_k_size() != parts)
+      return wrong(sweep, absl::StrCat(name, "has ", run.part_temperature_k_size(),
+                                       " temperatures for ", parts, " parts"));
+    if (std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0) == 0)
+      return wrong(sweep, name + "has nothing to compute");
+  }
+  for (const schema::Condition& c : sweep.condition()) {
+    const schema::ConditionField& from = c.temperature_field();
+    if (!from.has_heat()) continue;
+    const std::string name = absl::StrCat("season \"", c.season(), "\" at ", c.time_utc());
+    if (from.heat() >= static_cast<std::uint32_t>(sweep.heat_size()))
+      return wrong(sweep, absl::StrCat(name, " has the temperatures of heat run ", from.heat(),
+                                       " of ", sweep.heat_size()));
+    const schema::HeatRun& run = sweep.heat(static_cast<int>(from.heat()));
+    if (std::find(run.time_utc().begin(), run.time_utc().end(), c.time_utc()) ==
+        run.time_utc().end())
+      return wrong(sweep, name + " is no time of its heat run");
+    for (const std::uint32_t part : from.part())
+      if (part >= static_cast<std::uint32_t>(parts) ||
+          run.part_temperature_k(static_cast<int>(part)) != 0)
+        return wrong(sweep, absl::StrCat(name, " has the temperatures of part ", part,
+                                         ", which its heat run does not compute"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_jobs(const schema::ResolvedSweep& sweep,
                         const std::vector<schema::JobSpec>& jobs) {
   ViewRule views(sweep);
+  HeatRule heat(sweep);
   std::set<std::string_view> keys;
   for (const schema::JobSpec& job : jobs) {
     // That what is needed comes first keeps circles out, too.
@@ -146,7 +213,11 @@ absl::Status check_jobs(const schema::ResolvedSweep& sweep,
     }
     switch (job.kind_case()) {
       case schema::JobSpec::kView:
+        IRSIG_STORE_TRY(heat.check_view(job));
         IRSIG_STORE_TRY(views.add(job.view()));
+        break;
+      case schema::JobSpec::kHeat:
+        IRSIG_STORE_TRY(heat.add(job));
         break;
       case schema::JobSpec::KIND_NOT_SET:
         return wrong(sweep, absl::StrCat("the job \"", job.job_key(), "\" is of no known kind"));
@@ -167,6 +238,7 @@ absl::Status check_sweep(const schema::ResolvedSweep& sweep, const std::string& 
   IRSIG_STORE_TRY(check_text(sweep));
   IRSIG_STORE_TRY(check_viewpoints(sweep));
   IRSIG_STORE_TRY(check_names(sweep));
+  IRSIG_STORE_TRY(check_heat(sweep));
   return check_jobs(sweep, jobs);
 }
 

@@ -93,6 +93,19 @@ absl::Status encode_definitions(Database& database, Encoder& out, std::int64_t s
   return encode(database, out, First::kContent, sql::digest_published, sweep_id).status();
 }
 
+absl::Status encode_temperatures(Database& database, Encoder& out, std::int64_t sweep_id) {
+  const absl::StatusOr<std::int64_t> any = database.integer(sql::has_heat_output, sweep_id);
+  if (!any.ok()) return any.status();
+  if (*any == 0) return absl::OkStatus();
+  const auto jobs = encode(database, out, First::kKey, sql::digest_heat_jobs, sweep_id);
+  if (!jobs.ok()) return jobs.status();
+  for (const std::int64_t job_id : *jobs) {
+    IRSIG_STORE_TRY(
+        encode(database, out, First::kContent, sql::digest_computed_temperatures, job_id).status());
+  }
+  return absl::OkStatus();
+}
+
 absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sweep_id) {
   const auto signatures = encode(database, out, First::kKey, sql::digest_signatures, sweep_id);
   if (!signatures.ok()) return signatures.status();
@@ -123,6 +136,7 @@ absl::StatusOr<std::string> content_digest(Database& database) {
   if (!sweeps.ok()) return sweeps.status();
   for (const std::int64_t sweep_id : *sweeps) {
     IRSIG_STORE_TRY(encode_definitions(database, out, sweep_id));
+    IRSIG_STORE_TRY(encode_temperatures(database, out, sweep_id));
     IRSIG_STORE_TRY(encode_signatures(database, out, sweep_id));
   }
   return out.hex();

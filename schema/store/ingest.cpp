@@ -10,6 +10,7 @@
 #include "absl/strings/str_replace.h"
 #include "core/accuracy/quantities.h"
 #include "schema/store/check_result.h"
+#include "schema/store/ingest_heat.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
 
@@ -114,18 +115,6 @@ absl::Status insert_spectrum(Database& database, std::int64_t signature_id,
   (std::make_index_sequence<kSpectrumArrays>());
 }
 
-absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
-  std::vector<std::int64_t> ids;
-  absl::StatusOr<Rows> row = database.query(sql::part_ids, sweep_id);
-  if (!row.ok()) return row.status();
-  for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return ids;
-    ids.push_back(row->integer());
-  }
-}
-
 absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
                                 const schema::ProfileRow& p) {
   return database.run(sql::insert_profile_row, signature_id, p.profile_index(), p.point_index(),
@@ -172,18 +161,31 @@ absl::Status make_room(Database& database, const LeasedJob& job,
   return absl::OkStatus();
 }
 
-// Jobs of an earlier version of the sweep end with their last signature; the definitions that only
+// Jobs of an earlier version of the sweep end with what they left; the definitions that only
 // they used, with the last of these jobs.
 absl::Status remove_superseded(Database& database, const LeasedJob& job) {
-  IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.view.viewpoint_id));
-  if (database.changes() == 0) return absl::OkStatus();
+  if (job.kind == JobKind::kView) {
+    IRSIG_STORE_TRY(database.run(sql::delete_superseded_jobs_of_viewpoint, job.view.viewpoint_id));
+    if (database.changes() == 0) return absl::OkStatus();
+  }
   const absl::StatusOr<std::int64_t> left =
       database.integer(sql::has_superseded_jobs, job.sweep_id);
   if (!left.ok()) return left.status();
   if (*left != 0) return absl::OkStatus();
   IRSIG_STORE_TRY(database.run(sql::delete_superseded_conditions, job.sweep_id));
   IRSIG_STORE_TRY(database.run(sql::delete_superseded_bands, job.sweep_id));
-  return database.run(sql::delete_superseded_parts, job.sweep_id);
+  IRSIG_STORE_TRY(database.run(sql::delete_superseded_parts, job.sweep_id));
+  return database.run(sql::delete_unused_assets);
+}
+
+absl::Status store_temperatures(Database& database, const LeasedJob& job,
+                                const schema::JobResult& result, const std::string& worker_name) {
+  absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
+  if (!savepoint.ok()) return savepoint.status();
+  IRSIG_STORE_TRY(store_heat(database, job, result));
+  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
+  IRSIG_STORE_TRY(remove_superseded(database, job));
+  return (*savepoint)->keep();
 }
 
 absl::Status store_view(Database& database, const LeasedJob& job, const schema::JobResult& result,
@@ -219,11 +221,25 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
 
 }  // namespace
 
+absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
+  std::vector<std::int64_t> ids;
+  absl::StatusOr<Rows> row = database.query(sql::part_ids, sweep_id);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return ids;
+    ids.push_back(row->integer());
+  }
+}
+
 absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
                           const std::string& worker_name) {
   switch (job.kind) {
     case JobKind::kView:
       return store_view(database, job, result, worker_name);
+    case JobKind::kHeat:
+      return store_temperatures(database, job, result, worker_name);
   }
   return absl::InternalError("a job of no known kind");
 }

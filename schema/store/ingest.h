@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "schema/result.pb.h"
 #include "schema/store/database.h"
 #include "schema/store/queue.h"
@@ -15,5 +18,9 @@ namespace irsig {
 [[nodiscard]] absl::Status store_result(Database& database, const LeasedJob& job,
                                         const schema::JobResult& result,
                                         const std::string& worker_name);
+
+// Of the sweep's parts, in order.
+[[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,
+                                                                 std::int64_t sweep_id);
 
 }  // namespace irsig

@@ -28,7 +28,12 @@ absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
   job.spec.set_job_key(row->text());
   const absl::StatusOr<JobKind> kind = job_kind(row->integer());
   if (!kind.ok()) return kind.status();
+  const auto heat_index = static_cast<std::uint32_t>(row->integer());
   switch (*kind) {
+    case JobKind::kHeat:
+      job.spec.mutable_heat()->set_heat(heat_index);
+      for (int of_views = 0; of_views < 3; ++of_views) row->integer();  // NULL
+      break;
     case JobKind::kView: {
       schema::ViewJob& view = *job.spec.mutable_view();
       view.set_viewpoint_index(static_cast<std::uint32_t>(row->integer()));
@@ -50,6 +55,7 @@ absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
     if (!more.ok()) return more.status();
     if (!*more) return job;
     job.spec.add_needs(need->text());
+    job.output.push_back(need->text());
   }
 }
 
@@ -62,16 +68,24 @@ absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
     const absl::StatusOr<bool> found = row->next();
     if (!found.ok()) return found.status();
     if (!*found) return failures;
-    const std::int64_t job_index = row->integer();
-    const std::string worker_name = row->text();
-    failures.push_back(absl::StrCat("job ", job_index, " on ", worker_name, ": ", row->text()));
+    const std::int64_t first = row->integer(), last = row->integer(), jobs = row->integer();
+    const std::string season = row->text(), worker_name = row->text(), message = row->text();
+    const std::string which =
+        absl::StrCat(jobs == 1 ? absl::StrCat("job ", first)
+                               : absl::StrCat(jobs, " jobs (", first, " to ", last, ")"),
+                     season.empty() ? "" : absl::StrCat(" (temperatures of \"", season, "\")"));
+    failures.push_back(row->is_null()
+                           ? absl::StrCat(which, " on ", worker_name, ": ", message)
+                           : absl::StrCat(which, ": ", jobs == 1 ? "needs" : "need", " job ",
+                                          row->integer(), ", which was given up"));
   }
 }
 
 }  // namespace
 
 absl::StatusOr<JobKind> job_kind(std::int64_t stored) {
-  if (stored == static_cast<std::int64_t>(JobKind::kView)) return JobKind::kView;
+  for (const JobKind kind : {JobKind::kView, JobKind::kHeat})
+    if (stored == static_cast<std::int64_t>(kind)) return kind;
   return absl::DataLossError(absl::StrCat("a stored job is of kind ", stored));
 }
 
@@ -122,7 +136,10 @@ absl::StatusOr<LeasedJob> leased_job(Database& database, std::uint64_t fencing_t
   const absl::StatusOr<JobKind> kind = job_kind(row->integer());
   if (!kind.ok()) return kind.status();
   job.kind = *kind;
+  job.heat_index = static_cast<std::uint32_t>(row->integer());
   switch (job.kind) {
+    case JobKind::kHeat:
+      break;
     case JobKind::kView:
       job.view.viewpoint_id = row->integer();
       for (auto* list : {&job.view.condition_index, &job.view.band_index}) {
@@ -204,8 +221,11 @@ absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database) {
     sweep.cancelled = row->count();
     sweep.rays = row->count();
     sweep.worst_relative_error = row->real();
+    const std::int64_t sweep_id = row->integer();
+    sweep.heat_jobs = row->count();
+    sweep.heat_done = row->count();
     if (sweep.quarantined == 0) continue;
-    absl::StatusOr<std::vector<std::string>> failures = failures_of_sweep(database, row->integer());
+    absl::StatusOr<std::vector<std::string>> failures = failures_of_sweep(database, sweep_id);
     if (!failures.ok()) return failures.status();
     sweep.failures = *std::move(failures);
   }

@@ -22,7 +22,7 @@ enum class AttemptOutcome : int {
 };
 
 // What a job computes, as stored (table job_kind; numbers are never reused).
-enum class JobKind : int { kView = 1 };
+enum class JobKind : int { kView = 1, kHeat = 2 };
 [[nodiscard]] absl::StatusOr<JobKind> job_kind(std::int64_t stored);
 
 // What a view has besides.
@@ -38,7 +38,8 @@ struct LeasedJob {
   std::int64_t sweep_id;
   std::string job_key;
   JobKind kind;
-  LeasedView view;  // of a view
+  LeasedView view;               // of a view
+  std::uint32_t heat_index = 0;  // of a heat job: its run in ResolvedSweep.heat
 };
 
 // Index lists are stored as JSON arrays: "[0,1,2]".

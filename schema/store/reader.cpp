@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
+#include "schema/store/find_heat.h"
 #include "schema/store/find_ledger.h"
 #include "schema/store/find_profiles.h"
 #include "schema/store/find_signatures.h"
@@ -39,22 +40,7 @@ class SqliteReader final : public StoreReader {
   }
 
   absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
-    absl::StatusOr<Rows> row = database_.query(sql::sweep_by_name, name);
-    if (!row.ok()) return row.status();
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
-    StoredSweep sweep;
-    if (!sweep.resolved.ParseFromString(row->text()))
-      return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
-    for (const std::string& sha256 : needed_assets(sweep.resolved)) {
-      absl::StatusOr<Rows> file = database_.query(sql::asset_bytes, sha256);
-      if (!file.ok()) return file.status();
-      const absl::StatusOr<bool> there = file->next();
-      if (!there.ok()) return there.status();
-      if (*there) sweep.assets[sha256] = file->text();
-    }
-    return sweep;
+    return in_one_snapshot([&] { return stored_sweep(name); });
   }
 
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
@@ -120,6 +106,15 @@ class SqliteReader final : public StoreReader {
     return find_rows_of_jobs(database_, sweep);
   }
 
+  absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
+      const TemperatureFilter& filter) override {
+    return find_computed_temperatures(database_, filter);
+  }
+
+  absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep) override {
+    return find_heat_jobs(database_, sweep);
+  }
+
   absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) override {
     return in_one_snapshot([&] { return find_outcome(database_, sweep); });
   }
@@ -138,6 +133,29 @@ class SqliteReader final : public StoreReader {
     auto result = work();
     IRSIG_STORE_TRY(database_.run("COMMIT"));
     return result;
+  }
+
+  absl::StatusOr<StoredSweep> stored_sweep(const std::string& name) {
+    absl::StatusOr<Rows> row = database_.query(sql::sweep_by_name, name);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::NotFoundError(absl::StrCat("no sweep \"", name, "\""));
+    StoredSweep sweep;
+    if (!sweep.resolved.ParseFromString(row->text()))
+      return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
+    absl::StatusOr<HeatOutputs> heat = find_heat_outputs(database_, name);
+    if (!heat.ok()) return heat.status();
+    if (heat->size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
+      sweep.heat = *std::move(heat);
+    for (const std::string& sha256 : needed_assets(sweep.resolved)) {
+      absl::StatusOr<Rows> file = database_.query(sql::asset_bytes, sha256);
+      if (!file.ok()) return file.status();
+      const absl::StatusOr<bool> there = file->next();
+      if (!there.ok()) return there.status();
+      if (*there) sweep.assets[sha256] = file->text();
+    }
+    return sweep;
   }
 
   absl::Status check_exists(std::int64_t signature_id) {

@@ -38,6 +38,8 @@ struct QueuedJob {
   JobState state;
   std::uint32_t failures;       // distinct workers that failed on it
   std::uint64_t fencing_token;  // of the current lease, 0 if none
+  // [spec.needs] The asset that each has left, by its SHA-256; empty: its kind leaves none.
+  std::vector<std::string> output = {};
 };
 
 struct SweepProgress {
@@ -46,6 +48,7 @@ struct SweepProgress {
   std::uint64_t jobs, waiting, leased, done, quarantined, cancelled, rays;
   double worst_relative_error;
   std::vector<std::string> failures;
+  std::uint64_t heat_jobs = 0, heat_done = 0;  // of the jobs: those that compute temperatures
 };
 
 // What a pilot said, before anything was run, that a sweep would take. CPU times are those of the
@@ -72,6 +75,27 @@ struct StoredJobCost {
   std::string worker_name;
   double leased_unix_s = 0;
   std::string determinism_class;
+};
+
+// What a job has computed of a part's facets, by area.
+struct StoredTemperature {
+  std::string sweep, season, time_utc, part;
+  double mean_k, coldest_k, hottest_k, error_k;
+  bool superseded;  // of an earlier version of its sweep, until its replacement is stored
+  std::string job_key;
+};
+
+// An empty string means "any".
+struct TemperatureFilter {
+  std::string sweep, season, time_utc;
+};
+
+// A job that computes temperatures.
+struct StoredHeatJob {
+  std::string season;
+  bool done;
+  double cpu_s;
+  std::string warning;  // one line each
 };
 
 // How the rows of a sweep ended.
@@ -110,7 +134,8 @@ class StoreWriter {
                                           const std::vector<schema::JobSpec>& jobs,
                                           const std::vector<Asset>& assets) = 0;
 
-  // The bytes of an asset; under a sweep_sha256: the serialized ResolvedSweep.
+  // The bytes of an asset, also of one that a job has left; under a sweep_sha256: the serialized
+  // ResolvedSweep.
   virtual absl::StatusOr<std::string> asset(const std::string& sha256) = 0;
 
   // Replaces an earlier prediction of the same sweep, which need not have been added yet.
@@ -287,6 +312,7 @@ struct SignatureFilter {
 struct StoredSweep {
   schema::ResolvedSweep resolved;
   Assets assets;
+  HeatOutputs heat;  // empty unless all its heat jobs are done
 };
 
 // The reading side: any number of readers, also while the coordinator writes. One object belongs to
@@ -314,6 +340,11 @@ class StoreReader {
       const std::string& sweep_sha256) = 0;
   // Of the sweep's done jobs, in the order of its jobs.
   virtual absl::StatusOr<std::vector<StoredJobCost>> job_costs(const std::string& sweep) = 0;
+  // In the order of sweeps, heat runs, times and parts.
+  virtual absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
+      const TemperatureFilter& filter) = 0;
+  // In the order of the sweep's heat runs.
+  virtual absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& sweep) = 0;
   // Of its stored rows but superseded ones.
   virtual absl::StatusOr<StoredOutcome> outcome(const std::string& sweep) = 0;
   // How many rows each job of a sweep has stored, by its key; superseded jobs included.

@@ -49,8 +49,16 @@ std::string condition_definition(const schema::Condition& condition,
   definition.clear_time_index();
   definition.clear_sun_irradiance_from_distance();
   definition.clear_warning();
-  if (definition.has_temperature_field()) definition.mutable_temperature_field()->clear_file_name();
   Sha256 hash;
+  if (definition.has_temperature_field()) {
+    schema::ConditionField& from = *definition.mutable_temperature_field();
+    from.clear_file_name();
+    // What the run is, and not its place in the list.
+    if (from.has_heat()) {
+      hash.add(serialized(sweep.heat(static_cast<int>(from.heat()))));
+      from.set_heat(0);
+    }
+  }
   hash.add(serialized(definition));
   for (const schema::Part& part : sweep.sweep().part())
     hash.add(absl::StrCat(part.name(), "\n", part.material(), "\n"));
@@ -75,10 +83,11 @@ absl::StatusOr<std::optional<std::string>> weather_text(const schema::Condition&
   return json;
 }
 
-// For people and for the digest: which file, and how it is read.
+// For people and for the digest: which file, and how it is read; or that a job computes them.
 std::optional<std::string> field_text(const schema::Condition& condition) {
   if (!condition.has_temperature_field()) return std::nullopt;
   const schema::ConditionField& from = condition.temperature_field();
+  if (from.has_heat()) return "computed";
   const schema::TemperatureField& field = from.field();
   return absl::StrCat(field.name(), ": ", from.sha256(), ", ", field.unit(), ", by ", field.match(),
                       field.has_max_distance_m()
@@ -137,7 +146,7 @@ class SweepUpdate {
       }
       IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sha256));
     }
-    return database_.run(sql::delete_unused_assets);
+    return absl::OkStatus();
   }
 
   absl::Status put_profiles() {
@@ -249,10 +258,13 @@ class SweepUpdate {
     IRSIG_STORE_TRY(database_.run(sql::place_superseded_bands, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::revoke_superseded_leases, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::settle_superseded_jobs, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_temperatures_of_gone_runs, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_temperatures_of_gone_times, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::delete_superseded_jobs, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::delete_superseded_conditions, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::delete_superseded_bands, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::delete_superseded_parts, sweep_id_));
+    IRSIG_STORE_TRY(database_.run(sql::delete_unused_assets));
     return database_.run(sql::unbind_sweep_without_results, sweep_id_);
   }
 
@@ -324,6 +336,8 @@ class SweepUpdate {
     switch (spec.kind_case()) {
       case schema::JobSpec::kView:
         return put_view_job(spec.job_key(), spec.view(), index, *known);
+      case schema::JobSpec::kHeat:
+        return put_heat_job(spec.job_key(), spec.heat(), index, *known);
       case schema::JobSpec::KIND_NOT_SET:
         break;
     }
@@ -363,6 +377,34 @@ class SweepUpdate {
     }
     return database_.run(sql::revive_view_job, job.job_id, index, viewpoint_id, condition_index,
                          band_index, static_cast<int>(state));
+  }
+
+  absl::Status put_heat_job(const std::string& job_key, const schema::HeatJob& spec,
+                            std::size_t index, const std::optional<KnownJob>& known) {
+    const schema::HeatRun& run = sweep_.heat(static_cast<int>(spec.heat()));
+    if (!known) {
+      const absl::StatusOr<std::int64_t> id =
+          database_.integer(sql::insert_heat_job, sweep_id_, job_key, index);
+      if (!id.ok()) return id.status();
+      return database_.run(sql::insert_heat_run, *id, spec.heat(), run.season());
+    }
+    if (known->kind != JobKind::kHeat)
+      return absl::InvalidArgumentError(
+          absl::StrCat("the job \"", job_key, "\" was of another kind"));
+    JobState state = JobState::kWaiting;
+    if (known->state == JobState::kLeased) {
+      state = JobState::kLeased;  // its result names parts and times of the run, which are the same
+    } else if (known->state == JobState::kDone) {
+      // A version of the sweep in between may have had fewer times.
+      const absl::StatusOr<std::int64_t> stored =
+          database_.integer(sql::count_computed_temperatures, known->job_id);
+      if (!stored.ok()) return stored.status();
+      const auto parts =
+          std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0);
+      if (*stored == parts * run.time_utc_size()) state = JobState::kDone;
+    }
+    IRSIG_STORE_TRY(database_.run(sql::place_heat_run, known->job_id, spec.heat()));
+    return database_.run(sql::revive_job, known->job_id, index, static_cast<int>(state));
   }
 
   Database& database_;

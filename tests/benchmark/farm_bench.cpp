@@ -68,8 +68,8 @@ int main(int argc, char** argv) {
   const auto sweep = frigate_sweep(jobs);
   if (auto reply = submit(*address, sweep, {}, 1); !reply.ok()) return 1;
   const RunnerFactory factory =
-      [&](const schema::ResolvedSweep&,
-          const Assets& /*assets*/) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
+      [&](const schema::ResolvedSweep&, const Assets& /*assets*/,
+          const HeatOutputs& /*heat*/) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
     return std::make_unique<RepeatingRunner>(sweep);
   };
   const std::atomic<bool> stop = false;

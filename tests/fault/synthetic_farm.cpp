@@ -135,8 +135,8 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
 }
 
 RunnerFactory synthetic_runner(const SyntheticWork& work) {
-  return [work](const schema::ResolvedSweep& sweep,
-                const Assets& /*assets*/) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
+  return [work](const schema::ResolvedSweep& sweep, const Assets& /*assets*/,
+                const HeatOutputs& heat) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
     return std::make_unique<SyntheticRunner>(sweep, work);
   };
 }

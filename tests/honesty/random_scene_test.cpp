@@ -18,7 +18,7 @@ absl::Status tried(const RandomScene& scene, bool prepared) {
   const std::string model = model_obj(scene);
   const auto resolved = resolve_sweep(*file, model);
   if (!resolved.ok()) return resolved.status();
-  return prepared ? JobRunner::create(*resolved, model_alone(*resolved, model)).status()
+  return prepared ? JobRunner::create(*resolved, model_alone(*resolved, model), {}).status()
                   : absl::OkStatus();
 }
 

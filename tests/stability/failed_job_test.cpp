@@ -44,7 +44,7 @@ schema::ResolvedSweep absurd_ship(double brdf_per_sr) {
 }
 
 absl::StatusOr<schema::JobResult> first_job(const schema::ResolvedSweep& sweep) {
-  const auto runner = JobRunner::create(sweep, {});
+  const auto runner = JobRunner::create(sweep, {}, {});
   if (!runner.ok()) return runner.status();
   return (*runner)->run(expand_jobs(sweep, physics_version()).front());
 }

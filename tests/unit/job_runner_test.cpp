@@ -26,7 +26,7 @@ schema::ResolvedSweep disk(std::uint32_t thumbnail_px) {
 
 absl::StatusOr<schema::JobResult> first_job(const schema::ResolvedSweep& sweep,
                                             const std::optional<ThumbnailEncoder>& encoder) {
-  const auto runner = JobRunner::create(sweep, {}, encoder);
+  const auto runner = JobRunner::create(sweep, {}, {}, encoder);
   if (!runner.ok()) return runner.status();
   return (*runner)->run(expand_jobs(sweep, physics_version()).front());
 }
@@ -55,7 +55,7 @@ TEST(JobRunner, RefusesNamesThatItDoesNotKnow) {
 
 TEST(JobRunner, RefusesThumbnailsThatItCannotEncode) {
   const auto sweep = disk(16);
-  ASSERT_TRUE(JobRunner::create(sweep, {}).ok()) << "the scene can be tried without an encoder";
+  ASSERT_TRUE(JobRunner::create(sweep, {}, {}).ok()) << "the scene can be tried without an encoder";
   const auto result = first_job(sweep, {});
   EXPECT_EQ(result.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(result.status().message()), HasSubstr("thumbnail_px"));
@@ -191,7 +191,7 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   auto sweep = resolved_file(IRSIG_SOURCE_DIR "/jobs/examples/frigate.toml");
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   sweep->mutable_sweep()->mutable_band(0)->set_lambda_min_um(2.5);  // past resolve_sweep
-  const auto runner = JobRunner::create(*sweep, {});
+  const auto runner = JobRunner::create(*sweep, {}, {});
   EXPECT_EQ(runner.status().code(), absl::StatusCode::kInvalidArgument) << runner.status();
   EXPECT_THAT(std::string(runner.status().message()), HasSubstr("expected a smaller step_um"));
 }
@@ -240,7 +240,7 @@ schema::ResolvedSweep plates() {
 }
 
 absl::StatusOr<schema::JobResult> first_job_of_plates(const schema::ResolvedSweep& sweep) {
-  const auto runner = JobRunner::create(sweep, model_alone(sweep, kPlates));
+  const auto runner = JobRunner::create(sweep, model_alone(sweep, kPlates), {});
   if (!runner.ok()) return runner.status();
   return (*runner)->run(expand_jobs(sweep, physics_version()).front());
 }
@@ -293,7 +293,7 @@ f 4 8 5 1
     schema::ResolvedSweep sweep = plates();
     sweep.mutable_sweep()->mutable_part(1)->set_hot(hot);
     const auto run = [&] {
-      const auto runner = JobRunner::create(sweep, model_alone(sweep, kCube));
+      const auto runner = JobRunner::create(sweep, model_alone(sweep, kCube), {});
       EXPECT_TRUE(runner.ok()) << runner.status();
       return (*runner)->run(expand_jobs(sweep, physics_version()).front());
     };
@@ -309,7 +309,7 @@ f 4 8 5 1
 TEST(JobRunner, ProposesTwoSidesForSheets) {
   schema::ResolvedSweep sweep = plates();
   const auto warnings = [&](const char* model) {
-    return JobRunner::create(sweep, model_alone(sweep, model)).value()->warnings();
+    return JobRunner::create(sweep, model_alone(sweep, model), {}).value()->warnings();
   };
   const std::vector<std::string> both = warnings(kPlates);
   ASSERT_EQ(both.size(), 2U);

@@ -354,7 +354,7 @@ TEST(MaterialKinds, EnergyThatIsCreatedIsFoundBeforeAnyJobRuns) {
   for (const auto& [kind, rest] : kCreators) {
     const auto sweep = resolved(material(kind, rest));
     ASSERT_TRUE(sweep.ok()) << sweep.status();
-    const auto runner = JobRunner::create(*sweep, {});
+    const auto runner = JobRunner::create(*sweep, {}, {});
     EXPECT_EQ(runner.status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(std::string(runner.status().message()),
               absl::StrCat("material[0].allow_energy_gain: is not true, but \"m\" (", kind,
@@ -371,7 +371,7 @@ TEST(MaterialKinds, EnergyThatIsPermittedIsFlaggedInEveryRow) {
   for (const auto& [kind, rest] : all) {
     const auto sweep = resolved(material(kind, std::string("allow_energy_gain = true\n") + rest));
     ASSERT_TRUE(sweep.ok()) << sweep.status();
-    const auto runner = JobRunner::create(*sweep, {});
+    const auto runner = JobRunner::create(*sweep, {}, {});
     ASSERT_TRUE(runner.ok()) << kind << ": " << runner.status();
     const auto result = (*runner)->run(expand_jobs(*sweep, physics_version()).front());
     ASSERT_TRUE(result.ok()) << kind << ": " << result.status();

@@ -1,0 +1,34 @@
+#include "bridge/heat_outputs.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/heat_field.h"
+
+namespace irsig {
+
+absl::StatusOr<HeatOutputs> heat_outputs(const schema::ResolvedSweep& sweep, const Assets& assets) {
+  HeatOutputs out;
+  for (int run = 0; run < sweep.heat_size(); ++run) {
+    auto computed = compute_heat(sweep, assets, static_cast<std::size_t>(run));
+    if (!computed.ok()) return computed.status();
+    out.push_back(std::move(*computed->mutable_field()));
+  }
+  return out;
+}
+
+absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes, std::size_t facets) {
+  schema::HeatField field;
+  if (!field.ParseFromString(bytes))
+    return absl::InvalidArgumentError("computed temperatures cannot be read");
+  const std::size_t expected =
+      sizeof(float) * facets * static_cast<std::size_t>(field.unix_s_size());
+  if (field.facets() != facets || field.kelvin().size() != expected ||
+      field.error_k().size() != expected)
+    return absl::InvalidArgumentError(absl::StrCat("computed temperatures are of another mesh: of ",
+                                                   field.facets(), " facets, the model has ",
+                                                   facets));
+  return field;
+}
+
+}  // namespace irsig

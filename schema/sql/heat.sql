@@ -1,0 +1,77 @@
+-- Jobs that compute temperatures (schema/store/ingest_heat.cpp, schema/store/sweep_table.cpp, schema/store/reader.cpp).
+
+-- name: insert_heat_job
+INSERT INTO job (sweep_id, job_key, job_index, kind, state) VALUES (?1, ?2, ?3, 2, 0) RETURNING job_id;
+
+-- name: insert_heat_run
+INSERT INTO heat_job (job_id, heat_index, season) VALUES (?1, ?2, ?3);
+
+-- name: place_heat_run
+UPDATE heat_job SET heat_index = ?2 WHERE job_id = ?1;
+
+-- name: count_computed_temperatures
+SELECT count(*) FROM computed_temperature WHERE job_id = ?1;
+
+-- Temperatures of an earlier version of the sweep stay until those that replace them are stored; where nothing will,
+-- they go now, as do those of a time that the sweep no longer has.
+
+-- name: delete_temperatures_of_gone_runs
+DELETE FROM computed_temperature WHERE job_id IN (
+  SELECT old.job_id FROM job old JOIN heat_job h USING (job_id)
+  WHERE old.sweep_id = ?1 AND old.superseded = 1 AND NOT EXISTS (
+    SELECT 1 FROM job new JOIN heat_job g USING (job_id)
+    WHERE new.sweep_id = ?1 AND new.superseded = 0 AND new.state <> 2 AND g.season = h.season));
+
+-- name: delete_temperatures_of_gone_times
+DELETE FROM computed_temperature AS t
+WHERE EXISTS (SELECT 1 FROM job old WHERE old.job_id = t.job_id AND old.sweep_id = ?1 AND old.superseded = 1)
+  AND NOT EXISTS (
+    SELECT 1 FROM heat_job h JOIN condition c ON c.season = h.season
+    WHERE h.job_id = t.job_id AND c.sweep_id = ?1 AND c.superseded = 0 AND c.time_utc = t.time_utc);
+
+-- name: delete_superseded_heat_jobs_of_season
+DELETE FROM job
+WHERE sweep_id = ?1 AND superseded = 1 AND job_id IN (SELECT job_id FROM heat_job WHERE season = ?2);
+
+-- Storing a result.
+
+-- name: resolved_sweep_by_id
+SELECT resolved_sweep FROM sweep WHERE sweep_id = ?1;
+
+-- name: set_heat_output
+UPDATE heat_job SET output_sha256 = ?2, warning = ?3 WHERE job_id = ?1;
+
+-- name: delete_computed_temperatures
+DELETE FROM computed_temperature WHERE job_id = ?1;
+
+-- name: insert_computed_temperature
+INSERT INTO computed_temperature (job_id, time_index, time_utc, part_id, mean_k, coldest_k, hottest_k, error_k)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
+
+-- Reading.
+
+-- What the done heat jobs of a sweep have left, in the order of its heat runs.
+-- name: heat_outputs_of_sweep
+SELECT a.bytes
+FROM sweep w
+JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0 AND j.state = 2
+JOIN heat_job h USING (job_id)
+JOIN asset a ON a.sha256 = h.output_sha256
+WHERE w.name = ?1
+ORDER BY h.heat_index;
+
+-- ?1 sweep, ?2 season, ?3 time_utc ('': any).
+-- name: find_computed_temperatures
+SELECT sweep, season, time_utc, part, mean_k, coldest_k, hottest_k, error_k, superseded, job_key
+FROM computed_temperature_view
+WHERE (?1 = '' OR sweep = ?1) AND (?2 = '' OR season = ?2) AND (?3 = '' OR time_utc = ?3)
+ORDER BY sweep, heat_index, superseded, time_index, part_index, part;
+
+-- name: heat_jobs_of_sweep
+SELECT h.season, j.state = 2, coalesce(p.seconds, 0.0), h.warning
+FROM sweep w
+JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
+JOIN heat_job h USING (job_id)
+LEFT JOIN provenance p USING (job_id)
+WHERE w.name = ?1
+ORDER BY h.heat_index;

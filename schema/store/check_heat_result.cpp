@@ -1,0 +1,115 @@
+#include "schema/store/check_heat_result.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "core/base/printable.h"
+#include "schema/store/check_result.h"
+#include "schema/store/database.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kSameTime_s = 1e-3;  // times are written with milliseconds at most
+// A mean of float32 values may lie outside of them by its rounding.
+constexpr double kRounding_k = 1e-3;
+
+absl::Status wrong(const std::string& path, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat("result: heat.", path, " ", what));
+}
+
+float number_at(std::string_view little_endian, std::size_t index) {
+  static_assert(std::endian::native == std::endian::little);
+  float value = 0;
+  std::memcpy(&value, little_endian.data() + index * sizeof(float), sizeof(float));
+  return value;
+}
+
+absl::Status check_times(const schema::HeatField& field, const schema::HeatRun& run) {
+  if (field.unix_s_size() != run.time_utc_size())
+    return wrong("field.unix_s", absl::StrCat("has ", field.unix_s_size(), " of the ",
+                                              run.time_utc_size(), " times asked for"));
+  for (int i = 0; i < field.unix_s_size(); ++i) {
+    absl::Time asked;
+    std::string error;
+    if (!absl::ParseTime(absl::RFC3339_full, run.time_utc(i), &asked, &error))
+      return wrong("time_utc", absl::StrCat("\"", one_line(run.time_utc(i)), "\": ", error));
+    const double asked_s = absl::ToDoubleSeconds(asked - absl::UnixEpoch());
+    if (!(std::abs(field.unix_s(i) - asked_s) <= kSameTime_s))
+      return wrong(absl::StrCat("field.unix_s[", i, "]"),
+                   absl::StrCat("is not the time asked for, ", run.time_utc(i)));
+    if (i > 0 && !(field.unix_s(i) > field.unix_s(i - 1)))
+      return wrong("field.unix_s", "does not increase");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_numbers(const schema::HeatField& field) {
+  const std::uint64_t numbers =
+      std::uint64_t{field.facets()} * static_cast<std::uint64_t>(field.unix_s_size());
+  for (const auto& [name, bytes] :
+       {std::pair<const char*, const std::string&>{"field.kelvin", field.kelvin()},
+        {"field.error_k", field.error_k()}}) {
+    if (bytes.size() != sizeof(float) * numbers)
+      return wrong(name, absl::StrCat("has ", bytes.size(), " bytes for ", field.unix_s_size(),
+                                      " times and ", field.facets(), " facets"));
+  }
+  for (std::size_t i = 0; i < numbers; ++i) {
+    const float kelvin = number_at(field.kelvin(), i), error_k = number_at(field.error_k(), i);
+    if (std::isnan(kelvin) && std::isnan(error_k)) continue;
+    if (!(kelvin > 0) || !std::isfinite(kelvin))
+      return wrong(absl::StrCat("field.kelvin[", i, "]"), absl::StrCat("is ", kelvin));
+    if (!(error_k >= 0) || !std::isfinite(error_k))
+      return wrong(absl::StrCat("field.error_k[", i, "]"), absl::StrCat("is ", error_k));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status check_parts(const schema::HeatJobResult& result, const schema::HeatRun& run) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> missing;
+  for (int part = 0; part < run.part_temperature_k_size(); ++part)
+    for (int time = 0; time < run.time_utc_size() && run.part_temperature_k(part) == 0; ++time)
+      missing.emplace(part, time);
+  for (int i = 0; i < result.part_size(); ++i) {
+    const schema::PartTemperature& part = result.part(i);
+    const std::string path = absl::StrCat("part[", i, "]");
+    if (missing.erase({part.part_index(), part.time_index()}) == 0)
+      return wrong(path, absl::StrCat("(part ", part.part_index(), ", time ", part.time_index(),
+                                      ") was not asked for, or comes twice"));
+    if (!(part.coldest_k() > 0 && part.coldest_k() <= part.mean_k() + kRounding_k &&
+          part.mean_k() <= part.hottest_k() + kRounding_k && part.coldest_k() <= part.hottest_k() &&
+          std::isfinite(part.hottest_k())))
+      return wrong(path,
+                   absl::StrCat("has a coldest, mean and hottest temperature of ", part.coldest_k(),
+                                ", ", part.mean_k(), " and ", part.hottest_k(), " K"));
+  }
+  if (missing.empty()) return absl::OkStatus();
+  return wrong("part", absl::StrCat("is missing for part ", missing.begin()->first, ", time ",
+                                    missing.begin()->second));
+}
+
+}  // namespace
+
+absl::Status check_heat_result(const schema::JobResult& result, const std::string& job_key,
+                               const schema::HeatRun& run) {
+  IRSIG_STORE_TRY(check_job_key(result, job_key));
+  if (result.kind_case() != schema::JobResult::kHeat)
+    return absl::InvalidArgumentError("result: kind is not the job's: temperatures");
+  schema::HeatField field;
+  if (!field.ParseFromString(result.heat().field())) return wrong("field", "cannot be read");
+  IRSIG_STORE_TRY(check_times(field, run));
+  IRSIG_STORE_TRY(check_numbers(field));
+  IRSIG_STORE_TRY(check_parts(result.heat(), run));
+  for (const std::string& warning : result.heat().warning())
+    if (!is_one_line(warning)) return wrong("warning", "has control characters or is not UTF-8");
+  return check_every_number(result);
+}
+
+}  // namespace irsig

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// Of the sweep's done heat jobs, in the order of its runs.
+[[nodiscard]] absl::StatusOr<HeatOutputs> find_heat_outputs(Database& database,
+                                                            const std::string& sweep);
+[[nodiscard]] absl::StatusOr<std::vector<StoredTemperature>> find_computed_temperatures(
+    Database& database, const TemperatureFilter& filter);
+[[nodiscard]] absl::StatusOr<std::vector<StoredHeatJob>> find_heat_jobs(Database& database,
+                                                                        const std::string& sweep);
+
+}  // namespace irsig

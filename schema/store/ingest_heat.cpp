@@ -1,0 +1,57 @@
+#include "schema/store/ingest_heat.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "schema/store/check_heat_result.h"
+#include "schema/store/ingest.h"
+#include "schema/store/sha256.h"
+#include "schema/store/statements.h"
+
+namespace irsig {
+namespace {
+
+absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job) {
+  absl::StatusOr<Rows> row = database.query(sql::resolved_sweep_by_id, job.sweep_id);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  schema::ResolvedSweep sweep;
+  if (!*found || !sweep.ParseFromString(row->text()) ||
+      job.heat_index >= static_cast<std::uint32_t>(sweep.heat_size()))
+    return absl::DataLossError(
+        absl::StrCat("the stored sweep of job ", job.job_key, " has no such heat run"));
+  return sweep.heat(static_cast<int>(job.heat_index));
+}
+
+}  // namespace
+
+absl::Status store_heat(Database& database, const LeasedJob& job, const schema::JobResult& result) {
+  const absl::StatusOr<schema::HeatRun> run = run_of(database, job);
+  if (!run.ok()) return run.status();
+  IRSIG_STORE_TRY(check_heat_result(result, job.job_key, *run));
+  const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
+  if (!parts.ok()) return parts.status();
+  if (parts->size() != static_cast<std::size_t>(run->part_temperature_k_size()))
+    return absl::DataLossError(absl::StrCat("the stored sweep of job ", job.job_key, " has ",
+                                            parts->size(), " parts, its heat run ",
+                                            run->part_temperature_k_size()));
+  const std::string sha256 = sha256_of(result.heat().field());
+  IRSIG_STORE_TRY(database.run(sql::insert_asset, sha256, Blob{result.heat().field()}));
+  IRSIG_STORE_TRY(database.run(sql::set_heat_output, job.job_id, sha256,
+                               absl::StrJoin(result.heat().warning(), "\n")));
+  IRSIG_STORE_TRY(database.run(sql::delete_computed_temperatures, job.job_id));
+  for (const schema::PartTemperature& part : result.heat().part()) {
+    IRSIG_STORE_TRY(database.run(sql::insert_computed_temperature, job.job_id, part.time_index(),
+                                 run->time_utc(static_cast<int>(part.time_index())),
+                                 (*parts)[part.part_index()], part.mean_k(), part.coldest_k(),
+                                 part.hottest_k(), part.error_k()));
+  }
+  return database.run(sql::delete_superseded_heat_jobs_of_season, job.sweep_id, run->season());
+}
+
+}  // namespace irsig
