@@ -65,18 +65,8 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
 
 }  // namespace
 
-absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
-                                            const Assets& assets, const HeatOutputs& heat) {
-  const schema::Sweep& sweep = resolved.sweep();
-  SweepScene scene;
-  auto mesh = model_mesh(resolved, assets);
-  if (!mesh.ok()) return mesh.status();
-  scene.mesh = *std::move(mesh);
-  for (int i = 0; i < sweep.material_size(); ++i) {
-    auto material = material_from_message(sweep.material(i));
-    if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
-    scene.material.push_back(*std::move(material));
-  }
+absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep) {
+  std::vector<PartSpec> parts;
   for (int i = 0; i < sweep.part_size(); ++i) {
     const schema::Part& p = sweep.part(i);
     PartSpec part;
@@ -94,8 +84,26 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
     if (!found)
       return absl::InvalidArgumentError(
           absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
-    scene.part.push_back(std::move(part));
+    parts.push_back(std::move(part));
   }
+  return parts;
+}
+
+absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolved,
+                                            const Assets& assets, const HeatOutputs& heat) {
+  const schema::Sweep& sweep = resolved.sweep();
+  SweepScene scene;
+  auto mesh = model_mesh(resolved, assets);
+  if (!mesh.ok()) return mesh.status();
+  scene.mesh = *std::move(mesh);
+  for (int i = 0; i < sweep.material_size(); ++i) {
+    auto material = material_from_message(sweep.material(i));
+    if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
+    scene.material.push_back(*std::move(material));
+  }
+  auto parts = parts_from_sweep(sweep);
+  if (!parts.ok()) return parts.status();
+  scene.part = *std::move(parts);
   for (const schema::Band& b : sweep.band()) {
     Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
     for (const schema::SpectralPoint& p : b.response())

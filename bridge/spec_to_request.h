@@ -17,6 +17,9 @@ namespace irsig {
 struct SweepScene : SceneSpec {
   SweepTemperatures temperatures;
 };
+// [part], with their materials by number.
+[[nodiscard]] absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& sweep);
+
 // assets: its files; heat: of its heat runs, or nothing for a scene that no view is asked of.
 [[nodiscard]] absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& sweep,
                                                           const Assets& assets,

@@ -10,7 +10,7 @@ namespace irsig {
 // sun_position() accepts.
 class SunSine {
  public:
-  explicit SunSine(const SunPlace& place) : place_(place) {}
+  explicit SunSine(const WeatherPlace& place) : place_(place) {}
 
   [[nodiscard]] double of(double unix_s) const;
   // Instants in (from, to) at which sine = level: found between 24 samples.
@@ -26,7 +26,7 @@ class SunSine {
  private:
   [[nodiscard]] double root(double a, double b, bool falls, double level) const;
 
-  SunPlace place_;
+  WeatherPlace place_;
 };
 
 }  // namespace irsig

@@ -48,7 +48,7 @@ struct WeatherCourse {
 [[nodiscard]] WeatherRecord weather_at(const WeatherCourse& course, double unix_s);
 
 // Geodetic.
-struct SunPlace {
+struct WeatherPlace {
   double latitude_deg, longitude_deg, height_m;
 };
 
@@ -83,7 +83,7 @@ class CourseRadiation {
   // Copies the course, which must pass check_course(). INVALID_ARGUMENT: it does not, or the place
   // or the time has no sun.
   [[nodiscard]] static absl::StatusOr<CourseRadiation> make(WeatherCourse course,
-                                                            const SunPlace& place,
+                                                            const WeatherPlace& place,
                                                             const SkyAerosol& sky);
 
   // At a record's own time: of the interval that ends there, or of the one that begins.
@@ -108,7 +108,7 @@ class CourseRadiation {
   };
 
   WeatherCourse course_;
-  SunPlace place_{};
+  WeatherPlace place_{};
   SkyAerosol sky_{};
   std::vector<Spread> spread_;  // of each record; empty: none states means
   std::vector<double> crossing_;

@@ -26,7 +26,7 @@ std::string round_deg(double deg) {
   return absl::StrCat(std::abs(std::round(10 * deg) / 10), " deg");
 }
 
-double great_circle_deg(const SunPlace& a, const SunPlace& b) {
+double great_circle_deg(const WeatherPlace& a, const WeatherPlace& b) {
   const double north = std::sin(kRadPerDeg * (a.latitude_deg - b.latitude_deg) / 2);
   const double east = std::sin(kRadPerDeg * (a.longitude_deg - b.longitude_deg) / 2);
   const double h = north * north + std::cos(kRadPerDeg * a.latitude_deg) *

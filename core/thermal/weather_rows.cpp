@@ -216,7 +216,7 @@ class RowReader {
     const auto hours = number(cells, offset, "an offset from UTC in hours", -14, 14);
     const auto metres = number(cells, height, "a height in metres", -500, 9000);
     if (!north || !east || !hours || !metres) return;
-    file_.place = SunPlace{*north, *east, *metres};
+    file_.place = WeatherPlace{*north, *east, *metres};
     file_.utc_offset_h = *hours;
   }
 

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr SunPlace kBay{37.62, -122.4, 2};
+constexpr WeatherPlace kBay{37.62, -122.4, 2};
 constexpr SkyAerosol kSky{0.3, 0.2, 0.3, 0.06};
 const double kMidnight = solar_midnight_unix_s(2025, 6, 21, kBay.longitude_deg);
 

@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr SunPlace kBay{37.62, -122.4, 2};
+constexpr WeatherPlace kBay{37.62, -122.4, 2};
 
 std::string shipped() {
   std::ifstream in(IRSIG_SOURCE_DIR "/jobs/examples/weather/san_francisco.epw");
