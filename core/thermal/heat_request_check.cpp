@@ -56,6 +56,9 @@ absl::Status check_start(const HeatRequest& request) {
   if (!(periodic.tolerance_k > 0)) {
     return wrong_number("start: tolerance_k", periodic.tolerance_k, "a positive number");
   }
+  if (!std::ranges::all_of(periodic.begin_k, is_temperature)) {
+    return absl::InvalidArgumentError("start: begin_k has what is no temperature");
+  }
   if (periodic.max_days < 2) return wrong_number("start: max_days", periodic.max_days, "2 or more");
   return absl::OkStatus();
 }
@@ -77,6 +80,10 @@ absl::Status check_request(const HeatRequest& request) {
       return wrong_number(absl::StrCat("knot_s[", i, "]"), knot[i],
                           "1e-6 to 1e9 s more than the knot before");
     }
+  }
+  if (!request.smooth.empty() && request.smooth.size() != knot.size()) {
+    return wrong_number("number of smooth", static_cast<double>(request.smooth.size()),
+                        absl::StrCat("0 or ", knot.size()));
   }
   const std::size_t inner = request.inner_side == InnerSide::kOpen ? request.outer.size() : 0;
   if (request.inner.size() != inner) {
@@ -111,8 +118,8 @@ absl::Status check_request(const HeatRequest& request) {
   if (!(request.accuracy.tolerance_k > 0)) {
     return wrong_number("tolerance_k", request.accuracy.tolerance_k, "a positive number");
   }
-  if (request.accuracy.max_level < 1 || request.accuracy.max_level > 10) {
-    return wrong_number("max_level", request.accuracy.max_level, "1 to 10");
+  if (request.accuracy.max_level < 0 || request.accuracy.max_level > 10) {
+    return wrong_number("max_level", request.accuracy.max_level, "0 to 10");
   }
   return check_start(request);
 }

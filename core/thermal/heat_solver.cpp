@@ -26,10 +26,14 @@ constexpr double kFirstStepS = 60;
 // Of rounding and of Newton's method, see kLastStepK.
 constexpr double kArithmeticErrorK = 1e-6;
 
-std::vector<double> interval_steps(double length_s, int level) {
-  const double count = std::ceil(std::sqrt(length_s / kFirstStepS));
+// Where nothing jumps, steps are equal and at most this.
+constexpr double kSmoothStepS = 300;
+
+std::vector<double> interval_steps(double length_s, bool smooth, int level) {
+  const double count =
+      std::ceil(smooth ? length_s / kSmoothStepS : std::sqrt(length_s / kFirstStepS));
   std::vector<double> step(static_cast<std::size_t>(count), length_s / count);
-  while (step.front() > kFirstStepS) {
+  while (!smooth && step.front() > kFirstStepS) {
     step.front() /= 2;
     step.insert(step.begin(), step.front());
   }
@@ -37,7 +41,7 @@ std::vector<double> interval_steps(double length_s, int level) {
     std::vector<double> half;
     for (const double s : step) half.insert(half.end(), 2, s / 2);
     // The very first is cut further: what begins at once is not smooth there.
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < 2 && !smooth; ++k) {
       half.front() /= 2;
       half.insert(half.begin(), half.front());
     }
@@ -46,10 +50,10 @@ std::vector<double> interval_steps(double length_s, int level) {
   return step;
 }
 
-HeatInterval heat_interval(const ConductionGrid& grid, double length_s, int level) {
+HeatInterval heat_interval(const ConductionGrid& grid, double length_s, bool smooth, int level) {
   HeatInterval out;
   double time_s = 0, last_s = 0;
-  for (const double step_s : interval_steps(length_s, level)) {
+  for (const double step_s : interval_steps(length_s, smooth, level)) {
     // Steps only grow, by factors of two: few lengths are different.
     if (step_s != last_s) out.elimination.emplace_back(grid, step_s);
     last_s = step_s;
@@ -61,10 +65,16 @@ HeatInterval heat_interval(const ConductionGrid& grid, double length_s, int leve
   return out;
 }
 
-double shortest_step_s(const std::vector<double>& knot_s) {
+bool is_smooth(const HeatRequest& request, std::size_t knot) {
+  return !request.smooth.empty() && request.smooth[knot];
+}
+
+double shortest_step_s(const HeatRequest& request) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < knot_s.size(); ++i) {
-    shortest = std::min(shortest, interval_steps(knot_s[i + 1] - knot_s[i], 0).front());
+  for (std::size_t i = 0; i + 1 < request.knot_s.size(); ++i) {
+    shortest = std::min(shortest, interval_steps(request.knot_s[i + 1] - request.knot_s[i],
+                                                 is_smooth(request, i), 0)
+                                      .front());
   }
   return shortest;
 }
@@ -232,9 +242,11 @@ class LevelRun {
     for (std::size_t k = first; k < last; ++k) {
       if (absl::Status s = table.fill(k, element, exposure_of_); !s.ok()) return s;
       const double length_s = request_.knot_s[k + 1] - request_.knot_s[k];
-      if (length_s != interval_s_) {
-        interval_ = heat_interval(grid_, length_s, level_);
+      const bool smooth = is_smooth(request_, k);
+      if (length_s != interval_s_ || smooth != interval_smooth_) {
+        interval_ = heat_interval(grid_, length_s, smooth, level_);
         interval_s_ = length_s;
+        interval_smooth_ = smooth;
       }
       for (std::size_t e = 0; e < n; e += kHeatLanes) {
         const std::size_t count = std::min(kHeatLanes, n - e);
@@ -272,6 +284,7 @@ class LevelRun {
   int level_;
   ConductionGrid grid_;
   double interval_s_ = 0;
+  bool interval_smooth_ = false;
   HeatInterval interval_;
 };
 
@@ -318,14 +331,21 @@ class GroupSolver {
   GroupSolver(const HeatRequest& request, const ExposureOf& exposure_of, HeatResult& result)
       : request_(request),
         exposure_of_(exposure_of),
-        shortest_s_(shortest_step_s(request.knot_s)),
+        shortest_s_(shortest_step_s(request)),
         coarse_(make_grid(request.layers, shortest_s_, 0)),
         result_(result) {}
 
+  [[nodiscard]] std::size_t nodes() const { return coarse_.last() + 1; }
+
   absl::Status solve(std::vector<std::uint32_t> element) {
     Pass coarse;
-    Field day_begin;
+    Field day_begin = stated_begin(element);
     if (absl::Status s = pass(0, element, day_begin, coarse); !s.ok()) return s;
+    note_begin(0, element, day_begin);
+    if (request_.accuracy.max_level == 0) {
+      note_once(element, coarse);
+      return absl::OkStatus();
+    }
     std::vector<double> start_left(coarse.output.size(), 0);
     if (const auto* stated = std::get_if<StatedStart>(&request_.start);
         stated != nullptr && stated->uncertainty_k > 0) {
@@ -343,6 +363,7 @@ class GroupSolver {
       if (!day_begin.t.empty()) day_begin = refined(day_begin);
       Pass fine;
       if (absl::Status s = pass(level, element, day_begin, fine); !s.ok()) return s;
+      note_begin(level, element, day_begin);
       const std::size_t n = element.size();
       std::vector<std::size_t> open;
       for (std::size_t e = 0; e < n; ++e) {
@@ -386,7 +407,39 @@ class GroupSolver {
     std::vector<double> closure_w_m2;
   };
 
-  [[nodiscard]] std::size_t nodes() const { return coarse_.last() + 1; }
+  // Of a periodic start: the guess of its begin, if there is one.
+  [[nodiscard]] Field stated_begin(std::span<const std::uint32_t> element) const {
+    const auto* periodic = std::get_if<PeriodicStart>(&request_.start);
+    if (periodic == nullptr || periodic->begin_k.empty()) return {};
+    Field out{{}, element.size()};
+    for (std::size_t i = 0; i < nodes(); ++i)
+      for (const std::uint32_t e : element)
+        out.t.push_back(periodic->begin_k[i * result_.elements + e]);
+    return out;
+  }
+  void note_begin(int level, std::span<const std::uint32_t> element, const Field& day_begin) {
+    if (day_begin.t.empty()) return;
+    result_.begin_k.resize(nodes() * result_.elements);
+    for (std::size_t i = 0; i < nodes(); ++i)
+      for (std::size_t e = 0; e < element.size(); ++e)
+        result_.begin_k[i * result_.elements + element[e]] =
+            day_begin.t[(i << level) * element.size() + e];
+  }
+  // The only level.
+  void note_once(std::span<const std::uint32_t> element, const Pass& pass) {
+    const std::size_t n = element.size();
+    for (std::size_t e = 0; e < n; ++e) {
+      for (std::size_t k = 0; k < request_.output_knot.size(); ++k)
+        for (std::size_t b = 0; b < result_.boundaries; ++b) {
+          const std::size_t node = coarse_.boundary_node[request_.output_boundary[b]],
+                            at = result_.at(k, b, element[e]);
+          result_.temperature_k[at] = pass.output[(k * nodes() + node) * n + e];
+          result_.error_k[at] = std::numeric_limits<double>::infinity();
+        }
+      result_.level[element[e]] = 0;
+      result_.closure_w_m2[element[e]] = pass.closure_w_m2[e];
+    }
+  }
 
   static std::vector<double> rows_of(const std::vector<double>& table, std::size_t n,
                                      std::span<const std::size_t> which) {
@@ -453,6 +506,11 @@ absl::StatusOr<HeatResult> solve_heat(const HeatRequest& request, const Exposure
   result.level.resize(result.elements);
   result.closure_w_m2.resize(result.elements);
   GroupSolver solver(request, exposure_of, result);
+  if (const auto* periodic = std::get_if<PeriodicStart>(&request.start);
+      periodic != nullptr && !periodic->begin_k.empty() &&
+      periodic->begin_k.size() != solver.nodes() * result.elements)
+    return wrong_number("start: number of begin_k", static_cast<double>(periodic->begin_k.size()),
+                        absl::StrCat(solver.nodes() * result.elements));
   for (std::size_t first = 0; first < result.elements; first += kGroup) {
     std::vector<std::uint32_t> element(std::min(kGroup, result.elements - first));
     std::iota(element.begin(), element.end(), static_cast<std::uint32_t>(first));

@@ -73,19 +73,24 @@ struct PeriodicStart {
   std::size_t intervals;
   double tolerance_k;
   int max_days;
+  // A better guess: HeatResult::begin_k of a request with the same layers and knots; empty: none.
+  std::vector<double> begin_k = {};
 };
 
 // Depth and time are cut coarsely (level 0), then cells and steps are halved (level 1, 2, ...)
 // until the results of two levels differ by at most tolerance_k, for each element by itself.
 struct HeatAccuracy {
   double tolerance_k = 0.01;
-  int max_level = 6;  // [1, 10]: one more takes four times as long
+  // [0, 10]: one more takes four times as long. 0: computed once, with infinite error_k.
+  int max_level = 6;
 };
 
 struct HeatRequest {
   std::vector<Layer> layers;
   InnerSide inner_side;
   std::vector<double> knot_s;         // increasing, two or more: steps end at every knot
+  // [knot] Exposures have no jump there, so that steps need not begin short; empty: nowhere so.
+  std::vector<bool> smooth = {};
   std::vector<FaceProperties> outer;  // [element]
   std::vector<FaceProperties> inner;  // [element]; kOpen only. kAir: h is the forced part
   std::variant<StatedStart, PeriodicStart> start;
@@ -105,6 +110,8 @@ struct HeatResult {
   std::vector<int> level;  // [element]: the one that temperature_k is of
   // [element] Largest of a step: |heat stored - heat that came in| / its length.
   std::vector<double> closure_w_m2;
+  // With a periodic start: what its day begins with. [node x elements + element]
+  std::vector<double> begin_k;
 
   [[nodiscard]] std::size_t at(std::size_t output, std::size_t boundary,
                                std::size_t element) const {

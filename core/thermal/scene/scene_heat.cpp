@@ -13,6 +13,7 @@ namespace irsig {
 namespace {
 
 constexpr int kMostRounds = 60;
+constexpr int kMostLevels = 6;  // of conduction (HeatAccuracy)
 
 // Natural convection of water at large faces, Nu = 0.13 Ra^(1/3) at 15 deg C: expansion 1.5e-4 / K,
 // viscosity 1.19e-6, diffusivity 1.4e-7 m2/s, 0.6 W/(m K).
@@ -59,18 +60,20 @@ class Computation {
         kelvin_[k * faces_.size() + i] = static_cast<float>(
             part_of(i).build_up ? weather(k).air_k : part_of(i).stated_k);
     double before_k = INFINITY;
-    for (rounds_ = 1;; ++rounds_) {
+    for (rounds_ = 1; true; ++rounds_) {
       exchange();
-      const auto change_k = conduct();
-      if (!change_k.ok()) return change_k.status();
-      if (factors_.to.empty() || rounds_ == kMostRounds || *change_k < request_.exchange_tolerance_k) {
+      // Until the exchange is settled, once over all is enough.
+      if (!factors_.to.empty()) {
+        const auto change_k = conduct(0);
+        if (!change_k.ok()) return change_k.status();
         // Changes fall by the same factor from round to round.
-        const double falls = std::min(*change_k / before_k, 0.95);
-        left_k_ = factors_.to.empty() ? 0 : *change_k * falls / (1 - falls);
-        if (rounds_ == 1 && !factors_.to.empty()) left_k_ = *change_k;
-        return absl::OkStatus();
+        const double falls = rounds_ == 1 ? 0.5 : std::min(*change_k / before_k, 0.95);
+        left_k_ = *change_k * falls / (1 - falls);
+        before_k = *change_k;
+        if (rounds_ < kMostRounds && left_k_ > 0.5 * request_.exchange_tolerance_k) continue;
+        exchange();
       }
-      before_k = *change_k;
+      return conduct(kMostLevels).status();
     }
   }
 
@@ -184,14 +187,14 @@ class Computation {
   }
 
   // The walls of each build-up; the largest change of a temperature.
-  absl::StatusOr<double> conduct() {
+  absl::StatusOr<double> conduct(int levels) {
     double change_k = 0;
     for (std::uint32_t b = 0; b < request_.build_up.size(); ++b) {
       std::vector<std::uint32_t> wall;  // front faces
       for (std::uint32_t i = 0; i < faces_.fronts; ++i)
         if (part_of(i).build_up == b && faces_.area_m2[i] > 0) wall.push_back(i);
       if (wall.empty()) continue;
-      const auto changed = conduct(request_.build_up[b], wall);
+      const auto changed = conduct(b, wall, levels);
       if (!changed.ok())
         return absl::Status(changed.status().code(),
                             absl::StrCat("build_up \"", request_.build_up[b].name,
@@ -237,8 +240,9 @@ class Computation {
         w.wind_m_s, towards > -1e-6 ? WindSide::kWindward : WindSide::kLeeward);
   }
 
-  absl::StatusOr<double> conduct(const WallBuildUp& build_up,
-                                 const std::vector<std::uint32_t>& wall) {
+  absl::StatusOr<double> conduct(std::uint32_t which, const std::vector<std::uint32_t>& wall,
+                                 int levels) {
+    const WallBuildUp& build_up = request_.build_up[which];
     HeatRequest ask;
     ask.layers = build_up.layers;
     ask.inner_side = build_up.inner_side;
@@ -256,11 +260,14 @@ class Computation {
             "its inside is open, and a part made of it is not two_sided");
       ask.inner.push_back(properties(back));
     }
-    ask.start = PeriodicStart{mean_k, knots_.day_intervals, request_.tolerance_k, 200};
+    for (std::size_t k = 0; k < count(); ++k) ask.smooth.push_back(is_smooth(k));
+    begin_k_.resize(request_.build_up.size());
+    ask.start = PeriodicStart{mean_k, knots_.day_intervals, request_.tolerance_k, 200,
+                              std::move(begin_k_[which])};
     for (std::size_t k = 0; k < count(); ++k) ask.output_knot.push_back(k);
     ask.output_boundary = {0};
     if (open) ask.output_boundary.push_back(build_up.layers.size());
-    ask.accuracy.tolerance_k = request_.tolerance_k;
+    ask.accuracy = {request_.tolerance_k, levels};
     const auto exposure = [&](std::size_t interval, std::span<const std::uint32_t> element,
                               const Exposure& to) {
       for (std::size_t at = 0; at < element.size(); ++at) {
@@ -271,8 +278,9 @@ class Computation {
         inside(build_up, interval + 1, Side::kBefore, face, to.inner_end, at);
       }
     };
-    const auto result = solve_heat(ask, exposure);
+    auto result = solve_heat(ask, exposure);
     if (!result.ok()) return result.status();
+    begin_k_[which] = std::move(result->begin_k);
     double change_k = 0;
     const auto take = [&](std::size_t boundary, std::size_t element, std::uint32_t face) {
       for (std::size_t k = 0; k < count(); ++k) {
@@ -317,6 +325,16 @@ class Computation {
     }
   }
 
+  // Whether the radiation after a knot goes on from that before.
+  [[nodiscard]] bool is_smooth(std::size_t k) const {
+    constexpr double kJumpWM2 = 1;
+    const auto near = [](double a, double b) { return std::abs(a - b) < kJumpWM2; };
+    const HeatRadiation &before = weather(k).before, &after = weather(k).after;
+    return k > 0 && near(before.direct_normal_w_m2, after.direct_normal_w_m2) &&
+           near(before.diffuse_horizontal_w_m2, after.diffuse_horizontal_w_m2) &&
+           near(before.sky_w_m2, after.sky_w_m2);
+  }
+
   static std::uint64_t mix(std::uint64_t seed, std::size_t knot) {
     return seed * 0x9e3779b97f4a7c15ULL + knot + 1;
   }
@@ -331,6 +349,7 @@ class Computation {
   ExchangeFactors factors_;
   std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
   std::vector<float> incoming_, kelvin_, error_k_;
+  std::vector<std::vector<double>> begin_k_;  // [build-up] HeatResult::begin_k of the last round
   int rounds_ = 0;
   double left_k_ = 0, closure_w_m2_ = 0;
   std::uint64_t rays_ = 0;
@@ -424,28 +443,32 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
   out.from_behind = fine.from_behind() + coarse.from_behind();
   out.rays = fine.rays() + coarse.rays();
+  // What the two computations differ by, at a time or in the root mean square of the hours around
+  // it: at one time they may agree by luck.
+  const auto difference_k = [&](std::uint32_t f, std::size_t at) {
+    constexpr double kHoursAround = 3;
+    double square = 0, count = 0;
+    for (std::size_t k = 0; k < request.knot_s.size(); k += 2) {
+      if (std::abs(request.knot_s[k] - request.knot_s[at]) > 3600 * kHoursAround) continue;
+      const double d = static_cast<double>(fine.kelvin(k, f) - coarse.kelvin(k / 2, f));
+      square += d * d;
+      ++count;
+    }
+    return std::max(std::abs(static_cast<double>(fine.kelvin(at, f) - coarse.kelvin(at / 2, f))),
+                    std::sqrt(square / count));
+  };
   const PlaneNeighbours neighbours(target);
   const auto facets = static_cast<std::uint32_t>(faces.fronts);
   for (const std::size_t k : request.output_knot) {
     std::vector<float>& kelvin = out.kelvin.emplace_back(facets, NAN);
     std::vector<float>& error_k = out.error_k.emplace_back(facets, NAN);
-    std::vector<double> square(request.part.size(), 0.0), area(request.part.size(), 0.0);
-    for (std::uint32_t f = 0; f < facets; ++f) {
-      if (!fine.part_of(f).build_up || faces.area_m2[f] <= 0) continue;
-      kelvin[f] = fine.kelvin(k, f);
-      const double difference = static_cast<double>(kelvin[f] - coarse.kelvin(k / 2, f));
-      const std::uint32_t part = target.facet[f].part;
-      square[part] += faces.area_m2[f] * difference * difference;
-      area[part] += faces.area_m2[f];
-    }
+    for (std::uint32_t f = 0; f < facets; ++f)
+      if (fine.part_of(f).build_up && faces.area_m2[f] > 0) kelvin[f] = fine.kelvin(k, f);
     const std::vector<float> steps = neighbours.largest_difference(kelvin);
     for (std::uint32_t f = 0; f < facets; ++f) {
       if (std::isnan(kelvin[f])) continue;
-      const std::uint32_t part = target.facet[f].part;
       double error = static_cast<double>(fine.error_k(k, f)) + fine.left_k() +
-                     std::max(std::abs(static_cast<double>(kelvin[f] - coarse.kelvin(k / 2, f))),
-                              std::sqrt(square[part] / area[part])) +
-                     static_cast<double>(steps[f]) / std::sqrt(12.0);
+                     difference_k(f, k) + static_cast<double>(steps[f]) / std::sqrt(12.0);
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
         error += 0.5 * std::abs(static_cast<double>(kelvin[f] - fine.kelvin(k, back)));
       error_k[f] = static_cast<float>(error);

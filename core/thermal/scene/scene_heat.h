@@ -68,7 +68,7 @@ struct SceneHeatRequest {
   std::size_t day_knots;             // the first so many intervals are a day that has repeated for ever
   std::vector<std::size_t> output_knot;  // even, increasing
   std::uint32_t rays = 256;              // of each face to its surroundings
-  std::uint32_t sun_points = 4;          // of each face, for every place of the sun
+  std::uint32_t sun_points = 16;         // of each face, for every place of the sun
   std::uint64_t seed = 1;
   double tolerance_k = 0.01;           // of conduction (HeatAccuracy)
   double exchange_tolerance_k = 0.02;  // between two rounds of exchange
@@ -87,8 +87,8 @@ struct SceneHeatResult {
 
 // Two computations: of all knots, and of every second one with half the rays and other points.
 // error_k has what conduction is not sure of, what another round of exchange would change, the
-// difference of the two computations (or the root mean square of the part's differences at that
-// time, if larger: one difference may be small by luck), how much the neighbours in the same plane
+// difference of the two computations (or the root mean square of the differences of the three hours
+// around, if larger: one difference may be small by luck), how much the neighbours in the same plane
 // differ (their temperature is not the facet's over all of it: difference / sqrt(12)), and, of
 // sheets, half of what their two faces differ. An estimate; of the stated model alone.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
