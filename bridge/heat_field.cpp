@@ -45,10 +45,11 @@ absl::StatusOr<Surface> surface_of(const schema::Material& material, const std::
   const auto total = total_emissivity(*spec, kOutdoorsK);
   if (!total.ok()) return at(path, total.status());
   if (total->covered < kCoveredShare)
-    warning.push_back(absl::StrCat(
-        path, ": the spectrum of \"", material.name(), "\" covers ",
-        std::lround(100 * total->covered), " % of what it emits; beyond it, its last values make its "
-        "thermal emissivity ", absl::SixDigits(total->value), ": state thermal_emissivity"));
+    warning.push_back(absl::StrCat(path, ": the spectrum of \"", material.name(), "\" covers ",
+                                   std::lround(100 * total->covered),
+                                   " % of what it emits; beyond it, its last values make its "
+                                   "thermal emissivity ",
+                                   absl::SixDigits(total->value), ": state thermal_emissivity"));
   return Surface{material.solar_absorptance(), total->value};
 }
 
@@ -63,8 +64,8 @@ absl::StatusOr<WallBuildUp> build_up_of(const schema::BuildUp& message, const st
   WallBuildUp out;
   out.name = message.name();
   for (const schema::Layer& l : message.layer())
-    out.layers.push_back({l.thickness_m(), l.conductivity_w_m_k(), l.density_kg_m3(),
-                          l.specific_heat_j_kg_k()});
+    out.layers.push_back(
+        {l.thickness_m(), l.conductivity_w_m_k(), l.density_kg_m3(), l.specific_heat_j_kg_k()});
   if (const absl::Status status = check_layers(out.layers); !status.ok()) return at(path, status);
   out.inner_side = *side;
   out.inner_k = message.inside_temperature_k();

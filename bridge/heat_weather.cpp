@@ -74,11 +74,12 @@ absl::StatusOr<SkyAerosol> sky_of(const schema::HeatRun& heat, double albedo) {
   const auto weather = weather_from_message(heat.weather(), heat.surroundings());
   if (!weather.ok()) return weather.status();
   const AerosolSpec& aerosol = weather->air.aerosol;
-  const double depth = aerosol_depth_550(
-      aerosol, relative_humidity_percent(weather->air.profile.level.front()));
+  const double depth =
+      aerosol_depth_550(aerosol, relative_humidity_percent(weather->air.profile.level.front()));
   const double exponent = angstrom_exponent(aerosol.kind);
-  return SkyAerosol{depth * std::pow(550.0 / 380, exponent), depth * std::pow(550.0 / 500, exponent),
-                    ozone_cm(weather->air.profile), albedo};
+  return SkyAerosol{depth * std::pow(550.0 / 380, exponent),
+                    depth * std::pow(550.0 / 500, exponent), ozone_cm(weather->air.profile),
+                    albedo};
 }
 
 absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Surroundings& s) {
@@ -99,9 +100,8 @@ absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Sur
       out.emissivity = total->value;
     }
   } else {
-    return absl::InvalidArgumentError(
-        absl::StrCat("surroundings.kind = \"", s.kind(),
-                     "\": temperatures are computed above a sea or ground"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "surroundings.kind = \"", s.kind(), "\": temperatures are computed above a sea or ground"));
   }
   out.solar_albedo = s.solar_albedo();
   return out;
@@ -189,8 +189,7 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
     for (const WeatherRecord& r : course.record) other.push_back(r.unix_s);
   std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });
   out.knot_s = knots_between(must, std::move(other), 60 * sweep.heat().step_minutes());
-  for (const double t : out.knot_s)
-    out.at.push_back(weather_at_knot(course, *radiation, place, t));
+  for (const double t : out.knot_s) out.at.push_back(weather_at_knot(course, *radiation, place, t));
   const auto knot_of = [&](double t) {
     return static_cast<std::size_t>(std::lower_bound(out.knot_s.begin(), out.knot_s.end(), t) -
                                     out.knot_s.begin());
@@ -198,8 +197,8 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   out.day_knots = knot_of(day_end_s);
   for (const double t : fixed) out.output_knot.push_back(knot_of(t));
   for (const double t : wanted)
-    out.output_of_time.push_back(static_cast<std::size_t>(
-        std::lower_bound(fixed.begin(), fixed.end(), t) - fixed.begin()));
+    out.output_of_time.push_back(
+        static_cast<std::size_t>(std::lower_bound(fixed.begin(), fixed.end(), t) - fixed.begin()));
   if (radiation->unplaced_j_m2() > 0)
     out.warning.push_back(absl::StrCat("weather: ", std::lround(radiation->unplaced_j_m2()),
                                        " J/m2 of direct sunlight while no sun is up"));

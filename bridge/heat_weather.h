@@ -19,13 +19,11 @@ struct HeatKnots {
   std::vector<std::size_t> output_knot;     // increasing
   Beneath beneath;
   std::vector<std::string> warning;
-
-
 };
 
-// Knots: the times wanted, sunrise and sunset, records where they jump (means over hours), the end of
-// the first day; between them at most heat.step_minutes. Times within a minute of a wanted one are
-// taken as that.
+// Knots: the times wanted, sunrise and sunset, records where they jump (means over hours), the end
+// of the first day; between them at most heat.step_minutes. Times within a minute of a wanted one
+// are taken as that.
 [[nodiscard]] absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep,
                                                      const schema::HeatRun& heat);
 

@@ -27,8 +27,9 @@ void resolve_layer(schema::Layer& layer, const std::string& path, Findings& find
     std::vector<std::string> names;
     for (const Solid& s : solids()) names.emplace_back(s.name);
     if (solid == nullptr) {
-      check.error("solid", absl::StrCat("= \"", one_line(layer.solid()), "\" is not in the library, ",
-                                        suggestion(layer.solid(), names)));
+      check.error("solid",
+                  absl::StrCat("= \"", one_line(layer.solid()), "\" is not in the library, ",
+                               suggestion(layer.solid(), names)));
       return;
     }
     layer.clear_solid();
@@ -37,9 +38,9 @@ void resolve_layer(schema::Layer& layer, const std::string& path, Findings& find
     layer.set_specific_heat_j_kg_k(solid->specific_heat_j_kg_k);
   }
   if (layer.has_thickness_m() && layer.thickness_m() <= 0)
-    check.error("thickness_m",
-                absl::StrCat("= ", layer.thickness_m(), ", expected more than 0: a layer without "
-                             "thickness is left out"));
+    check.error("thickness_m", absl::StrCat("= ", layer.thickness_m(),
+                                            ", expected more than 0: a layer without "
+                                            "thickness is left out"));
   else if (layer.conductivity_w_m_k() == 0 &&
            layer.density_kg_m3() * layer.specific_heat_j_kg_k() == 0 &&
            layer.has_conductivity_w_m_k())
@@ -98,9 +99,9 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     if (part.has_build_up()) {
       const auto found = std::find(names.begin(), names.end(), part.build_up());
       if (found == names.end()) {
-        check.error("build_up", absl::StrCat(": there is no [[build_up]] \"",
-                                             one_line(part.build_up()), "\", ",
-                                             suggestion(part.build_up(), names)));
+        check.error("build_up",
+                    absl::StrCat(": there is no [[build_up]] \"", one_line(part.build_up()), "\", ",
+                                 suggestion(part.build_up(), names)));
       } else if (const auto& build_up = sweep.build_up(static_cast<int>(found - names.begin()));
                  build_up.inside() == "open" && !part.two_sided()) {
         check.error("build_up", absl::StrCat("= \"", one_line(part.build_up()),
@@ -111,11 +112,12 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     if (!sweep.has_heat()) continue;
     const schema::Material* material = material_of(sweep, part.material());
     if (material != nullptr && !material->has_solar_absorptance())
-      check.error("material",
-                  absl::StrCat("= \"", one_line(part.material()),
-                               "\" has no solar_absorptance, expected the share of sunlight (0.3 to "
-                               "2.5 um) that it absorbs, in its [[material]]: temperatures are to "
-                               "be computed"));
+      check.error(
+          "material",
+          absl::StrCat("= \"", one_line(part.material()),
+                       "\" has no solar_absorptance, expected the share of sunlight (0.3 to "
+                       "2.5 um) that it absorbs, in its [[material]]: temperatures are to "
+                       "be computed"));
   }
   if (sweep.heat().has_element_size_m())
     for (int f = 0; f < sweep.temperature_field_size(); ++f)

@@ -91,10 +91,12 @@ class MaterialCheck {
   void hull() const {
     const std::string& kind = material_.kind();
     if (kind != "hull_paper") {
-      check_.only({"name", "kind", kAbsorptance, kEmissivity}, absl::StrCat("to kind \"", kind, "\""));
+      check_.only({"name", "kind", kAbsorptance, kEmissivity},
+                  absl::StrCat("to kind \"", kind, "\""));
       return;
     }
-    check_.only({"name", "kind", kAbsorptance, kEmissivity, "allow_energy_gain"}, "to kind \"hull_paper\"");
+    check_.only({"name", "kind", kAbsorptance, kEmissivity, "allow_energy_gain"},
+                "to kind \"hull_paper\"");
     if (!material_.allow_energy_gain()) {
       check_.error("allow_energy_gain",
                    "is not true: hull_paper emits and reflects more than it receives, expected "
@@ -106,7 +108,8 @@ class MaterialCheck {
   // The library's entry in the place of the table that names it; nothing if that was wrong.
   [[nodiscard]] std::optional<schema::Material> from_library() const {
     const std::size_t before = findings_.count();
-    check_.only({"name", "kind", kAbsorptance, kEmissivity, "entry", "roughness"}, "to kind \"library\"");
+    check_.only({"name", "kind", kAbsorptance, kEmissivity, "entry", "roughness"},
+                "to kind \"library\"");
     const char* key = material_.has_entry() ? "entry" : "name";
     const std::string name = material_.has_entry() ? material_.entry() : material_.name();
     const auto entry = library_entry(name);

@@ -9,8 +9,8 @@ namespace irsig {
 // blackbody.
 struct TotalEmissivity {
   double value;
-  // The share of a blackbody's flux at wavelengths that the material's tables cover; beyond them the
-  // value at their end is used. 1: no table ends.
+  // The share of a blackbody's flux at wavelengths that the material's tables cover; beyond them
+  // the value at their end is used. 1: no table ends.
   double covered;
 };
 // By 16 cosines (Gauss and Legendre) and 64 wavelengths of equal shares of a blackbody's flux: 1e-3

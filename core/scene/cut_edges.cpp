@@ -8,8 +8,7 @@
 
 namespace irsig {
 
-absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m,
-                                    std::uint64_t most_facets) {
+absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m, std::uint64_t most_facets) {
   Mesh out = mesh;
   using Edge = std::pair<std::uint32_t, std::uint32_t>;
   // Each round halves the edges that are too long: of equal vertices the middle is the same
@@ -40,9 +39,7 @@ absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m,
         continue;
       }
       // One cut: the first edge; two: all but the last.
-      const auto turned = [&] {
-        return cut == 1 ? m[0] >= 0 : cut == 2 ? m[2] < 0 : true;
-      };
+      const auto turned = [&] { return cut == 1 ? m[0] >= 0 : cut == 2 ? m[2] < 0 : true; };
       while (!turned()) {
         std::rotate(c.begin(), c.begin() + 1, c.end());
         std::rotate(m.begin(), m.begin() + 1, m.end());
@@ -62,9 +59,9 @@ absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m,
         add(at(0), at(1), at(2));
       }
       if (triangle.size() > most_facets)
-        return absl::InvalidArgumentError(
-            absl::StrCat("edges of at most ", longest_m, " m make more than ", most_facets,
-                         " facets, expected a larger size"));
+        return absl::InvalidArgumentError(absl::StrCat("edges of at most ", longest_m,
+                                                       " m make more than ", most_facets,
+                                                       " facets, expected a larger size"));
     }
     if (middle_of.empty()) return out;
     out.triangle = std::move(triangle);

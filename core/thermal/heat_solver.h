@@ -88,7 +88,7 @@ struct HeatAccuracy {
 struct HeatRequest {
   std::vector<Layer> layers;
   InnerSide inner_side;
-  std::vector<double> knot_s;         // increasing, two or more: steps end at every knot
+  std::vector<double> knot_s;  // increasing, two or more: steps end at every knot
   // [knot] Exposures have no jump there, so that steps need not begin short; empty: nowhere so.
   std::vector<bool> smooth = {};
   std::vector<FaceProperties> outer;  // [element]

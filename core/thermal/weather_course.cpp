@@ -171,7 +171,8 @@ WeatherRecord weather_at(const WeatherCourse& course, double unix_s) {
   return out;
 }
 
-absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course, const WeatherPlace& place,
+absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course,
+                                                      const WeatherPlace& place,
                                                       const SkyAerosol& sky) {
   if (absl::Status status = check_course(course); !status.ok()) return status;
   for (const double t :

@@ -42,7 +42,7 @@ struct WeatherFile {
   std::string name;
   std::vector<Row> row;  // in the order of the file, which is that of time (in any_year: of a year)
   std::array<bool, kWeatherQuantities> has{};  // whether there is such a column
-  std::optional<WeatherPlace> place;               // EPW, TMY3
+  std::optional<WeatherPlace> place;           // EPW, TMY3
   double utc_offset_h = 0;                     // EPW, TMY3: of local standard time
   bool any_year = false;  // EPW, TMY3: rows are those of a month, day and hour, in whatever year
   int one_year = 0;       // of any_year: the year of all rows; 0: they have different ones

@@ -223,8 +223,7 @@ class RowReader {
   void read_remark(std::optional<double>& interval_s) {
     std::string_view text = rows_.whole().substr(1);
     const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos ||
-        trimmed(text.substr(0, colon)) != "radiation_interval_s")
+    if (colon == std::string_view::npos || trimmed(text.substr(0, colon)) != "radiation_interval_s")
       return;
     const std::string_view value = trimmed(text.substr(colon + 1));
     interval_s = finite_number(value);

@@ -1,8 +1,8 @@
 // CPU time of the temperatures of a frigate on a clear summer day, on one core.
 //   scene_heat_bench [facets, 20000] [rays of each face, 256]
-// Prints CSV: facets, CPU time in s of the sun's shadows (every 10 minutes of two days), of exchange
-// factors, of everything (both computations), rounds of exchange, median and 95 % of stated errors
-// and largest temperature in K.
+// Prints CSV: facets, CPU time in s of the sun's shadows (every 10 minutes of two days), of
+// exchange factors, of everything (both computations), rounds of exchange, median and 95 % of
+// stated errors and largest temperature in K.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -46,8 +46,11 @@ int run(std::uint64_t facets, std::uint32_t rays) {
   request.part = {{0.7, 0.9, 0u, 0}};
   WallBuildUp wall;
   wall.name = "plate";
-  wall.layers = {{2e-4, 0.2, 1200, 1400}, {0.008, 50, 7800, 450}, {0.05, 0.04, 50, 1030},
-                 {0.002, 50, 7800, 450}, {2e-4, 0.2, 1200, 1400}};
+  wall.layers = {{2e-4, 0.2, 1200, 1400},
+                 {0.008, 50, 7800, 450},
+                 {0.05, 0.04, 50, 1030},
+                 {0.002, 50, 7800, 450},
+                 {2e-4, 0.2, 1200, 1400}};
   wall.inner_side = InnerSide::kAir;
   wall.inner_k = 295;
   wall.inner_h_w_m2_k = 8;
@@ -63,8 +66,12 @@ int run(std::uint64_t facets, std::uint32_t rays) {
       return HeatRadiation{r.direct_normal_w_m2, r.diffuse_horizontal_w_m2, r.sky_w_m2};
     };
     request.knot_s.push_back(t);
-    request.weather.push_back({w.air_k, w.wind_m_s, {1, 0, 0}, body_from_enu(sun.direction, 30),
-                               0.0047, side(CourseRadiation::Side::kBefore),
+    request.weather.push_back({w.air_k,
+                               w.wind_m_s,
+                               {1, 0, 0},
+                               body_from_enu(sun.direction, 30),
+                               0.0047,
+                               side(CourseRadiation::Side::kBefore),
                                side(CourseRadiation::Side::kAfter)});
     if (k % 6 == 0) request.output_knot.push_back(static_cast<std::size_t>(k));
   }

@@ -128,8 +128,9 @@ TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
                  end = f.to.begin() + static_cast<std::ptrdiff_t>(f.first[f.to[k] + 1]);
       const auto found = std::find(begin, end, i);
       ASSERT_NE(found, end);
-      const double back = faces.area_m2[f.to[k]] *
-                          static_cast<double>(f.share[static_cast<std::size_t>(found - f.to.begin())]);
+      const double back =
+          faces.area_m2[f.to[k]] *
+          static_cast<double>(f.share[static_cast<std::size_t>(found - f.to.begin())]);
       EXPECT_NEAR(there, back, 1e-5 * there);
     }
     EXPECT_NEAR(sum, 1, 1e-6);
@@ -137,8 +138,8 @@ TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
 }
 
 TEST(SunVisibility, HalfOfAPlateInTheShadow) {
-  // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is 1
-  // long.
+  // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is
+  // 1 long.
   Mesh mesh = plate("floor", {0, 0, 0}, {0, 2, 0}, {2, 0, 0}, 1);
   append(mesh, plate("wall", {0, -5, 0}, {0, 12, 0}, {0, 0, -1}, 1));
   const Target target = target_of(mesh, {part("floor"), part("wall", true)});
@@ -165,7 +166,8 @@ SceneHeatRequest steady(double air_k, double sky_w_m2, std::size_t knots = 49) {
   SceneHeatRequest r;
   for (std::size_t k = 0; k < knots; ++k) {
     r.knot_s.push_back(86400.0 * static_cast<double>(k) / static_cast<double>(knots - 1));
-    r.weather.push_back({air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, {0, 0, sky_w_m2}, {0, 0, sky_w_m2}});
+    r.weather.push_back(
+        {air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, {0, 0, sky_w_m2}, {0, 0, sky_w_m2}});
   }
   r.day_knots = knots - 1;
   r.output_knot = {0, knots / 4 * 2};
@@ -188,7 +190,8 @@ TEST(SceneHeat, APlateBetweenSkyAndAirHasTheTemperatureOfItsBalance) {
     w.sun = {0.6, 0, -0.8};
     w.before = w.after = {500, 80, 300};
   }
-  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 285, .emissivity = 0.95, .solar_albedo = 0.2};
+  r.beneath = {
+      .surface_z_m = INFINITY, .temperature_k = 285, .emissivity = 0.95, .solar_albedo = 0.2};
   r.part = {{0.7, 0.9, 0u, 0}};
   r.build_up = {steel(InnerSide::kOpen)};
   r.rays = 4096;
@@ -260,8 +263,8 @@ TEST(SceneHeat, TwoTemperaturesAndAMirrorBetween) {
       ++count;
     }
   t /= count;
-  const double through = 100 * (t - 300) +
-                         1.31 * std::pow(std::abs(t - 300), 4.0 / 3);  // and its air, at 300 K
+  const double through =
+      100 * (t - 300) + 1.31 * std::pow(std::abs(t - 300), 4.0 / 3);  // and its air, at 300 K
   const double a = target.part_area_m2[0] / target.part_area_m2[1];
   const double exchange = kStefanBoltzmannWM2K4 * (std::pow(400, 4) - std::pow(t, 4)) /
                           (1 / 0.8 + a * (1 / 0.5 - 1)) * a;

@@ -18,18 +18,18 @@ TEST(TotalEmissivity, OfGreyAndStepSurfaces) {
   EXPECT_NEAR(grey->value, 0.83, 1e-6);
   EXPECT_EQ(grey->covered, 1);
   // 0.2 below 8 um, 0.9 above, covered from 1 to 60 um.
-  const auto step = total_emissivity(
-      {"step", Lambert{{{1, 0.2}, {7.9999, 0.2}, {8.0001, 0.9}, {60, 0.9}}}}, 300);
+  const auto step =
+      total_emissivity({"step", Lambert{{{1, 0.2}, {7.9999, 0.2}, {8.0001, 0.9}, {60, 0.9}}}}, 300);
   ASSERT_TRUE(step.ok());
   const double all = kStefanBoltzmannWM2K4 * std::pow(300, 4) / std::numbers::pi,
                below = planck_band_radiance_w_m2_sr(0.5, 8, 300) / all;
   EXPECT_NEAR(step->value, 0.2 * below + 0.9 * (1 - below), 0.01);
   EXPECT_NEAR(step->covered, planck_band_radiance_w_m2_sr(1, 60, 300) / all, 0.02);
   // At another temperature it is another.
-  EXPECT_LT(total_emissivity({"step", Lambert{{{1, 0.2}, {7.9999, 0.2}, {8.0001, 0.9}, {60, 0.9}}}},
-                             900)
-                ->value,
-            0.45);
+  EXPECT_LT(
+      total_emissivity({"step", Lambert{{{1, 0.2}, {7.9999, 0.2}, {8.0001, 0.9}, {60, 0.9}}}}, 900)
+          ->value,
+      0.45);
 }
 
 TEST(TotalEmissivity, OfTablesThatCoverTheBandsAlone) {

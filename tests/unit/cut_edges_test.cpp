@@ -28,8 +28,8 @@ Measure measured(const Mesh& mesh) {
   Measure out;
   for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
     const auto& c = mesh.triangle[f];
-    const Vec<Body> twice = cross(mesh.vertex[c[1]] - mesh.vertex[c[0]],
-                                  mesh.vertex[c[2]] - mesh.vertex[c[0]]);
+    const Vec<Body> twice =
+        cross(mesh.vertex[c[1]] - mesh.vertex[c[0]], mesh.vertex[c[2]] - mesh.vertex[c[0]]);
     out.area[mesh.triangle_group[f]] += 0.5 * length(twice);
     out.sum = out.sum + 0.5 * twice;
     for (std::size_t i = 0; i < 3; ++i) {

@@ -46,10 +46,9 @@ class Computation {
   }
 
   absl::Status solve() {
-    factors_ = exchange_factors(target_, faces_,
-                                {.rays = knots_.rays,
-                                 .seed = knots_.seed,
-                                 .surface_z_m = request_.beneath.surface_z_m});
+    factors_ = exchange_factors(
+        target_, faces_,
+        {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = request_.beneath.surface_z_m});
     rays_ += static_cast<std::uint64_t>(knots_.rays) * faces_.size();
     light();
     kelvin_.resize(count() * faces_.size());
@@ -57,8 +56,8 @@ class Computation {
     incoming_.resize(count() * faces_.size());
     for (std::size_t k = 0; k < count(); ++k)
       for (std::uint32_t i = 0; i < faces_.size(); ++i)
-        kelvin_[k * faces_.size() + i] = static_cast<float>(
-            part_of(i).build_up ? weather(k).air_k : part_of(i).stated_k);
+        kelvin_[k * faces_.size() + i] =
+            static_cast<float>(part_of(i).build_up ? weather(k).air_k : part_of(i).stated_k);
     double before_k = INFINITY;
     for (rounds_ = 1; true; ++rounds_) {
       exchange();
@@ -207,8 +206,8 @@ class Computation {
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const {
     if (covered_[face])
       return {emissivity_[face], request_.beneath.water ? kStillWater : kForcedOnly};
-    Convection air = tarp_natural(
-        -static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
+    Convection air =
+        tarp_natural(-static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
     air.mixing = 0;  // with forced parts by MoWiTT: root of the sum of squares, as in DOE-2
     return {emissivity_[face], air};
   }
@@ -225,17 +224,16 @@ class Computation {
     if (covered_[face]) {
       const Beneath& b = request_.beneath;
       to.fluid_k[at] = b.temperature_k;
-      to.forced_h_w_m2_k[at] =
-          b.water ? plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s,
-                                         2 * target_.radius_m)
-                  : 0;
+      to.forced_h_w_m2_k[at] = b.water ? plate_in_flow_w_m2_k(sea_water(b.temperature_k),
+                                                              b.flow_m_s, 2 * target_.radius_m)
+                                       : 0;
       return;
     }
     const HeatWeather& w = weather(k);
     to.fluid_k[at] = w.air_k;
     const FaceNormal n = normal_of(target_, faces_, face);
-    const double towards = static_cast<double>(n.x) * w.wind_from.x +
-                           static_cast<double>(n.y) * w.wind_from.y;
+    const double towards =
+        static_cast<double>(n.x) * w.wind_from.x + static_cast<double>(n.y) * w.wind_from.y;
     to.forced_h_w_m2_k[at] = mowitt_forced_w_m2_k(
         w.wind_m_s, towards > -1e-6 ? WindSide::kWindward : WindSide::kLeeward);
   }
@@ -391,7 +389,8 @@ class PlaneNeighbours {
 
 absl::Status check(const Target& target, const SceneHeatRequest& request) {
   const auto wrong = [](const std::string& what) { return absl::InvalidArgumentError(what); };
-  if (request.part.size() != target.part.size()) return wrong("parts: one for each of the target's");
+  if (request.part.size() != target.part.size())
+    return wrong("parts: one for each of the target's");
   if (request.knot_s.size() < 3 || request.knot_s.size() % 2 == 0 ||
       request.weather.size() != request.knot_s.size())
     return wrong("knots: an odd number of three or more, with weather for each");
@@ -404,8 +403,8 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
     const HeatPart& part = request.part[p];
     const std::string name = absl::StrCat("part \"", target.part[p].name, "\": ");
     if (!(part.solar_absorptance >= 0 && part.solar_absorptance <= 1))
-      return wrong(absl::StrCat(name, "solar absorptance ", part.solar_absorptance,
-                                ", expected 0 to 1"));
+      return wrong(
+          absl::StrCat(name, "solar absorptance ", part.solar_absorptance, ", expected 0 to 1"));
     if (!(part.emissivity >= 0 && part.emissivity <= 1))
       return wrong(absl::StrCat(name, "emissivity ", part.emissivity, ", expected 0 to 1"));
     if (part.build_up && *part.build_up >= request.build_up.size())
@@ -467,8 +466,8 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
     const std::vector<float> steps = neighbours.largest_difference(kelvin);
     for (std::uint32_t f = 0; f < facets; ++f) {
       if (std::isnan(kelvin[f])) continue;
-      double error = static_cast<double>(fine.error_k(k, f)) + fine.left_k() +
-                     difference_k(f, k) + static_cast<double>(steps[f]) / std::sqrt(12.0);
+      double error = static_cast<double>(fine.error_k(k, f)) + fine.left_k() + difference_k(f, k) +
+                     static_cast<double>(steps[f]) / std::sqrt(12.0);
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
         error += 0.5 * std::abs(static_cast<double>(kelvin[f] - fine.kelvin(k, back)));
       error_k[f] = static_cast<float>(error);

@@ -50,10 +50,10 @@ struct HeatRadiation {
 };
 struct HeatWeather {
   double air_k;
-  double wind_m_s;         // relative to the target
-  Vec<Body> wind_from;     // unit vector, horizontal: where it comes from
-  Vec<Body> sun;           // unit vector towards the sun
-  double sun_radius_rad;   // its angular radius
+  double wind_m_s;              // relative to the target
+  Vec<Body> wind_from;          // unit vector, horizontal: where it comes from
+  Vec<Body> sun;                // unit vector towards the sun
+  double sun_radius_rad;        // its angular radius
   HeatRadiation before, after;  // the instant: of records that are means they jump
 };
 
@@ -65,7 +65,7 @@ struct SceneHeatRequest {
   // computation that shows the errors; so the count is odd.
   std::vector<double> knot_s;
   std::vector<HeatWeather> weather;  // [knot]
-  std::size_t day_knots;             // the first so many intervals are a day that has repeated for ever
+  std::size_t day_knots;  // the first so many intervals are a day that has repeated for ever
   std::vector<std::size_t> output_knot;  // even, increasing
   std::uint32_t rays = 256;              // of each face to its surroundings
   std::uint32_t sun_points = 16;         // of each face, for every place of the sun
@@ -79,8 +79,8 @@ struct SceneHeatResult {
   // a number.
   std::vector<std::vector<float>> kelvin, error_k;
   int exchange_rounds = 0;
-  double exchange_left_k = 0;      // what another round would change at most
-  double closure_w_m2 = 0;         // of all walls (HeatResult)
+  double exchange_left_k = 0;     // what another round would change at most
+  double closure_w_m2 = 0;        // of all walls (HeatResult)
   std::uint64_t from_behind = 0;  // ExchangeFactors
   std::uint64_t rays = 0;
 };
@@ -88,9 +88,9 @@ struct SceneHeatResult {
 // Two computations: of all knots, and of every second one with half the rays and other points.
 // error_k has what conduction is not sure of, what another round of exchange would change, the
 // difference of the two computations (or the root mean square of the differences of the three hours
-// around, if larger: one difference may be small by luck), how much the neighbours in the same plane
-// differ (their temperature is not the facet's over all of it: difference / sqrt(12)), and, of
-// sheets, half of what their two faces differ. An estimate; of the stated model alone.
+// around, if larger: one difference may be small by luck), how much the neighbours in the same
+// plane differ (their temperature is not the facet's over all of it: difference / sqrt(12)), and,
+// of sheets, half of what their two faces differ. An estimate; of the stated model alone.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
 

@@ -14,8 +14,8 @@ void sun_visibility(const Target& target, const ThermalFaces& faces, const SunDi
                     const SunSettings& settings, std::span<float> out) {
   std::fill(out.begin(), out.end(), 0.0f);
   if (sun.direction.z >= 0) return;
-  const Vec<Body> beside = normalized(
-      cross(sun.direction, std::abs(sun.direction.x) < 0.7 ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0}));
+  const Vec<Body> beside = normalized(cross(
+      sun.direction, std::abs(sun.direction.x) < 0.7 ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0}));
   const Vec<Body> above = cross(sun.direction, beside);
   RayPacket packet{};
   std::array<std::uint32_t, RayPacket::kSize> face_of{};
@@ -53,8 +53,8 @@ void sun_visibility(const Target& target, const ThermalFaces& faces, const SunDi
       const FacePoint from = point_of(target, faces, face, at.x, at.y);
       const double radius = sun.angular_radius_rad * std::sqrt(static_cast<double>(on_disk.x)),
                    angle = 2 * std::numbers::pi * static_cast<double>(on_disk.y);
-      const Vec<Body> to = sun.direction + radius * std::cos(angle) * beside +
-                           radius * std::sin(angle) * above;
+      const Vec<Body> to =
+          sun.direction + radius * std::cos(angle) * beside + radius * std::sin(angle) * above;
       packet.org_x[count] = from.x;
       packet.org_y[count] = from.y;
       packet.org_z[count] = from.z;

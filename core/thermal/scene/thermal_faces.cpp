@@ -30,10 +30,9 @@ ThermalFaces make_thermal_faces(const Target& target) {
     const bool degenerate = facet.nx == 0 && facet.ny == 0 && facet.nz == 0;
     out.facet.push_back(f);
     out.area_m2.push_back(degenerate ? 0 : 0.5 * length(cross(ab, ac)));
-    out.centroid_z_m.push_back(target.centre.z +
-                               (static_cast<double>(a[2]) + static_cast<double>(b[2]) +
-                                static_cast<double>(c[2])) /
-                                   3);
+    out.centroid_z_m.push_back(
+        target.centre.z +
+        (static_cast<double>(a[2]) + static_cast<double>(b[2]) + static_cast<double>(c[2])) / 3);
   }
   out.back_of_facet.assign(out.fronts, ThermalFaces::kNone);
   for (std::uint32_t f = 0; f < facets; ++f) {
