@@ -247,6 +247,103 @@ TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
   }
 }
 
+// The golden sweep with two heat runs and all that a sweep can say of them.
+schema::ResolvedSweep heated_sweep() {
+  schema::ResolvedSweep sweep = golden_sweep();
+  schema::Sweep& asked = *sweep.mutable_sweep();
+  schema::BuildUp& wall = *asked.add_build_up();
+  wall.set_name("wall");
+  wall.set_inside("adiabatic");
+  wall.add_layer()->set_thickness_m(0.01);
+  asked.mutable_part(0)->set_build_up("wall");
+  asked.mutable_part(0)->set_hot(false);
+  asked.mutable_heat()->set_tolerance_k(0.01);
+  asked.mutable_effects()->set_mode("auto");
+  for (const char* season : {"any", "other"}) {
+    schema::HeatRun& run = *sweep.add_heat();
+    run.set_season(season);
+    run.add_time_utc("2025-06-21T12:00:00Z");
+    schema::WeatherRecord& record = *run.mutable_course()->add_record();
+    record.set_unix_s(1750507200);
+    record.set_air_temperature_k(290);
+    run.mutable_surroundings()->set_kind("none");
+    run.mutable_weather()->set_profile_csv("text");
+    run.mutable_weather()->set_profile_file_name("sonde.csv");
+    run.add_part_temperature_k(0);
+  }
+  schema::ConditionField& from = *sweep.mutable_condition(0)->mutable_temperature_field();
+  from.set_heat(0);
+  from.add_part(0);
+  return sweep;
+}
+
+TEST(ExpandJobs, ViewsNeedTheHeatJobsThatComeFirst) {
+  const std::vector<schema::JobSpec> jobs = expand_jobs(heated_sweep(), 1);
+  ASSERT_EQ(jobs.size(), 4U);
+  EXPECT_EQ(jobs[0].heat().heat(), 0U);
+  EXPECT_EQ(jobs[1].heat().heat(), 1U);
+  EXPECT_NE(jobs[0].job_key(), jobs[1].job_key());
+  for (const std::size_t view : {2, 3}) {
+    EXPECT_TRUE(jobs[view].has_view());
+    EXPECT_THAT(jobs[view].needs(), ElementsAre(jobs[0].job_key(), jobs[1].job_key()));
+  }
+  for (const schema::JobSpec& job : jobs)
+    EXPECT_EQ(job.sweep_sha256(), sha256_hex(canonical_encoding(heated_sweep())));
+  EXPECT_NE(expand_jobs(heated_sweep(), 2)[0].job_key(), jobs[0].job_key());
+}
+
+// Whatever is present in the sweep changes the key of a heat run, except what is listed here: a
+// changed band or viewpoint does not compute its temperatures anew.
+TEST(ExpandJobs, KeysOfHeatRunsChangeWithEveryDeterminingField) {
+  const auto is_free = [](const std::string& path) {
+    for (const char* prefix :
+         {"viewpoint.", "condition.", "sweep.viewpoints.", "sweep.band.", "sweep.accuracy.",
+          "sweep.effects.", "sweep.output.", "sweep.season.", "sweep.surroundings."})
+      if (path.rfind(prefix, 0) == 0) return true;
+    return std::set<std::string>{"sweep.name",
+                                 "sweep.description",
+                                 "sweep.time",
+                                 "sweep.transport.job_size_vertices",
+                                 "sweep.part.temperature_k",
+                                 "sweep.part.hot",
+                                 "heat.weather.profile_file_name"}
+        .contains(path);
+  };
+  schema::ResolvedSweep sweep = heated_sweep();
+  sweep.mutable_heat()->RemoveLast();
+  const std::string key = expand_jobs(sweep, 1)[0].job_key();
+  std::set<std::string> seen;
+  with_each_scalar_changed(sweep, "", [&](const std::string& path) {
+    seen.insert(path);
+    EXPECT_EQ(expand_jobs(sweep, 1)[0].job_key() == key, is_free(path)) << path;
+  });
+  for (const char* path :
+       {"heat.season", "heat.time_utc", "heat.course.record.air_temperature_k",
+        "heat.weather.profile_csv", "heat.surroundings.kind", "sweep.build_up.layer.thickness_m",
+        "sweep.heat.tolerance_k", "sweep.part.build_up", "sweep.material.emissivity", "sweep.seed",
+        "sweep.model.triangles", "sweep.place.latitude_deg", "sweep.band.step_um",
+        "viewpoint.range_m"})
+    EXPECT_TRUE(seen.contains(path)) << path;
+  schema::ResolvedSweep stated = sweep;
+  stated.mutable_heat(0)->set_part_temperature_k(0, 300);
+  EXPECT_NE(expand_jobs(stated, 1)[0].job_key(), key);
+  schema::ResolvedSweep two = heated_sweep();
+  EXPECT_EQ(expand_jobs(two, 1)[0].job_key(), key) << "another run does not matter";
+}
+
+TEST(ExpandJobs, KeysOfViewsCoverWhatTheyNeed) {
+  const std::vector<schema::JobSpec> jobs = expand_jobs(heated_sweep(), 1);
+  schema::ResolvedSweep warmer = heated_sweep();
+  warmer.mutable_heat(1)->mutable_course()->mutable_record(0)->set_air_temperature_k(291);
+  const std::vector<schema::JobSpec> changed = expand_jobs(warmer, 1);
+  EXPECT_EQ(changed[0].job_key(), jobs[0].job_key());
+  EXPECT_NE(changed[1].job_key(), jobs[1].job_key());
+  EXPECT_NE(changed[2].job_key(), jobs[2].job_key());
+  schema::ResolvedSweep renamed = heated_sweep();
+  renamed.mutable_heat(0)->mutable_weather()->set_profile_file_name("sonde2.csv");
+  EXPECT_EQ(expand_jobs(renamed, 1)[2].job_key(), jobs[2].job_key());
+}
+
 TEST(ExpandJobs, ARenamedModelFileKeepsTheKeysAndAnotherOneDoesNot) {
   const auto original = resolved_file(kExamples / "primitives.toml");
   ASSERT_TRUE(original.ok()) << original.status();

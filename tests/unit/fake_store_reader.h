@@ -38,6 +38,20 @@ class FakeStoreReader : public StoreReader {
   std::map<std::int64_t, StoredLedger> ledgers;
   std::map<std::int64_t, schema::Thumbnail> thumbnails;
   std::map<std::string, StoredSweep> sweeps;
+  std::vector<StoredTemperature> temperatures;
+
+  absl::StatusOr<std::vector<StoredTemperature>> computed_temperatures(
+      const TemperatureFilter& f) override {
+    std::vector<StoredTemperature> out;
+    for (const StoredTemperature& t : temperatures)
+      if ((f.sweep.empty() || f.sweep == t.sweep) && (f.season.empty() || f.season == t.season) &&
+          (f.time_utc.empty() || f.time_utc == t.time_utc))
+        out.push_back(t);
+    return out;
+  }
+  absl::StatusOr<std::vector<StoredHeatJob>> heat_jobs(const std::string& /*sweep*/) override {
+    return std::vector<StoredHeatJob>();
+  }
 
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& f) override {
     std::vector<StoredSignature> out;

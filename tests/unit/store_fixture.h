@@ -9,6 +9,7 @@
 #include <sqlite3.h>
 #include <stdlib.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -218,6 +219,72 @@ inline absl::StatusOr<int> complete_jobs(StoreWriter& writer, const schema::Reso
   return done;
 }
 
+// The sweep with a heat run of each season: part 0 is computed, the others are stated.
+inline schema::ResolvedSweep with_heat(schema::ResolvedSweep sweep) {
+  for (int c = 0; c < sweep.condition_size(); ++c) {
+    schema::Condition& condition = *sweep.mutable_condition(c);
+    schema::HeatRun& run = *sweep.add_heat();
+    run.set_season(condition.season());
+    run.add_time_utc(condition.time_utc());
+    condition.set_part_temperature_k(0, 0);
+    *run.mutable_part_temperature_k() = condition.part_temperature_k();
+    schema::ConditionField& from = *condition.mutable_temperature_field();
+    from.set_heat(static_cast<std::uint32_t>(c));
+    from.add_part(0);
+  }
+  return sweep;
+}
+
+// Heat jobs first; `build_up` stands for all that only temperatures depend on.
+inline std::vector<schema::JobSpec> make_heat_jobs(const schema::ResolvedSweep& sweep,
+                                                   const std::string& sweep_sha256,
+                                                   const std::string& build_up = "steel") {
+  std::vector<schema::JobSpec> jobs, views = make_jobs(sweep, sweep_sha256);
+  std::vector<std::string> keys;
+  for (int run = 0; run < sweep.heat_size(); ++run) {
+    schema::JobSpec& job = jobs.emplace_back();
+    job.set_sweep_sha256(sweep_sha256);
+    job.set_job_key(absl::StrCat("heat of ", sweep.heat(run).season(), ", ", build_up, ", ",
+                                 sweep.heat(run).time_utc_size(), " times"));
+    job.mutable_heat()->set_heat(static_cast<std::uint32_t>(run));
+    keys.push_back(job.job_key());
+  }
+  for (schema::JobSpec& view : views) {
+    view.mutable_needs()->Add(keys.begin(), keys.end());
+    view.set_job_key(absl::StrCat(view.job_key(), ",", build_up, keys.front()));
+    jobs.push_back(view);
+  }
+  return jobs;
+}
+
+// Three facets, of which the last one's temperature is stated.
+inline schema::JobResult make_heat_result(const schema::ResolvedSweep& sweep,
+                                          const schema::JobSpec& job, float kelvin = 300) {
+  const schema::HeatRun& run = sweep.heat(static_cast<int>(job.heat().heat()));
+  schema::JobResult result = make_result(sweep, schema::JobSpec());
+  result.set_job_key(job.job_key());
+  schema::HeatField field;
+  field.set_facets(3);
+  for (int time = 0; time < run.time_utc_size(); ++time) {
+    const float hour = static_cast<float>(time);
+    field.add_unix_s(1750469400 + 3600 * time);  // 2025-06-21T01:30:00Z and hours after it
+    for (const float value : {kelvin + hour, kelvin + hour + 2, NAN})
+      field.mutable_kelvin()->append(reinterpret_cast<const char*>(&value), sizeof value);
+    for (const float value : {0.5F, 1.5F, NAN})
+      field.mutable_error_k()->append(reinterpret_cast<const char*>(&value), sizeof value);
+    schema::PartTemperature& part = *result.mutable_heat()->add_part();
+    part.set_part_index(0);
+    part.set_time_index(static_cast<std::uint32_t>(time));
+    part.set_mean_k(static_cast<double>(kelvin + hour) + 1);
+    part.set_coldest_k(static_cast<double>(kelvin + hour));
+    part.set_hottest_k(static_cast<double>(kelvin + hour) + 2);
+    part.set_error_k(1);
+  }
+  result.mutable_heat()->set_field(field.SerializeAsString());
+  result.mutable_heat()->add_warning("the weather of " + run.season() + " is odd");
+  return result;
+}
+
 // What any SQLite client sees: the first column of the first row, as text.
 inline std::string sqlite_text(const std::string& path, const std::string& statement) {
   sqlite3* handle = nullptr;
@@ -245,6 +312,8 @@ inline std::string without_what_came_after(int version) {
       "DROP VIEW ledger_view; DROP TABLE ledger; DROP TABLE energy; DROP TABLE effect;"
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
       "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
+      "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
+      "DROP TABLE heat_job;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
@@ -265,6 +334,7 @@ inline std::string with_version(int version) {
       "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
       "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
       "CREATE VIEW job_view AS SELECT job_id FROM job;"
+      "CREATE VIEW sweep_view AS SELECT sweep_id FROM sweep;"
       "PRAGMA user_version = ",
       version, "; SELECT 'older'");
 }

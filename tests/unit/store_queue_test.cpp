@@ -234,8 +234,7 @@ TEST_F(StoreNeeds, WhatNeedsAJobThatWasGivenUpIsGivenUp) {
   EXPECT_EQ(progress().waiting, 0U) << "a farm would wait for ever";
   EXPECT_EQ(progress().failures,
             (std::vector<std::string>{"job 0 on c: no memory",
-                                      "job 2 on no worker: needs job 0, which was given up",
-                                      "job 3 on no worker: needs job 0, which was given up"}));
+                                      "2 jobs (2 to 3): need job 0, which was given up"}));
   complete(1);
   ASSERT_OK(writer_->commit());
   // Submitted again, all of them wait again, in their order.
