@@ -103,6 +103,12 @@ void print_plan(std::ostream& out, const LoadedSweep& loaded, const SweepPilot& 
                                     workers, pilot.start_s);
   fmt::print(out, "{}: {}, in {} job{}\n", sweep.sweep().name(), rows_text(loaded.size), p.jobs,
              p.jobs == 1 ? "" : "s");
+  if (sweep.heat_size() > 0)
+    fmt::print(out,
+               "before     {} job{} that compute{} temperatures, which every view needs: not "
+               "part of the times below\n",
+               sweep.heat_size(), sweep.heat_size() == 1 ? "" : "s",
+               sweep.heat_size() == 1 ? "s" : "");
   fmt::print(out, "asked      {}\n", accuracy_text(sweep.sweep().accuracy()));
   fmt::print(
       out, "job        {} of CPU time (median; quartiles {} and {}), {:.0f} samples a replicate\n",
@@ -143,7 +149,8 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                                      {"reached_share"},
                                      {"at_floor_share"},
                                      {"kept_by_bias_share"},
-                                     {"kept_by_limit_share"}};
+                                     {"kept_by_limit_share"},
+                                     {"heat_jobs"}};
   auto writer = make_table_writer(format, heads, out);
   if (!writer.ok()) return writer.status();
   const auto workers = static_cast<std::uint32_t>(p.workers);
@@ -153,12 +160,26 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
                                       workers, pilot.start_s);
     const bool by_error = rule.relative_error > 0;
     const auto share = [&](double value) { return by_error ? Cell(value) : Cell(); };
-    (*writer)->row({loaded.resolved.sweep().name(), asked, share(rule.relative_error),
-                    size.viewpoints, size.conditions, size.bands, size.rows(), p.jobs, p.workers,
-                    cost.median_samples, cost.job_cpu_median_s, cost.cpu_s, cost.wall_s,
-                    loaded.memory.bytes(size.conditions, workers), p.database_bytes,
-                    share(cost.reached_share), share(cost.at_floor_share),
-                    share(cost.kept_by_bias_share), share(cost.kept_by_limit_share)});
+    (*writer)->row({loaded.resolved.sweep().name(),
+                    asked,
+                    share(rule.relative_error),
+                    size.viewpoints,
+                    size.conditions,
+                    size.bands,
+                    size.rows(),
+                    p.jobs,
+                    p.workers,
+                    cost.median_samples,
+                    cost.job_cpu_median_s,
+                    cost.cpu_s,
+                    cost.wall_s,
+                    loaded.memory.bytes(size.conditions, workers),
+                    p.database_bytes,
+                    share(cost.reached_share),
+                    share(cost.at_floor_share),
+                    share(cost.kept_by_bias_share),
+                    share(cost.kept_by_limit_share),
+                    std::uint64_t{static_cast<std::uint64_t>(loaded.resolved.heat_size())}});
   };
   line(pilot.rule, true);
   if (pilot.rule.relative_error > 0)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "coordinator/client/progress_text.h"
@@ -178,8 +179,9 @@ void print_guards(std::ostream& out, const JobSums& sums) {
 struct SweepReport {
   SweepProgress progress;
   StoredSweep sweep;
-  std::vector<StoredJobCost> jobs;
-  JobSums sums;  // of them
+  std::vector<StoredJobCost> jobs;  // its views
+  JobSums sums;                     // of them
+  std::vector<StoredHeatJob> heat;  // its jobs that compute temperatures
   std::optional<StoredPrediction> prediction;
   std::vector<StoredSignature> rows;
   std::size_t superseded = 0;                     // rows of an earlier version of the sweep
@@ -197,6 +199,9 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
   if (!jobs.ok()) return jobs.status();
   report.jobs = *std::move(jobs);
   report.sums = sums_of(report.jobs);
+  auto heat = reader.heat_jobs(progress.name);
+  if (!heat.ok()) return heat.status();
+  report.heat = *std::move(heat);
   auto prediction = reader.prediction(progress.sweep_sha256);
   if (!prediction.ok()) return prediction.status();
   report.prediction = *std::move(prediction);
@@ -215,21 +220,37 @@ absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& pro
   return report;
 }
 
+double heat_cpu_s(const SweepReport& r) {
+  double sum = 0;
+  for (const StoredHeatJob& job : r.heat) sum += job.cpu_s;
+  return sum;
+}
+
+void print_temperatures(std::ostream& out, const SweepReport& r) {
+  if (r.heat.empty()) return;
+  fmt::print(out, "temperatures: {} of {} jobs done, {} of CPU time, which no prediction counts\n",
+             r.progress.heat_done, r.progress.heat_jobs, seconds_text(heat_cpu_s(r)));
+  for (const StoredHeatJob& job : r.heat)
+    for (const auto line : absl::StrSplit(job.warning, '\n', absl::SkipEmpty()))
+      fmt::print(out, "warning (temperatures of \"{}\"): {}\n", job.season, std::string(line));
+}
+
 void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::size_t sweeps) {
   fmt::print(out, "{}: {} of {} jobs done, {} rows, {}\n", r.progress.name, r.progress.done,
              r.progress.jobs, r.rows.size(), count_text(r.sums.rays, "rays"));
+  print_temperatures(out, r);
   if (r.superseded > 0)
     fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",
                r.superseded);
   if (r.jobs.empty()) {
-    fmt::print(out, "nothing is done yet{}\n",
+    fmt::print(out, "{} is done yet{}\n", r.heat.empty() ? "nothing" : "no view",
                r.prediction ? "; " + prediction_line(*r.prediction) : std::string());
     return;
   }
   print_cost(out, r.sums, r.prediction, bytes, sweeps);
-  if (r.prediction && r.jobs.size() < r.progress.jobs)
-    fmt::print(out, "  the sweep is not complete: what is predicted is for all {} jobs\n",
-               r.progress.jobs);
+  if (r.prediction && r.jobs.size() < r.progress.jobs - r.progress.heat_jobs)
+    fmt::print(out, "  the sweep is not complete: what is predicted is for all {} {}\n",
+               r.progress.jobs - r.progress.heat_jobs, r.heat.empty() ? "jobs" : "views");
   if (r.prediction && r.prediction->determinism_class != r.jobs.front().determinism_class)
     fmt::print(out, "  predicted on another machine or build: {}\n",
                r.prediction->determinism_class);
@@ -270,7 +291,7 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   add("sweep", r.progress.name);
   add("sweep_sha256", r.progress.sweep_sha256);
   add("done", r.progress.done);
-  both("jobs", &StoredPrediction::jobs, r.progress.jobs);
+  both("jobs", &StoredPrediction::jobs, r.progress.jobs - r.progress.heat_jobs);
   add("rows", std::uint64_t{r.rows.size()});
   add("superseded_rows", std::uint64_t{r.superseded});
   add("rays", r.sums.rays);
@@ -297,7 +318,12 @@ std::vector<std::pair<std::string, Cell>> columns_of(const SweepReport& r, std::
   add("guarded_backface_hits", r.sums.backface);
   add("guarded_nonfinite", r.sums.nonfinite);
   add("guarded_path_limit", r.sums.path_limit);
+  add("heat_jobs", r.progress.heat_jobs);
+  add("heat_done", r.progress.heat_done);
+  add("heat_cpu_s", heat_cpu_s(r));
   std::vector<std::string> warnings;
+  for (const StoredHeatJob& job : r.heat)
+    if (!job.warning.empty()) warnings.push_back(job.warning);
   if (!r.back_faces.empty()) warnings.push_back(r.back_faces);
   for (const auto& [warning, count] : r.warnings) warnings.push_back(warning);
   add("warning", absl::StrJoin(warnings, "\n"));

@@ -94,8 +94,8 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
   ProgressLine line;
   ProgressView view;
   view.workers = asked.workers;
-  const auto start = Steady::now();
-  bool first = true;
+  auto start = Steady::now();
+  bool first = true;  // or nothing but temperatures has been computed yet
   std::uint64_t jobs_settled = 0;
   auto pause = std::chrono::milliseconds(20);
   while (true) {
@@ -115,7 +115,8 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
         if (first) {
           view.done_before = sweep.done();
           view.rays_before = sweep.rays();
-          first = false;
+          start = Steady::now();
+          first = sweep.heat_done() < sweep.heat_jobs();
         }
         view.elapsed_s = std::chrono::duration<double>(Steady::now() - start).count();
         line.show(progress_text(sweep, view));
@@ -151,8 +152,13 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
   for (const auto& sweep : status.sweep()) {
     const auto kept = shortfall(**reader, sweep.name());
     if (!kept.ok()) return kept.status();
-    print_text("{}: {} of {} jobs done, {}, worst error {:.2g} %{}, {:.1f} s -> {}\n", sweep.name(),
-               sweep.done(), sweep.jobs(), count_text(static_cast<double>(sweep.rays()), "rays"),
+    const std::string stages =
+        sweep.heat_jobs() == 0
+            ? std::string()
+            : fmt::format(" (temperatures: {} of {})", sweep.heat_done(), sweep.heat_jobs());
+    print_text("{}: {} of {} jobs done{}, {}, worst error {:.2g} %{}, {:.1f} s -> {}\n",
+               sweep.name(), sweep.done(), sweep.jobs(), stages,
+               count_text(static_cast<double>(sweep.rays()), "rays"),
                100 * sweep.worst_relative_error(), *kept, seconds, asked.db_path);
     if (sweep.done() == sweep.jobs()) continue;
     std::string text = fmt::format("{}: {} jobs failed, {} were cancelled", sweep.name(),

@@ -21,19 +21,26 @@ std::string count_text(double count, std::string_view noun) {
 }
 
 std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view) {
-  std::string text = fmt::format("jobs {}/{}", sweep.done(), sweep.jobs());
   const std::uint64_t settled = sweep.done() + sweep.quarantined() + sweep.cancelled();
   const std::uint64_t left = sweep.jobs() > settled ? sweep.jobs() - settled : 0;
-  if (sweep.done() > view.done_before && view.elapsed_s > 0) {
-    const auto here = static_cast<double>(sweep.done() - view.done_before);
-    const auto rays =
-        sweep.rays() > view.rays_before ? static_cast<double>(sweep.rays() - view.rays_before) : 0;
-    text += fmt::format("  {}/s", count_text(rays / view.elapsed_s, "rays"));
-    text +=
-        fmt::format("  {} left", duration_text(view.elapsed_s / here * static_cast<double>(left)));
-  }
-  if (sweep.done() > 0) {
-    text += fmt::format("  worst error {:.2g} %", 100 * sweep.worst_relative_error());
+  std::string text;
+  if (sweep.heat_done() < sweep.heat_jobs()) {
+    // What they take says nothing of the views.
+    text = fmt::format("temperatures {} of {}, then {} views", sweep.heat_done(), sweep.heat_jobs(),
+                       sweep.jobs() - sweep.heat_jobs());
+  } else {
+    text = fmt::format("jobs {}/{}", sweep.done(), sweep.jobs());
+    if (sweep.done() > view.done_before && view.elapsed_s > 0) {
+      const auto here = static_cast<double>(sweep.done() - view.done_before);
+      const auto rays = sweep.rays() > view.rays_before
+                            ? static_cast<double>(sweep.rays() - view.rays_before)
+                            : 0;
+      text += fmt::format("  {}/s", count_text(rays / view.elapsed_s, "rays"));
+      text += fmt::format("  {} left",
+                          duration_text(view.elapsed_s / here * static_cast<double>(left)));
+    }
+    if (sweep.done() > sweep.heat_done())
+      text += fmt::format("  worst error {:.2g} %", 100 * sweep.worst_relative_error());
   }
   if (sweep.quarantined() > 0) text += fmt::format("  {} failed", sweep.quarantined());
   text += fmt::format("  {} worker{}", view.workers, view.workers == 1 ? "" : "s");

@@ -8,12 +8,13 @@ namespace irsig {
 
 // What has been seen of a running sweep: enough for rates that leave out what was done before.
 struct ProgressView {
-  double elapsed_s = 0;
+  double elapsed_s = 0;           // since temperatures, if there are any to compute, were known
   std::uint64_t done_before = 0;  // jobs and rays that this run found done
   std::uint64_t rays_before = 0;
   std::uint32_t workers = 0;
 };
 
+// "temperatures 1 of 2, then 191 views" while jobs compute what the views need; then
 // "jobs 57/191  2.1 Mrays/s  1:23 left  worst error 0.12 %": one line without a line feed.
 [[nodiscard]] std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view);
 

@@ -175,6 +175,66 @@ TEST_F(FarmKillTest, AJobThatFailsOrKillsItsWorkerIsSetAsideAndTheRestIsDone) {
                                             testing::HasSubstr("its worker was lost")));
 }
 
+// Temperatures first, then the views that need them.
+TEST_F(FarmKillTest, KilledWorkersLeaveTheSameTemperatures) {
+  const auto sweep = heated_frigate_sweep(20);
+  const std::uint64_t jobs = 20 + static_cast<std::uint64_t>(sweep.heat_size());
+  ASSERT_GE(sweep.heat_size(), 2);
+  ASSERT_EQ(run(plan("calm.sigdb", 1, {}), sweep).done(), jobs);
+  std::uint64_t next_kill = 0;
+  int kills = 0;
+  const auto kill_a_worker = [&](std::uint64_t settled) {
+    if (settled < next_kill) return;
+    for (const auto& child : children_of(getpid())) {
+      if (!child.name.starts_with("irsig-synthetic")) continue;
+      kills += kill(child.pid, SIGKILL) == 0;
+      break;
+    }
+    next_kill = settled + 1;
+  };
+  const auto status = run(plan("killed.sigdb", 2, {"--seconds", "0.05"}), sweep, kill_a_worker);
+  EXPECT_EQ(status.done(), jobs);
+  EXPECT_EQ(status.heat_done(), status.heat_jobs());
+  EXPECT_GE(kills, 4);
+  EXPECT_EQ(digest("killed.sigdb"), digest("calm.sigdb"));
+}
+
+TEST_F(FarmKillTest, ARunThatIsKilledBetweenItsStagesGoesOnInAnotherRun) {
+  const auto sweep = heated_frigate_sweep(10);
+  const std::uint64_t jobs = 10 + static_cast<std::uint64_t>(sweep.heat_size());
+  ASSERT_EQ(run(plan("calm.sigdb", 2, {}), sweep).done(), jobs);
+  for (const std::uint64_t stop_after : {std::uint64_t{1}, jobs - 10, jobs - 9}) {
+    const std::string db = absl::StrCat("resumed", stop_after, ".sigdb");
+    {
+      auto farm = LocalFarm::start(plan(db, 1, {"--seconds", "0.05"}));
+      ASSERT_TRUE(farm.ok()) << farm.status();
+      ASSERT_TRUE(submit((*farm)->address(), sweep, {}, 1).ok());
+      ASSERT_TRUE((*farm)->start_workers().ok());
+      while (farm_status((*farm)->address())->sweep(0).done() < stop_after)
+        std::this_thread::sleep_for(milliseconds(5));
+      for (const auto& child : children_of(getpid())) kill(child.pid, SIGKILL);
+    }
+    EXPECT_EQ(run(plan(db, 2, {}), sweep).done(), jobs);
+    EXPECT_EQ(digest(db), digest("calm.sigdb"));
+  }
+}
+
+TEST_F(FarmKillTest, TemperaturesThatCannotBeComputedEndTheRunWithTheReason) {
+  const auto sweep = heated_frigate_sweep(20);
+  const auto heat_jobs = static_cast<std::uint64_t>(sweep.heat_size());
+  const auto status = run(plan("bad.sigdb", 2, {"--failing-heat", "1"}), sweep);
+  EXPECT_EQ(status.done(), heat_jobs - 1);
+  EXPECT_EQ(status.quarantined(), 21U);
+  ASSERT_EQ(status.failure_size(), 2);
+  EXPECT_THAT(status.failure(0),
+              testing::HasSubstr("job 1 (temperatures of \"" + sweep.heat(1).season() + "\")"));
+  EXPECT_THAT(status.failure(0), testing::HasSubstr("heat run 1 is cursed"));
+  EXPECT_THAT(status.failure(1), testing::HasSubstr("20 jobs"));
+  EXPECT_THAT(status.failure(1), testing::HasSubstr("need job 1, which was given up"));
+  // Again, with workers that can.
+  EXPECT_EQ(run(plan("bad.sigdb", 2, {}), sweep).done(), heat_jobs + 20);
+}
+
 TEST_F(FarmKillTest, AnotherDeterminismClassEndsTheRunWithItsReason) {
   const auto sweep = frigate_sweep(2);
   {

@@ -1,15 +1,18 @@
 #include "tests/fault/synthetic_farm.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <random>
 #include <sstream>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
 #include "jobs/sweep_file.h"
 #include "tests/fault/synthetic_ledger.h"
 
@@ -24,12 +27,26 @@ std::string random_bytes(std::mt19937_64& random, std::size_t size) {
 
 class SyntheticRunner final : public JobRunner {
  public:
-  SyntheticRunner(schema::ResolvedSweep sweep, const SyntheticWork& work)
-      : sweep_(std::move(sweep)), work_(work) {}
+  SyntheticRunner(schema::ResolvedSweep sweep, HeatOutputs heat, const SyntheticWork& work)
+      : sweep_(std::move(sweep)), heat_(std::move(heat)), work_(work) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     if (work_.seconds > 0)
       std::this_thread::sleep_for(std::chrono::duration<double>(work_.seconds));
+    if (job.has_heat()) {
+      if (work_.failing_heat.contains(job.heat().heat()))
+        return absl::InternalError(absl::StrCat("heat run ", job.heat().heat(), " is cursed"));
+      return synthetic_result(sweep_, job);
+    }
+    HeatOutputs expected;
+    for (const std::string& needed : job.needs()) {
+      schema::JobSpec heat_job;
+      heat_job.set_job_key(needed);
+      heat_job.mutable_heat()->set_heat(static_cast<std::uint32_t>(expected.size()));
+      expected.push_back(synthetic_result(sweep_, heat_job).heat().field());
+    }
+    if (heat_ != expected)
+      return absl::InternalError("a view without the temperatures that it needs");
     if (work_.crashing.contains(job.view().viewpoint_index())) std::abort();
     if (work_.failing.contains(job.view().viewpoint_index())) {
       return absl::InternalError(
@@ -40,8 +57,44 @@ class SyntheticRunner final : public JobRunner {
 
  private:
   schema::ResolvedSweep sweep_;
+  HeatOutputs heat_;
   SyntheticWork work_;
 };
+
+void append(std::string& bytes, float value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// The first part has 4999 facets, another one the last.
+schema::HeatJobResult synthetic_heat(const schema::HeatRun& run,
+                                     const std::function<double()>& number) {
+  constexpr std::uint32_t kFacets = 5000;
+  schema::HeatJobResult out;
+  schema::HeatField field;
+  field.set_facets(kFacets);
+  for (const std::string& time_utc : run.time_utc()) {
+    double sum = 0, coldest = 1e9, hottest = 0;
+    for (std::uint32_t f = 0; f + 1 < kFacets; ++f) {
+      const auto kelvin = static_cast<float>(280 + number() / 1e3);
+      append(*field.mutable_kelvin(), kelvin);
+      append(*field.mutable_error_k(), 0.5F);
+      sum += static_cast<double>(kelvin);
+      coldest = std::min(coldest, static_cast<double>(kelvin));
+      hottest = std::max(hottest, static_cast<double>(kelvin));
+    }
+    append(*field.mutable_kelvin(), NAN);
+    append(*field.mutable_error_k(), NAN);
+    schema::PartTemperature& part = *out.add_part();
+    part.set_time_index(static_cast<std::uint32_t>(field.unix_s_size()));
+    part.set_mean_k(sum / (kFacets - 1));
+    part.set_coldest_k(coldest);
+    part.set_hottest_k(hottest);
+    part.set_error_k(0.5);
+    field.add_unix_s(unix_seconds(*parse_rfc3339(time_utc)));
+  }
+  out.set_field(field.SerializeAsString());
+  return out;
+}
 
 }  // namespace
 
@@ -62,6 +115,22 @@ schema::ResolvedSweep frigate_sweep(std::uint32_t viewpoints, const std::string&
   std::abort();
 }
 
+schema::ResolvedSweep heated_frigate_sweep(std::uint32_t viewpoints, const std::string& name) {
+  schema::ResolvedSweep sweep = frigate_sweep(viewpoints, name);
+  for (schema::Condition& condition : *sweep.mutable_condition()) {
+    if (sweep.heat().empty() || sweep.heat().rbegin()->season() != condition.season())
+      sweep.add_heat()->set_season(condition.season());
+    condition.set_part_temperature_k(0, 0);
+    schema::HeatRun& run = *sweep.mutable_heat()->rbegin();
+    run.add_time_utc(condition.time_utc());
+    *run.mutable_part_temperature_k() = condition.part_temperature_k();
+    schema::ConditionField& from = *condition.mutable_temperature_field();
+    from.set_heat(static_cast<std::uint32_t>(sweep.heat_size() - 1));
+    from.add_part(0);
+  }
+  return sweep;
+}
+
 schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const schema::JobSpec& job) {
   std::mt19937_64 random(std::strtoull(job.job_key().substr(0, 16).c_str(), nullptr, 16));
   const auto number = [&random] { return 1.0 + static_cast<double>(random() >> 40) / 1e6; };
@@ -71,6 +140,9 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
   };
   schema::JobResult result;
   result.set_job_key(job.job_key());
+  if (job.has_heat())
+    *result.mutable_heat() =
+        synthetic_heat(sweep.heat(static_cast<int>(job.heat().heat())), number);
   for (const std::uint32_t condition : job.view().condition_index()) {
     for (const std::uint32_t band_index : job.view().band_index()) {
       const schema::Band& band = sweep.sweep().band(static_cast<int>(band_index));
@@ -137,7 +209,7 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
 RunnerFactory synthetic_runner(const SyntheticWork& work) {
   return [work](const schema::ResolvedSweep& sweep, const Assets& /*assets*/,
                 const HeatOutputs& heat) -> absl::StatusOr<std::unique_ptr<JobRunner>> {
-    return std::make_unique<SyntheticRunner>(sweep, work);
+    return std::make_unique<SyntheticRunner>(sweep, heat, work);
   };
 }
 

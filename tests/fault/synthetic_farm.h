@@ -15,19 +15,25 @@ namespace irsig {
 [[nodiscard]] schema::ResolvedSweep frigate_sweep(std::uint32_t viewpoints,
                                                   const std::string& name = "frigate");
 
+// The same with a heat run of each season: what is not stated of its first part.
+[[nodiscard]] schema::ResolvedSweep heated_frigate_sweep(std::uint32_t viewpoints,
+                                                         const std::string& name = "frigate");
+
 inline constexpr char kSyntheticClass[] = "synthetic";
 
 // A result with made-up numbers, the same for the same job key, wherever it is made; with a PNG of
-// 4 kB and an EXR of 20 kB a row.
+// 4 kB and an EXR of 20 kB a row; of a heat job, with the temperatures of 5000 facets.
 [[nodiscard]] schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep,
                                                  const schema::JobSpec& job);
 
 struct SyntheticWork {
-  double seconds = 0;                // that a job takes
-  std::set<std::uint32_t> failing;   // viewpoints whose jobs fail
-  std::set<std::uint32_t> crashing;  // viewpoints whose jobs kill the worker
+  double seconds = 0;                         // that a job takes
+  std::set<std::uint32_t> failing;            // viewpoints whose jobs fail
+  std::set<std::uint32_t> crashing;           // viewpoints whose jobs kill the worker
+  std::set<std::uint32_t> failing_heat = {};  // heat runs whose jobs fail
 };
 
+// Refuses views without what each job that they need has left.
 [[nodiscard]] RunnerFactory synthetic_runner(const SyntheticWork& work);
 
 }  // namespace irsig

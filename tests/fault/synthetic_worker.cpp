@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", work.seconds);
   app.add_option("--failing", work.failing);
   app.add_option("--crashing", work.crashing);
+  app.add_option("--failing-heat", work.failing_heat);
   CLI11_PARSE(app, argc, argv);
   std::signal(SIGTERM, [](int) { stop_asked = true; });
   auto address = irsig::parse_address(coordinator);

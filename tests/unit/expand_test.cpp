@@ -181,11 +181,17 @@ void with_each_scalar_changed(Message& message, const std::string& prefix,
           set(before);
           break;
         }
-        case FieldDescriptor::CPPTYPE_UINT32:
-          r.SetUInt32(&message, f, r.GetUInt32(message, f) + 1);
+        case FieldDescriptor::CPPTYPE_UINT32: {
+          const auto set = [&](std::uint32_t v) {
+            many ? r.SetRepeatedUInt32(&message, f, i, v) : r.SetUInt32(&message, f, v);
+          };
+          const std::uint32_t before =
+              many ? r.GetRepeatedUInt32(message, f, i) : r.GetUInt32(message, f);
+          set(before + 1);
           visit(path);
-          r.SetUInt32(&message, f, r.GetUInt32(message, f) - 1);
+          set(before);
           break;
+        }
         case FieldDescriptor::CPPTYPE_UINT64:
           r.SetUInt64(&message, f, r.GetUInt64(message, f) + 1);
           visit(path);
