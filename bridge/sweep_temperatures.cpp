@@ -206,7 +206,7 @@ class FacetReader {
   std::map<std::size_t, schema::HeatField> computed_;  // by heat run
 };
 
-// The most emitters that computed temperatures make: each facet its own.
+// The most emitters that computed temperatures make beside whole parts: each facet its own.
 std::size_t facets_of_computed_parts(const schema::ResolvedSweep& sweep,
                                      const std::vector<std::uint32_t>& part_of_facet) {
   std::vector<bool> computed(static_cast<std::size_t>(sweep.sweep().part_size()), false);
@@ -263,7 +263,7 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
     part_of_facet.push_back((*of_groups)[group]);
   if (awaits_temperatures(sweep, heat)) {
     out.awaited = true;
-    out.awaited_emitters = facets_of_computed_parts(sweep, part_of_facet);
+    out.awaited_emitters = parts.size() + facets_of_computed_parts(sweep, part_of_facet);
     schema::ResolvedSweep of_files = sweep;  // what is wrong with those is said now
     for (schema::Condition& c : *of_files.mutable_condition())
       if (c.temperature_field().has_heat()) c.clear_temperature_field();

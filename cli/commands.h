@@ -13,6 +13,7 @@ void add_show(CLI::App& app, int& exit_code);
 void add_show_atmosphere(CLI::App& show, int& exit_code);  // irsig show atmosphere, sky, sun
 void add_show_effects(CLI::App& show, int& exit_code);     // irsig show effects
 void add_show_solids(CLI::App& show, int& exit_code);      // irsig show solids
+void add_show_temperatures(CLI::App& show, int& exit_code);  // irsig show temperatures
 void add_model(CLI::App& app, int& exit_code);
 void add_model_particles(CLI::App& model, int& exit_code);  // irsig model particles
 void add_model_check(CLI::App& model, int& exit_code);      // irsig model check

@@ -282,6 +282,7 @@ void add_show(CLI::App& app, int& exit_code) {
   add_show_atmosphere(*show, exit_code);
   add_show_effects(*show, exit_code);
   add_show_solids(*show, exit_code);
+  add_show_temperatures(*show, exit_code);
 
   const auto sweep_file = std::make_shared<std::string>();
   CLI::App* precompute_command = show->add_subcommand(

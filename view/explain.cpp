@@ -20,7 +20,8 @@ struct Explained {
   QueryRow row;
   StoredLedger ledger;
   std::vector<StoredPart> part;
-  schema::Accuracy accuracy;  // of the sweep
+  std::vector<StoredTemperature> temperature;  // computed, of the row's condition
+  schema::Accuracy accuracy;                   // of the sweep
 
   [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
 };
@@ -49,7 +50,7 @@ absl::StatusOr<QueryRow> find_one(StoreReader& reader, const std::string& sweep,
 absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, std::uint64_t row) {
   auto found = find_one(reader, sweep, row);
   if (!found.ok()) return found.status();
-  Explained out{*std::move(found), {}, {}, {}};
+  Explained out{*std::move(found), {}, {}, {}, {}};
   const std::int64_t id = out.signature().signature_id;
   auto ledger = reader.ledger(id);
   if (!ledger.ok()) return ledger.status();
@@ -57,6 +58,13 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
   auto parts = reader.parts(id);
   if (!parts.ok()) return parts.status();
   out.part = *std::move(parts);
+  const StoredSignature& s = out.signature();
+  if (!s.superseded) {
+    auto temperatures = reader.computed_temperatures(
+        {.sweep = s.sweep, .season = s.season, .time_utc = s.time_utc});
+    if (!temperatures.ok()) return temperatures.status();
+    out.temperature = *std::move(temperatures);
+  }
   const auto stored = reader.sweep(out.signature().sweep);
   if (!stored.ok()) return stored.status();
   out.accuracy = stored->resolved.sweep().accuracy();
@@ -207,6 +215,11 @@ std::string text_of(const Explained& e) {
   for (const StoredPart& part : e.part)
     out += line(part.part, part.intensity_w_sr, s.intensity_w_sr,
                 fmt::format("+- {:.2g}", part.intensity_stderr_w_sr));
+  if (e.temperature.empty()) return out;
+  out += "\ntemperatures that a job has computed, of each part's facets\n";
+  for (const StoredTemperature& t : e.temperature)
+    out += fmt::format("  {:<20} {:>8.2f} K, {:.2f} to {:.2f} K, +- {:.2g} K\n", t.part, t.mean_k,
+                       t.coldest_k, t.hottest_k, t.error_k);
   return out;
 }
 
@@ -259,6 +272,15 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   out << ",\n";
   if (auto status = write_array(
           "parts", {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}, parts, out);
+      !status.ok())
+    return status;
+  out << ",\n";
+  std::vector<std::vector<Cell>> temperatures;
+  for (const StoredTemperature& t : e.temperature)
+    temperatures.push_back({t.part, t.mean_k, t.coldest_k, t.hottest_k, t.error_k});
+  if (auto status =
+          write_array("temperatures", {"part", "mean_k", "coldest_k", "hottest_k", "error_k"},
+                      temperatures, out);
       !status.ok())
     return status;
   out << "}\n";

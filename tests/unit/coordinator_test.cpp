@@ -77,6 +77,20 @@ TEST(ProgressText, LeavesOutWhatWasDoneBefore) {
   EXPECT_EQ(duration_text(3723.4), "1:02:03");
 }
 
+TEST(ProgressText, SaysTheStages) {
+  schema::SweepStatus sweep;
+  sweep.set_jobs(193);
+  sweep.set_heat_jobs(2);
+  sweep.set_done(1);
+  sweep.set_heat_done(1);
+  EXPECT_EQ(progress_text(sweep, {.elapsed_s = 10, .workers = 2}),
+            "temperatures 1 of 2, then 191 views  2 workers");
+  sweep.set_heat_done(2);
+  sweep.set_done(2);
+  EXPECT_EQ(progress_text(sweep, {.elapsed_s = 10, .done_before = 2, .workers = 2}),
+            "jobs 2/193  2 workers");
+}
+
 class ServerTest : public testing::Test {
  protected:
   void SetUp() override {

@@ -9,6 +9,7 @@
 
 #include "tests/unit/fake_store_reader.h"
 #include "view/effect_ledger.h"
+#include "view/temperatures.h"
 
 namespace irsig {
 namespace {
@@ -57,6 +58,38 @@ std::string explained(FakeStoreReader db, std::uint64_t row, const std::string& 
   const absl::Status status = explain_row(db, "", row, format, out);
   EXPECT_TRUE(status.ok()) << status;
   return out.str();
+}
+
+TEST(Explain, ShowsTheTemperaturesThatAJobHasComputed) {
+  FakeStoreReader db = with_ledger();
+  EXPECT_THAT(explained(db, 4), Not(HasSubstr("temperatures that a job")));
+  const StoredSignature& s = db.signatures[3];
+  db.temperatures.push_back(
+      {s.sweep, s.season, s.time_utc, "hull", 301.5, 290, 320, 0.75, false, "key"});
+  db.temperatures.push_back(
+      {s.sweep, "other", s.time_utc, "deck", 301.5, 290, 320, 0.75, false, "key"});
+  EXPECT_THAT(explained(db, 4),
+              HasSubstr("hull                   301.50 K, 290.00 to 320.00 K, +- 0.75 K\n"));
+  EXPECT_THAT(explained(db, 4), Not(HasSubstr("deck")));
+  EXPECT_THAT(explained(db, 4, "json"), HasSubstr("\"mean_k\": 301.5"));
+}
+
+TEST(Temperatures, AreATableOfWhatPassesTheFilter) {
+  FakeStoreReader db = with_ledger();
+  std::ostringstream out;
+  EXPECT_TRUE(absl::IsNotFound(write_temperatures(db, {}, "csv", out)));
+  db.temperatures = {
+      {"ship", "june", "2025-06-21T12:00:00Z", "hull", 301.5, 290, 320, 0.75, false, "key"},
+      {"ship", "july", "2025-07-21T12:00:00Z", "hull", 302.5, 291, 321, 0.5, true, "key"}};
+  TemperatureFilter filter;
+  filter.season = "july";
+  out.str("");
+  ASSERT_TRUE(write_temperatures(db, filter, "csv", out).ok());
+  EXPECT_EQ(out.str(),
+            "sweep,season,time_utc,part,mean_k,coldest_k,hottest_k,error_k,superseded\n"
+            "ship,july,2025-07-21T12:00:00Z,hull,302.5,291,321,0.5,true\n");
+  filter.season = "may";
+  EXPECT_TRUE(absl::IsNotFound(write_temperatures(db, filter, "text", out)));
 }
 
 TEST(Explain, SaysWhatTheRowIsAndEveryErrorOfIt) {

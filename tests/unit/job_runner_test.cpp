@@ -5,7 +5,9 @@
 
 #include <string>
 
+#include "bridge/heat_outputs.h"
 #include "bridge/sweep_temperatures.h"
+#include "core/geo/sun.h"
 #include "jobs/expand.h"
 #include "tests/unit/sweep_text.h"
 
@@ -243,6 +245,107 @@ absl::StatusOr<schema::JobResult> first_job_of_plates(const schema::ResolvedSwee
   const auto runner = JobRunner::create(sweep, model_alone(sweep, kPlates), {});
   if (!runner.ok()) return runner.status();
   return (*runner)->run(expand_jobs(sweep, physics_version()).front());
+}
+
+// The plates with a part whose temperature is computed, "front", at the sweep's one time.
+schema::ResolvedSweep heated_plates() {
+  schema::ResolvedSweep sweep = plates();
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(1);
+  schema::Condition& condition = *sweep.mutable_condition(0);
+  condition.set_part_temperature_k(0, 0);
+  schema::HeatRun& run = *sweep.add_heat();
+  run.set_season(condition.season());
+  run.add_time_utc(condition.time_utc());
+  *run.mutable_part_temperature_k() = condition.part_temperature_k();
+  const double time_s = unix_seconds(*parse_rfc3339(condition.time_utc()));
+  for (const double hour : {-1.0, 1.0}) {
+    schema::WeatherRecord& record = *run.mutable_course()->add_record();
+    record.set_unix_s(time_s + 3600 * hour);
+    record.set_air_temperature_k(300 + 10 * hour);
+  }
+  schema::ConditionField& from = *condition.mutable_temperature_field();
+  from.set_heat(0);
+  from.add_part(0);
+  return sweep;
+}
+
+schema::HeatField field_with(const schema::ResolvedSweep& sweep, float kelvin, float error_k) {
+  schema::HeatField field;
+  field.add_unix_s(unix_seconds(*parse_rfc3339(sweep.condition(0).time_utc())));
+  field.set_facets(4);
+  for (std::uint32_t f = 0; f < 4; ++f) {
+    field.mutable_kelvin()->append(reinterpret_cast<const char*>(&kelvin), sizeof kelvin);
+    field.mutable_error_k()->append(reinterpret_cast<const char*>(&error_k), sizeof error_k);
+  }
+  return field;
+}
+
+TEST(JobRunner, ComputesTemperaturesAndThenTheViewsThatNeedThem) {
+  const schema::ResolvedSweep sweep = heated_plates();
+  const Assets model = model_alone(sweep, kPlates);
+  const std::vector<schema::JobSpec> jobs = expand_jobs(sweep, physics_version());
+  ASSERT_EQ(jobs.size(), 2U);
+  const auto first = JobRunner::create(sweep, model, {});
+  ASSERT_TRUE(first.ok()) << first.status();
+  const absl::Status too_early = (*first)->run(jobs[1]).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(too_early)) << too_early;
+  const auto heat = (*first)->run(jobs[0]);
+  ASSERT_TRUE(heat.ok()) << heat.status();
+  EXPECT_EQ(heat->job_key(), jobs[0].job_key());
+  EXPECT_EQ(heat->determinism_class(), determinism_class());
+  schema::HeatField field;
+  ASSERT_TRUE(field.ParseFromString(heat->heat().field()));
+  EXPECT_EQ(field.unix_s_size(), 1);
+  EXPECT_EQ(heat_outputs(sweep, model).value(), HeatOutputs{heat->heat().field()});
+  const auto second = JobRunner::create(sweep, model, {heat->heat().field()});
+  ASSERT_TRUE(second.ok()) << second.status();
+  const auto view = (*second)->run(jobs[1]);
+  ASSERT_TRUE(view.ok()) << view.status();
+  EXPECT_GT(view->view().row(0).temperature_bound_w_sr(), 0);
+  EXPECT_GE((*first)->memory().fixed_bytes, (*second)->memory().fixed_bytes)
+      << "tried without temperatures: what they will need at most";
+}
+
+// 310 K of a job and 310 K of the sweep file are the same, but for the error.
+TEST(JobRunner, AComputedTemperatureIsWorthAStatedOne) {
+  const schema::ResolvedSweep computed = heated_plates();
+  schema::ResolvedSweep stated = computed;
+  stated.clear_heat();
+  stated.mutable_condition(0)->clear_temperature_field();
+  stated.mutable_condition(0)->set_part_temperature_k(0, 310);
+  const auto row_of = [](const schema::ResolvedSweep& sweep, const HeatOutputs& heat) {
+    const auto runner = JobRunner::create(sweep, model_alone(sweep, kPlates), heat);
+    EXPECT_TRUE(runner.ok()) << runner.status();
+    const auto result = (*runner)->run(expand_jobs(sweep, physics_version()).back());
+    EXPECT_TRUE(result.ok()) << result.status();
+    return result->view().row(0);
+  };
+  const auto a = row_of(stated, {});
+  const auto b = row_of(computed, {field_with(computed, 310, 0.5).SerializeAsString()});
+  EXPECT_NEAR(b.intensity_w_sr().value() / a.intensity_w_sr().value(), 1, 1e-5);
+  EXPECT_EQ(a.temperature_bound_w_sr(), 0);
+  EXPECT_GT(b.temperature_bound_w_sr(), 0);
+}
+
+TEST(JobRunner, RefusesTemperaturesThatAreNotThoseOfTheSweep) {
+  const schema::ResolvedSweep sweep = heated_plates();
+  const auto refused = [&](const HeatOutputs& heat, const std::string& why) {
+    const absl::Status status =
+        JobRunner::create(sweep, model_alone(sweep, kPlates), heat).status();
+    EXPECT_FALSE(status.ok()) << why;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why));
+  };
+  const schema::HeatField good = field_with(sweep, 310, 1);
+  refused({good.SerializeAsString(), good.SerializeAsString()}, "2 heat jobs for the 1");
+  refused({"\xff"}, "cannot be read");
+  schema::HeatField other = good;
+  other.set_facets(3);
+  refused({other.SerializeAsString()}, "of another mesh: of 3 facets, the model has 4");
+  other = good;
+  other.set_unix_s(0, good.unix_s(0) + 1e-3);
+  refused({other.SerializeAsString()}, "there are none at " + sweep.condition(0).time_utc());
+  refused({field_with(sweep, NAN, NAN).SerializeAsString()}, "which says nothing");
+  refused({field_with(sweep, 310, 309.5).SerializeAsString()}, "which says nothing");
 }
 
 TEST(JobRunner, FailsAViewThatIsSeenFromBehind) {

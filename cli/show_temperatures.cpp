@@ -1,0 +1,52 @@
+#include <memory>
+#include <string>
+
+#include "cli/commands.h"
+#include "cli/output_options.h"
+#include "core/geo/sun.h"
+#include "schema/store/store.h"
+#include "view/temperatures.h"
+
+namespace irsig {
+namespace {
+
+struct TemperaturesAsked {
+  explicit TemperaturesAsked(CLI::App& command) : output(command, {"text", "csv", "json"}) {
+    command.add_option("DB", database, "the database")->required();
+    command.add_option("--sweep", filter.sweep, "this sweep only")->type_name("NAME");
+    command.add_option("--season", filter.season, "this season only")->type_name("NAME");
+    command.add_option("--time", filter.time_utc, "this time only, as 2025-06-21T12:00Z")
+        ->type_name("TIME");
+  }
+  OutputOptions output;
+  std::string database;
+  TemperatureFilter filter;
+
+  [[nodiscard]] absl::Status run() const {
+    TemperatureFilter wanted = filter;
+    if (!wanted.time_utc.empty()) {
+      const auto time = parse_rfc3339(wanted.time_utc);
+      if (!time.ok()) return time.status();
+      wanted.time_utc = format_rfc3339_utc(*time);
+    }
+    auto reader = StoreReader::open(database);
+    if (!reader.ok()) return reader.status();
+    return output.write([&](std::string_view format, std::ostream& out) {
+      return write_temperatures(**reader, wanted, format, out);
+    });
+  }
+};
+
+}  // namespace
+
+void add_show_temperatures(CLI::App& show, int& exit_code) {
+  auto* command = show.add_subcommand(
+      "temperatures",
+      "What a database's jobs have computed of each part's facets: mean, coldest, hottest, error, "
+      "by season and time");
+  const auto asked = std::make_shared<TemperaturesAsked>(*command);
+  command->callback([asked, &exit_code] { exit_code = report(asked->run()); });
+  command->footer("`irsig export --temperatures` writes those of every facet.");
+}
+
+}  // namespace irsig
