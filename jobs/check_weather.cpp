@@ -22,14 +22,16 @@ std::string perhaps_celsius(double k) {
 // One season of a sweep with the embedded atmosphere.
 class SeasonGate {
  public:
-  SeasonGate(schema::ResolvedSweep& resolved, int s, Findings& findings)
+  // Of all conditions at once, or of one whose weather is its own.
+  SeasonGate(schema::ResolvedSweep& resolved, int s, int time, bool alone, Findings& findings)
       : resolved_(resolved),
         sweep_(resolved.sweep()),
         season_(sweep_.season(s)),
-        condition_(resolved.condition(s * sweep_.time_size())),
+        condition_(*resolved.mutable_condition(s * sweep_.time_size() + time)),
         weather_(condition_.weather()),
         findings_(findings),
-        index_(s) {}
+        index_(s),
+        alone_(alone) {}
 
   void check() {
     check_profile();
@@ -43,15 +45,28 @@ class SeasonGate {
 
  private:
   void contradiction(const std::string& path, const std::string& what) {
-    findings_.add(path, absl::StrCat(path, " ", what));
+    // Where of_surface() names a file's hour, the place is the season's.
+    const bool of_hour = path.find(": ") != std::string::npos && alone_;
+    findings_.add(of_hour ? absl::StrCat("season[", index_, "]") : path,
+                  absl::StrCat(path, " ", what));
   }
   void odd(const std::string& path, const std::string& what) {
-    warn_season(resolved_, index_, absl::StrCat(path, " ", what));
+    const std::string warning = absl::StrCat(path, " ", what);
+    if (!alone_)
+      warn_season(resolved_, index_, warning);
+    else
+      condition_.add_warning(one_line(warning));
   }
 
   // Where a key of this season is stated: by the season, or by the sweep's own table.
   [[nodiscard]] std::string of_season(const std::string& key) const {
     return absl::StrCat("season[", index_, "].", key);
+  }
+  // The same of surface weather, which a weather file or a day may have instead.
+  [[nodiscard]] std::string of_surface(const std::string& key, bool stated) const {
+    if (!alone_ || stated) return of_season(key);
+    return absl::StrCat(of_season(season_.has_weather_file() ? "weather_file" : "day"), " at ",
+                        condition_.time_utc(), ": ", key);
   }
   [[nodiscard]] std::string of_surroundings(const std::string& key, bool in_season) const {
     return in_season ? of_season("surroundings." + key) : "surroundings." + key;
@@ -75,7 +90,7 @@ class SeasonGate {
     const auto profile = profile_surface_k(unbent);
     const double warmer_k = weather_.air_temperature_k() - profile;
     if (std::abs(warmer_k) > 25)
-      odd(of_season("air_temperature_k"),
+      odd(of_surface("air_temperature_k", season_.has_air_temperature_k()),
           absl::StrCat("= ", weather_.air_temperature_k(), " is ", std::abs(warmer_k), " K ",
                        warmer_k > 0 ? "above" : "below", " the surface of the profile \"",
                        weather_.profile(), "\" (", profile, " K) that is bent to it"));
@@ -115,8 +130,9 @@ class SeasonGate {
     const double height_m = sweep_.place().height_m();
     const double standard_pa = 101325 * std::pow(std::max(0.0, 1 - 2.25577e-5 * height_m), 5.25588);
     const double ratio = weather_.pressure_pa() / standard_pa;
-    const std::string path =
-        weather_.surface_stated() ? of_season("pressure_pa") : std::string("place.height_m");
+    const std::string path = weather_.surface_stated()
+                                 ? of_surface("pressure_pa", season_.has_pressure_pa())
+                                 : std::string("place.height_m");
     const std::string what =
         weather_.surface_stated()
             ? absl::StrCat("= ", weather_.pressure_pa(), " and place.height_m = ", height_m)
@@ -137,7 +153,7 @@ class SeasonGate {
   void check_humidity() {
     const double percent = weather_.relative_humidity_percent();
     if (weather_.surface_stated() && percent > 0 && percent <= 1)
-      odd(of_season("relative_humidity_percent"),
+      odd(of_surface("relative_humidity_percent", season_.has_relative_humidity_percent()),
           absl::StrCat("= ", percent, " is drier than any desert: is it a fraction? ",
                        100 * percent, " % are relative_humidity_percent = ", 100 * percent));
   }
@@ -229,10 +245,11 @@ class SeasonGate {
   schema::ResolvedSweep& resolved_;
   const schema::Sweep& sweep_;
   const schema::Season& season_;
-  const schema::Condition& condition_;
+  schema::Condition& condition_;
   const schema::Weather& weather_;
   Findings& findings_;
   int index_;
+  bool alone_;
 };
 
 double SeasonGate::profile_surface_k(const schema::Weather& unbent) {
@@ -270,8 +287,12 @@ void check_units(schema::ResolvedSweep& resolved) {
 
 void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings) {
   if (!has_atmosphere(resolved)) return;
-  for (int s = 0; s < resolved.sweep().season_size(); ++s)
-    SeasonGate(resolved, s, findings).check();
+  for (int s = 0; s < resolved.sweep().season_size(); ++s) {
+    const schema::Season& season = resolved.sweep().season(s);
+    const bool goes_on = season.has_weather_file() || season.has_day();
+    for (int t = 0; t < (goes_on ? resolved.sweep().time_size() : 1); ++t)
+      SeasonGate(resolved, s, t, goes_on, findings).check();
+  }
   if (findings.empty()) check_lines(resolved, findings);
 }
 

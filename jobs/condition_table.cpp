@@ -49,6 +49,8 @@ Written overlaid(Written base, const Written& over) {
     season.clear_profile();
     season.clear_profile_file();
   }
+  if (over.season.has_weather_file()) season.clear_day();
+  if (over.season.has_day()) season.clear_weather_file();
   const schema::Surroundings around = overridden(season.surroundings(), over.season.surroundings());
   const bool stated = season.has_surroundings() || over.season.has_surroundings();
   season.MergeFrom(over.season);
@@ -250,10 +252,10 @@ class Expansion {
     Written weather;
     if (sweep_.has_weather()) {
       const SectionCheck check(sweep_.weather(), "weather", findings_);
-      check.only(
-          {"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s",
-           "wind_speed_24h_m_s", "visibility_m", "profile", "profile_file", "sun_irradiance_w_m2"},
-          "to [weather], which has what all seasons share");
+      check.only({"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s",
+                  "wind_speed_24h_m_s", "visibility_m", "profile", "profile_file",
+                  "sun_irradiance_w_m2", "weather_file", "day", "cloud_cover", "wind_from_deg"},
+                 "to [weather], which has what all seasons share");
       weather.season = sweep_.weather();
       weather.where = below(file_, "weather");
     }

@@ -43,6 +43,7 @@ constexpr std::string_view kShape = "far beyond any that fits a measured surface
 constexpr std::string_view kWeight = "only the ratios of these numbers count";
 constexpr std::string_view kSpectralValue =
     "emissivities and reflectances end at 1; of a response only the ratios count";
+constexpr std::string_view kAirOutdoors = "what air outdoors has";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -61,6 +62,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Place.longitude_deg", -180, 180, "half a turn to either side"},
     {"Place.height_m", -500, 100e3, "the shore of the Dead Sea to the end of the air"},
     {"Place.heading_deg", -360, 360, kAzimuth},
+    {"Place.speed_m_s", 0, 50, "faster than any ship"},
 
     {"Material.emissivity", 0, 1, kFraction},
     {"Material.n", 1e-6, 1e6, kIndex},
@@ -111,6 +113,12 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Season.wind_speed_m_s", 0, 20, kWind},
     {"Season.wind_speed_24h_m_s", 0, 20, kWind},
     {"Season.visibility_m", 100, 100e3, kVisibility},
+    {"Season.cloud_cover", 0, 1, kFraction},
+    {"Season.wind_from_deg", -360, 360, kAzimuth},
+    {"Day.air_temperature_min_k", 180, 340, kAirOutdoors},
+    {"Day.air_temperature_max_k", 180, 340, kAirOutdoors},
+    {"Day.warmest_hour", 0, 24, "hours of a day"},
+    {"Day.dew_point_k", 120, 340, kAirOutdoors},
     {"Vary.wind_speed_m_s", 0, 20, kWind},
     {"Vary.visibility_m", 100, 100e3, kVisibility},
     {"Vary.relative_humidity_percent", 0, 100, kHumidity},
@@ -139,6 +147,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Surroundings.lower_radiance_w_m2_sr_um", 0, 1e12, kRadiance},
     {"Surroundings.ground_temperature_k", 0, kHottestK, kTemperature},
     {"Surroundings.ground_emissivity", 0, 1, kFraction},
+    {"Surroundings.solar_albedo", 0, 1, kFraction},
 
     {"Air.absorption_m2_kg", 0, 1e6, "opaque within a millimetre"},
     {"Air.pressure_pa", 0, 1e9, "denser is no gas"},
@@ -146,6 +155,12 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Air.visibility_m", 100, 100e3, kVisibility},
     {"Air.air_mass", 1, 10, "open ocean to continent"},
     {"Air.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
+
+    {"Heat.history_days", 0.25, 60, "less has no night, longer no wall remembers"},
+    {"Heat.element_size_m", 0.01, 1e5, "finer than a hand nothing differs; the size of targets"},
+    {"Heat.step_minutes", 0.5, 60, "the sun's own width to 15 degrees"},
+    {"Heat.tolerance_k", 1e-4, 10, "below, rounding is larger; above, there is no number"},
+    {"Heat.rays", 16, 65536, "fewer see nothing, more only cost time"},
 
     {"Transport.max_reflections", 0, 1000, kReflections},
     {"Transport.job_size_vertices", 1, 1e18, "one path to more than a machine's lifetime"},

@@ -33,6 +33,9 @@ void resolve_part_material(const std::string& name, const SectionCheck& check,
 // library are written out as their numbers.
 void resolve_build_ups(schema::Sweep& sweep, Findings& findings);
 
+// Whether the sweep file says a part's temperature in a season: its own, or the season's.
+[[nodiscard]] bool is_stated(const schema::Season& season, const schema::Part& part);
+
 // [[temperature_field]], and where seasons name them.
 void check_temperature_fields(const SweepFile& file, Findings& findings);
 // By name, with the hashes of their files; then of a season's condition, with the parts that have
@@ -52,8 +55,10 @@ void check_air(const schema::Sweep& sweep, Findings& findings);
 void check_season_air(const schema::Sweep& sweep, int season_index,
                       const schema::Surroundings& surroundings, Findings& findings);
 
-// The weather of a season's conditions, if nothing was found so far.
-[[nodiscard]] schema::Weather resolve_weather(const SweepFile& file, int season_index, int month,
+// The weather of a season's conditions, if nothing was found so far; `season`: the season itself,
+// or with the surface weather of one time filled in.
+[[nodiscard]] schema::Weather resolve_weather(const SweepFile& file, int season_index,
+                                              const schema::Season& season, int month,
                                               Findings& findings);
 void write_air_defaults(schema::Air& air);
 

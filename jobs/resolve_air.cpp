@@ -73,12 +73,43 @@ double dew_point_k(double temperature_k, double humidity_percent) {
   return low_k;
 }
 
-void check_surface_weather(const schema::Season& season, const SectionCheck& check) {
+// A day that is stated: its air, and what else a day needs.
+void check_day(const schema::Season& season, const std::string& path, const SectionCheck& of_season,
+               Findings& findings) {
+  const schema::Day& day = season.day();
+  const SectionCheck check(day, path, findings);
+  check.require({"air_temperature_min_k", "air_temperature_max_k"},
+                "expected the day's lowest and highest temperature of the air");
+  check.require({"dew_point_k"}, "expected the dew point of the day's air");
+  of_season.require({"pressure_pa", "wind_speed_m_s"}, "expected it beside the day");
+  if (day.air_temperature_max_k() < day.air_temperature_min_k() && day.has_air_temperature_max_k())
+    check.error("air_temperature_max_k",
+                absl::StrCat("= ", day.air_temperature_max_k(),
+                             " is below air_temperature_min_k = ", day.air_temperature_min_k()));
+  if (day.has_air_temperature_min_k() && day.dew_point_k() > day.air_temperature_min_k())
+    check.error("dew_point_k",
+                absl::StrCat("= ", day.dew_point_k(), " is above air_temperature_min_k = ",
+                             day.air_temperature_min_k(), ": water would leave the air at night"));
+}
+
+void check_surface_weather(const schema::Season& season, bool heat, const std::string& path,
+                           const SectionCheck& check, Findings& findings) {
   const SectionCheck::Names names = {"air_temperature_k", "relative_humidity_percent",
                                      "pressure_pa"};
   const auto stated =
       std::count_if(names.begin(), names.end(), [&](const char* name) { return check.has(name); });
-  if (stated > 0)
+  (void)check.at_most_one({"weather_file", "day"});
+  if (season.has_day()) check_day(season, path + ".day", check, findings);
+  const bool goes_on = season.has_weather_file() || season.has_day();
+  if (heat && !goes_on) {
+    check.require(
+        {"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s"},
+        "expected it, a weather_file or a day: temperatures are computed from the weather");
+    if (season.has_relative_humidity_percent() && season.relative_humidity_percent() == 0)
+      check.error(
+          "relative_humidity_percent",
+          "= 0, expected more: temperatures are computed, and there is no such air outdoors");
+  } else if (stated > 0 && !goes_on)
     check.require(names,
                   "expected the weather at the surface in all of air_temperature_k, "
                   "relative_humidity_percent and pressure_pa, or in none of them");
@@ -96,16 +127,19 @@ void check_surface_weather(const schema::Season& season, const SectionCheck& che
   }
 }
 
-void check_wind(const schema::Air& air, const schema::Surroundings& surroundings,
+// needed: for computed temperatures, or by a day.
+void check_wind(const schema::Air& air, const schema::Surroundings& surroundings, bool needed,
                 const SectionCheck& check) {
   const bool rough = surroundings.kind() == "sea" && surroundings.sea_model() == "cox_munk";
   const std::string why =
       rough ? "sea_model = \"cox_munk\"" : absl::StrCat("air.aerosol = \"", air.aerosol(), "\"");
-  if (rough || navy(air)) {
+  if (check.has("weather_file")) {
+    // Its own.
+  } else if (rough || navy(air)) {
     check.require(
         {"wind_speed_m_s"},
         absl::StrCat("expected the wind 10 m above the surface: ", why, " depends on it"));
-  } else if (check.has("wind_speed_m_s") &&
+  } else if (check.has("wind_speed_m_s") && !needed &&
              (surroundings.kind() == "sea" || surroundings.kind() == "ground" ||
               surroundings.kind() == "none")) {  // others are wrong themselves
     check.error("wind_speed_m_s",
@@ -124,14 +158,17 @@ bool by_place(const schema::Sweep& sweep, const schema::Season& season) {
 }
 
 void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& season,
-                             const schema::Surroundings& surroundings, const SectionCheck& check,
+                             const schema::Surroundings& surroundings, const std::string& path,
                              Findings& findings) {
   const schema::Air& air = sweep.air();
+  const SectionCheck check(season, path, findings);
   if (season.has_sun_irradiance_w_m2())
     check.error("sun_irradiance_w_m2",
                 "does not apply to air.model \"atmosphere\", which computes the sun's irradiance");
-  check_surface_weather(season, check);
-  check_wind(air, surroundings, check);
+  check_surface_weather(season, sweep.has_heat(), path, check, findings);
+  check_wind(air, surroundings, sweep.has_heat() || season.has_day(), check);
+  for (const char* key : {"cloud_cover", "wind_from_deg"})
+    if (check.has(key) && !sweep.has_heat()) check.error(key, "does not apply without [heat]");
   if (air.aerosol() == "none" && season.has_visibility_m())
     check.error("visibility_m", "does not apply to air.aerosol \"none\"");
   (void)check.at_most_one({"profile", "profile_file"});
@@ -182,10 +219,11 @@ void check_air(const schema::Sweep& sweep, Findings& findings) {
 void check_season_air(const schema::Sweep& sweep, int season_index,
                       const schema::Surroundings& surroundings, Findings& findings) {
   const schema::Season& season = sweep.season(season_index);
-  const SectionCheck check(season, absl::StrCat("season[", season_index, "]"), findings);
+  const std::string path = absl::StrCat("season[", season_index, "]");
+  const SectionCheck check(season, path, findings);
   const std::string& model = sweep.air().model();
   if (model == "atmosphere") {
-    check_weather_of_season(sweep, season, surroundings, check, findings);
+    check_weather_of_season(sweep, season, surroundings, path, findings);
     return;
   }
   if (model == "vacuum" || model == "homogeneous")
@@ -199,10 +237,9 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
                 "= 0, expected a temperature above 0: the air's density depends on it");
 }
 
-schema::Weather resolve_weather(const SweepFile& file, int season_index, int month,
-                                Findings& findings) {
+schema::Weather resolve_weather(const SweepFile& file, int season_index,
+                                const schema::Season& season, int month, Findings& findings) {
   const schema::Air& air = file.sweep.air();
-  const schema::Season& season = file.sweep.season(season_index);
   schema::Weather weather;
   resolve_profile(file, season_index, month, weather, findings);
   weather.set_aerosol(air.aerosol());

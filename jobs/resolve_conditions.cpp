@@ -7,6 +7,8 @@
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_heat.h"
+#include "jobs/season_course.h"
 
 namespace irsig {
 namespace {
@@ -184,12 +186,25 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
   }
   if (!findings.empty()) return;
 
+  std::vector<std::vector<UtcTime>> known;
+  for (const auto& row : instants) {
+    auto& times = known.emplace_back();
+    for (const auto& instant : row) times.push_back(*instant);
+  }
+  const std::vector<SeasonGroup> groups = season_groups(file, known, findings);
+  std::vector<const SeasonGroup*> group_of(static_cast<std::size_t>(sweep.season_size()));
+  for (const SeasonGroup& group : groups)
+    for (const int s : group.season) group_of[static_cast<std::size_t>(s)] = &group;
+  if (!findings.empty()) return;
+
   const auto fields = resolve_temperature_fields(file);
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
+    const SeasonGroup& group = *group_of[static_cast<std::size_t>(s)];
+    const bool atmosphere = sweep.air().model() == "atmosphere";
     schema::Weather weather;
-    if (sweep.air().model() == "atmosphere")
-      weather = resolve_weather(file, s, month_of(season.date()), findings);
+    if (atmosphere && !group.course)
+      weather = resolve_weather(file, s, season, month_of(season.date()), findings);
     for (int t = 0; t < sweep.time_size(); ++t) {
       const UtcTime& utc = *instants[static_cast<std::size_t>(s)][static_cast<std::size_t>(t)];
       schema::Condition& condition = *resolved.add_condition();
@@ -207,12 +222,18 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
       resolve_sun(sweep, s, utc, condition, findings);
       if (sweep.air().model() == "homogeneous")
         condition.set_air_temperature_k(season.air_temperature_k());
-      if (sweep.air().model() == "atmosphere") {
+      if (atmosphere && group.course)
+        weather = resolve_weather(
+            file, s, with_weather_of(*group.course, unix_seconds(utc), season, s, findings),
+            month_of(season.date()), findings);
+      if (atmosphere) {
         condition.set_air_temperature_k(weather.air_temperature_k());
         *condition.mutable_weather() = weather;
       }
+      for (const std::string& warning : group.warning) condition.add_warning(one_line(warning));
     }
   }
+  resolve_heat(groups, resolved, findings);
 }
 
 }  // namespace irsig

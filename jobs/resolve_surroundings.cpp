@@ -18,20 +18,27 @@ struct Role {
   std::string kind;
   bool atmosphere;
   bool grey_sea;  // with the atmosphere
+  bool heat;
 };
 
 void check_keys_under_atmosphere(const SectionCheck& check, const Role& role) {
+  const auto only = [&](SectionCheck::Names names, const char* why) {
+    if (role.heat || check.has("solar_albedo")) names.push_back("solar_albedo");
+    check.only(names, why);
+  };
   if (role.kind == "ground") {
-    check.only({"kind", "ground_temperature_k", "ground_emissivity"},
-               "to kind \"ground\" with air.model \"atmosphere\"");
+    only({"kind", "ground_temperature_k", "ground_emissivity"},
+         "to kind \"ground\" with air.model \"atmosphere\"");
   } else if (role.kind == "sea" && role.grey_sea) {
-    check.only({"kind", "sea_model", "sea_temperature_k", "sea_emissivity"},
-               "to kind \"sea\" with air.model \"atmosphere\"");
+    only({"kind", "sea_model", "sea_temperature_k", "sea_emissivity"},
+         "to kind \"sea\" with air.model \"atmosphere\"");
   } else if (role.kind == "sea") {
-    check.only({"kind", "sea_model", "sea_temperature_k"},
-               "to kind \"sea\" with air.model \"atmosphere\" and no sea_model \"grey\"");
+    only({"kind", "sea_model", "sea_temperature_k"},
+         "to kind \"sea\" with air.model \"atmosphere\" and no sea_model \"grey\"");
   }
   (void)check.one_of("sea_model", {"cox_munk", "flat", "grey"});
+  if (check.has("solar_albedo") && !role.heat)
+    check.error("solar_albedo", "does not apply without [heat]");
 }
 
 // One table as it is written.
@@ -58,7 +65,7 @@ void check_table(const Surroundings& table, const Role& role, const std::string&
 
 using Missing = std::vector<std::pair<const char*, const char*>>;
 
-Missing missing_under_atmosphere(const Surroundings& complete) {
+Missing missing_under_atmosphere(const Surroundings& complete, bool heat) {
   Missing missing;
   if (!complete.has_kind()) missing.emplace_back("kind", "expected \"sea\" or \"ground\"");
   if (complete.kind() == "sea") {
@@ -71,13 +78,17 @@ Missing missing_under_atmosphere(const Surroundings& complete) {
       missing.emplace_back("ground_temperature_k", "expected the ground's temperature");
     if (!complete.has_ground_emissivity())
       missing.emplace_back("ground_emissivity", "expected the ground's emissivity, 0 to 1");
+    if (heat && !complete.has_solar_albedo())
+      missing.emplace_back("solar_albedo",
+                           "expected how much sunlight the ground reflects, 0 to 1: temperatures "
+                           "are computed");
   }
   return missing;
 }
 
 // What the complete surroundings of one season lack, as "key, expected what".
-Missing missing_from(const Surroundings& complete, bool atmosphere) {
-  if (atmosphere) return missing_under_atmosphere(complete);
+Missing missing_from(const Surroundings& complete, bool atmosphere, bool heat) {
+  if (atmosphere) return missing_under_atmosphere(complete, heat);
   Missing missing;
   if (!complete.has_kind()) {
     missing.emplace_back("kind", "expected \"sea\" or \"none\"");
@@ -114,6 +125,7 @@ Surroundings overridden(Surroundings base, const Surroundings& season) {
     base.clear_sky_radiance_w_m2_sr_um();
   }
   if (season.has_kind() && season.kind() != base.kind()) {
+    base.clear_solar_albedo();
     if (season.kind() != "none") base.clear_lower_radiance_w_m2_sr_um();
     if (season.kind() != "sea") {
       base.clear_sea_model();
@@ -141,18 +153,27 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
       check_table(season,
                   {.kind = complete.back().kind(),
                    .atmosphere = atmosphere,
-                   .grey_sea = complete.back().sea_model() == "grey"},
+                   .grey_sea = complete.back().sea_model() == "grey",
+                   .heat = sweep.has_heat()},
                   absl::StrCat("season[", i, "].surroundings"), findings);
     }
     if (atmosphere && complete.back().kind() == "sea" && !complete.back().has_sea_model())
       complete.back().set_sea_model("cox_munk");
+    // Of a sea under a high sun; the sky's light included [payne1972].
+    if (atmosphere && sweep.has_heat() && complete.back().kind() == "sea" &&
+        !complete.back().has_solar_albedo())
+      complete.back().set_solar_albedo(0.06);
   }
   if (sweep.has_surroundings()) {
     const bool grey_sea = base.sea_model() == "grey" ||
                           std::any_of(complete.begin(), complete.end(), [](const Surroundings& s) {
                             return s.sea_model() == "grey";
                           });
-    check_table(base, {.kind = base.kind(), .atmosphere = atmosphere, .grey_sea = grey_sea},
+    check_table(base,
+                {.kind = base.kind(),
+                 .atmosphere = atmosphere,
+                 .grey_sea = grey_sea,
+                 .heat = sweep.has_heat()},
                 "surroundings", findings);
   }
 
@@ -177,13 +198,13 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
                               atmosphere ? "ground" : "none", "\" and what belongs to it"));
     return complete;
   }
-  for (const auto& [key, expected] : missing_from(any, atmosphere)) {
+  for (const auto& [key, expected] : missing_from(any, atmosphere, sweep.has_heat())) {
     const std::string path = absl::StrCat("surroundings.", key);
     findings.add(path, absl::StrCat(path, " is missing, ", expected));
     said.emplace_back(key);
   }
   for (std::size_t i = 0; i < complete.size(); ++i) {
-    for (const auto& [key, expected] : missing_from(complete[i], atmosphere)) {
+    for (const auto& [key, expected] : missing_from(complete[i], atmosphere, sweep.has_heat())) {
       if (std::find(said.begin(), said.end(), key) != said.end()) continue;
       const std::string path = absl::StrCat("season[", i, "].surroundings.", key);
       findings.add(path,

@@ -5,6 +5,7 @@
 #include "jobs/condition_table.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_heat.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
@@ -64,6 +65,7 @@ void write_defaults(schema::Sweep& sweep) {
   }
 
   write_air_defaults(*sweep.mutable_air());
+  write_heat_defaults(sweep);
 
   schema::Transport& transport = *sweep.mutable_transport();
   if (!transport.has_max_reflections()) transport.set_max_reflections(64);
@@ -98,14 +100,20 @@ void mark_hot_parts(schema::ResolvedSweep& resolved) {
   constexpr double kHotterK = 30;
   // Temperatures that stand in files are known where the mesh is (bridge/sweep_temperatures.h).
   for (const schema::Condition& condition : resolved.condition())
-    if (condition.has_temperature_field()) return;
+    if (condition.has_temperature_field() && !condition.temperature_field().has_heat()) return;
   for (int i = 0; i < resolved.sweep().part_size(); ++i) {
     schema::Part& part = *resolved.mutable_sweep()->mutable_part(i);
     if (part.has_hot()) continue;
     bool hot = false;
     for (const schema::Condition& condition : resolved.condition()) {
       const auto& temperatures_k = condition.part_temperature_k();
-      const double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
+      double coldest_k = *std::min_element(temperatures_k.begin(), temperatures_k.end());
+      // What is computed from the weather is near the air.
+      if (condition.has_temperature_field()) {
+        coldest_k = condition.air_temperature_k();
+        for (const double k : temperatures_k)
+          if (k > 0) coldest_k = std::min(coldest_k, k);
+      }
       hot = hot || temperatures_k[i] >= coldest_k + kHotterK;
     }
     part.set_hot(hot);
@@ -118,6 +126,7 @@ void forget_files(schema::Sweep& sweep) {
   for (schema::Season& season : *sweep.mutable_season()) {
     season.clear_profile_file();
     season.clear_modtran_file();
+    season.clear_weather_file();
   }
   for (schema::TemperatureField& field : *sweep.mutable_temperature_field()) field.clear_file();
 }
@@ -146,6 +155,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_temperature_fields(file, findings);
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);
+  check_heat(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);

@@ -97,7 +97,7 @@ void check_model(std::string_view model_bytes, schema::ResolvedSweep& resolved,
 // Every part has a temperature in every season: its own, or the season's.
 void check_part_temperature(const schema::Part& part, const SectionCheck& check,
                             const schema::Sweep& sweep) {
-  if (part.has_temperature_k()) return;
+  if (part.has_temperature_k() || (part.has_build_up() && sweep.has_heat())) return;
   std::vector<std::string> without, paths;
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
@@ -119,7 +119,8 @@ void check_part_temperature(const schema::Part& part, const SectionCheck& check,
                                               more > 0 ? absl::StrCat(" and ", more, " more") : "");
   check.error("temperature_k",
               absl::StrCat("is missing", when, ", expected temperature_k here or \"", part.name(),
-                           "\" in part_temperature_k of every season, or temperature_field there"));
+                           "\" in part_temperature_k of every season, or temperature_field there",
+                           sweep.has_heat() ? ", or build_up here: then it is computed" : ""));
 }
 
 void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findings& findings) {

@@ -9,13 +9,10 @@
 #include "jobs/temperature_files.h"
 
 namespace irsig {
-namespace {
 
 bool is_stated(const schema::Season& season, const schema::Part& part) {
   return part.has_temperature_k() || season.part_temperature_k().contains(part.name());
 }
-
-}  // namespace
 
 void check_temperature_fields(const SweepFile& file, Findings& findings) {
   const schema::Sweep& sweep = file.sweep;

@@ -1,8 +1,12 @@
 #include "jobs/weather_files.h"
 
+#include <set>
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/imported_path.h"
+#include "core/thermal/weather_file.h"
 #include "jobs/condition_table.h"
 #include "jobs/section_check.h"
 
@@ -22,6 +26,16 @@ class Reader {
     // What is wrong in it does not depend on the air above its last level.
     const auto parsed =
         parse_profile_csv(text, one_line(name), afgl_profile(AfglProfile::kUsStandard1976));
+    if (!parsed.ok()) add(std::string(parsed.status().message()));
+  }
+
+  // Of hours or years of weather: read once, whoever names it.
+  void weather(const std::string& path, const std::string& name) {
+    const std::string key = weather_file_key(name);
+    if (!named_.insert(key).second || !take(path, name)) return;
+    file_.content[key] = std::move(file_.content[path]);
+    file_.content.erase(path);
+    const auto parsed = read_weather_file(file_.content[key], one_line(name));
     if (!parsed.ok()) add(std::string(parsed.status().message()));
   }
 
@@ -64,9 +78,14 @@ class Reader {
   SweepFile& file_;
   const FileReader& read_;
   std::string wrong_;
+  std::set<std::string> named_;
 };
 
 }  // namespace
+
+std::string weather_file_key(const std::string& weather_file) {
+  return "weather_file " + weather_file;
+}
 
 absl::Status read_weather_files(SweepFile& file, const FileReader& read) {
   Reader reader(file, read);
@@ -81,6 +100,7 @@ absl::Status read_weather_files(SweepFile& file, const FileReader& read) {
     const schema::Season& season = file.sweep.season(i);
     const std::string path = absl::StrCat("season[", i, "].");
     if (season.has_profile_file()) reader.profile(path + "profile_file", season.profile_file());
+    if (season.has_weather_file()) reader.weather(path + "weather_file", season.weather_file());
     if (season.has_modtran_file()) reader.paths(path + "modtran_file", season.modtran_file());
   }
   return reader.status();
