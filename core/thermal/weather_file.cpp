@@ -291,7 +291,10 @@ class CourseMaker {
     const double length_s = file_.radiation_interval_s, begin = u.unix_s - length_s;
     // Of the interval: the share of it with sun, the mean sine of the sun's elevation.
     double up = 1, mean_sine = 0;
-    if (length_s > 0) {
+    const double stated = value(row, direct_ ? Q::kDirectNormal : Q::kGlobalHorizontal);
+    if (stated == 0) {
+      // No need to ask for the sun.
+    } else if (length_s > 0) {
       const SunSine::Above above = sine_.above(begin, u.unix_s, 0);
       up = above.length_s / length_s;
       mean_sine = above.integral_s / length_s;
