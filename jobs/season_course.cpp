@@ -56,7 +56,7 @@ class CourseReader {
   }
 
  private:
-  [[nodiscard]] SunPlace place() const {
+  [[nodiscard]] WeatherPlace place() const {
     return {sweep_.place().latitude_deg(), sweep_.place().longitude_deg(),
             sweep_.place().height_m()};
   }

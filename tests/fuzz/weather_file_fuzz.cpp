@@ -15,7 +15,7 @@
 namespace irsig {
 namespace {
 
-constexpr SunPlace kBay{37.62, -122.4, 2};
+constexpr WeatherPlace kBay{37.62, -122.4, 2};
 
 constexpr const char* kWords[] = {
     "nan",  "1e999", "-9999", ",",    "99.9", "999999",       ":",        "1e300", "-9900", "\r\n",
