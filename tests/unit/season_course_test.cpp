@@ -27,7 +27,7 @@ struct Pieces {
   std::string time = "time = [\"12:00-08:00\", \"18:30-08:00\"]\n";
   std::string heat = "[heat]\n";
   std::string place = "[place]\nlatitude_deg = 37.6\nlongitude_deg = -122.4\nheading_deg = 90\n";
-  std::string parts = "[[part]]\nname = \"sphere\"\nmaterial = \"hull\"\nbuild_up = \"wall\"\n";
+  std::string parts = "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\nbuild_up = \"wall\"\n";
   std::string season =
       "[[season]]\nname = \"summer\"\ndate = 2025-07-21\nweather_file = \"sf.epw\"\n";
   std::string more;
@@ -35,10 +35,15 @@ struct Pieces {
   std::string air = "model = \"atmosphere\"\naerosol = \"maritime\"\nvisibility_m = 23000\n";
 };
 
+constexpr const char* kWall =
+    "[[build_up]]\nname = \"wall\"\nlayer = [{ solid = \"steel\", thickness_m = 0.01 }]\n"
+    "inside = \"adiabatic\"\n";
+
 std::string text_of(const Pieces& p) {
   return p.time + "[model]\ngenerate = \"sphere\"\ntriangles = 100\n" + p.heat + p.place + p.parts +
-         p.season + p.more +
-         "[[band]]\nname = \"b\"\nlambda_min_um = 8\nlambda_max_um = 12\nstep_um = 0.1\n"
+         p.season + p.more + (p.parts.find("build_up") == std::string::npos ? "" : kWall) +
+         "[[material]]\nname = \"paint\"\nkind = \"lambert\"\nemissivity = 0.9\nsolar_absorptance "
+         "= 0.6\n[[band]]\nname = \"b\"\nlambda_min_um = 8\nlambda_max_um = 12\nstep_um = 0.1\n"
          "[viewpoints]\nkind = \"ring\"\ncount = 1\nrange_m = 5000\nelevation_deg = [10]\n"
          "[surroundings]\n" +
          p.surroundings + "[air]\n" + p.air + "[transport]\nsun = true\n";
@@ -70,7 +75,7 @@ const std::string kConstant =
 TEST(SeasonCourse, EachTimeHasItsOwnWeather) {
   Pieces p;
   p.heat = "";
-  p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"hull\"\ntemperature_k = 290\n";
+  p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\ntemperature_k = 290\n";
   const auto sweep = resolve(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   EXPECT_THAT(sweep->heat(), IsEmpty());
@@ -179,9 +184,9 @@ TEST(SeasonCourse, AStatedDayAndAConstantOne) {
 TEST(SeasonCourse, PartsThatAreStatedStayStated) {
   Pieces p;
   p.parts =
-      "[[part]]\nname = \"sphere\"\nmaterial = \"hull\"\nbuild_up = \"wall\"\n"
-      "[[part]]\nname = \"exhaust\"\nmaterial = \"hull\"\ntemperature_k = 500\n"
-      "[[part]]\nname = \"deck\"\nmaterial = \"hull\"\nbuild_up = \"wall\"\n";
+      "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\nbuild_up = \"wall\"\n"
+      "[[part]]\nname = \"exhaust\"\nmaterial = \"paint\"\ntemperature_k = 500\n"
+      "[[part]]\nname = \"deck\"\nmaterial = \"paint\"\nbuild_up = \"wall\"\n";
   p.season += "part_temperature_k = { deck = 300 }\n";
   const auto sweep = resolve(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
@@ -214,9 +219,9 @@ TEST(SeasonCourse, WhatIsWrongWithHeat) {
   EXPECT_THAT(error_of(p), AllOf(HasSubstr("heat.history = \"weeks\""),
                                  HasSubstr("heat.history_days does not apply")));
   p = {};
-  p.parts += "[[part]]\nname = \"deck\"\nmaterial = \"hull\"\n";
+  p.parts += "[[part]]\nname = \"deck\"\nmaterial = \"paint\"\n";
   EXPECT_THAT(error_of(p), HasSubstr("or build_up here: then it is computed"));
-  p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"hull\"\ntemperature_k = 290\n";
+  p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\ntemperature_k = 290\n";
   EXPECT_THAT(error_of(p), HasSubstr("[heat], but the temperatures of all parts are stated"));
   p = {};
   p.surroundings = "kind = \"ground\"\nground_temperature_k = 290\nground_emissivity = 0.95\n";
