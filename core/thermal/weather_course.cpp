@@ -200,7 +200,7 @@ absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course,
       s.direct = up_s > 0 ? std::min(energy / up_s, in_space) : 0;
       // The first record of a periodic course is its last one.
       if (!course.periodic || out.spread_.size() > 1)
-        out.unplaced_j_m2_ += std::max(0.0, energy - s.direct * up_s);
+        out.unplaced_j_m2_ += energy > s.direct * up_s * (1 + 1e-12) ? energy - s.direct * up_s : 0;
       const SunSine::Above light = *r.diffuse_horizontal_w_m2 > 0
                                        ? sine.above(begin, r.unix_s, -kTwilight)
                                        : SunSine::Above{};
