@@ -128,7 +128,7 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
     return reply;
   }
   if (auto status = check_class(session); !status.ok()) return status;
-  auto job = next_job_for(request.worker_id(), session);
+  auto job = next_to_compute(request.worker_id(), session);
   if (!job.ok()) return job.status();
   if (!job->has_value()) {
     const auto finished = all_settled();
@@ -150,6 +150,20 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   }
   *reply.mutable_job() = std::move((*job)->spec);
   return reply;
+}
+
+// Temperatures that another sweep of the database has are not computed again: the sweeps of a pilot
+// differ in nothing that they depend on.
+absl::StatusOr<std::optional<QueuedJob>> Farm::next_to_compute(const std::string& worker_id,
+                                                               const Session& session) {
+  while (true) {
+    auto job = next_job_for(worker_id, session);
+    if (!job.ok() || !job->has_value()) return job;
+    const auto known = store_.take_over((*job)->fencing_token, session.determinism_class);
+    if (!known.ok()) return known.status();
+    if (!*known) return job;
+    all_settled_.reset();
+  }
 }
 
 // The next waiting job, apart from those that already failed on this worker while others could try.

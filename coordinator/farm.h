@@ -83,6 +83,8 @@ class Farm {
   absl::StatusOr<Session*> hear(const std::string& worker_id);
   absl::Status end_lease(Session& session, const std::string& reason);
   absl::Status count_failure(Session& session, const std::string& message);
+  absl::StatusOr<std::optional<QueuedJob>> next_to_compute(const std::string& worker_id,
+                                                           const Session& session);
   absl::StatusOr<std::optional<QueuedJob>> next_job_for(const std::string& worker_id,
                                                         const Session& session);
   absl::Status check_class(const Session& session);

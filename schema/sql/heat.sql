@@ -48,6 +48,36 @@ DELETE FROM computed_temperature WHERE job_id = ?1;
 INSERT INTO computed_temperature (job_id, time_index, time_utc, part_id, mean_k, coldest_k, hottest_k, error_k)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
 
+-- A done job of another sweep with the same key (?2), computed in the same determinism class (?3), of which all ?4
+-- temperatures are still there.
+-- name: done_twin
+SELECT twin.job_id FROM job twin JOIN heat_job h USING (job_id) JOIN provenance p USING (job_id)
+WHERE twin.job_id <> ?1 AND twin.job_key = ?2 AND p.determinism_class = ?3 AND twin.state = 2
+  AND h.output_sha256 IS NOT NULL AND (SELECT count(*) FROM computed_temperature t WHERE t.job_id = twin.job_id) = ?4
+ORDER BY twin.job_id LIMIT 1;
+
+-- What ?2 left becomes what ?1 of sweep ?3 has left; it took no time there.
+-- name: copy_heat_output
+UPDATE heat_job SET output_sha256 = twin.output_sha256, warning = twin.warning
+FROM heat_job twin WHERE heat_job.job_id = ?1 AND twin.job_id = ?2;
+
+-- name: copy_computed_temperatures
+INSERT INTO computed_temperature (job_id, time_index, time_utc, part_id, mean_k, coldest_k, hottest_k, error_k)
+SELECT ?1, t.time_index, t.time_utc, own.part_id, t.mean_k, t.coldest_k, t.hottest_k, t.error_k
+FROM computed_temperature t
+JOIN part p USING (part_id)
+JOIN part own ON own.sweep_id = ?3 AND own.superseded = 0 AND own.name = p.name
+WHERE t.job_id = ?2;
+
+-- name: copy_provenance
+INSERT OR REPLACE INTO provenance (
+  job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
+  rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error,
+  guarded_negative)
+SELECT ?1, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
+       0, 0.0, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error, guarded_negative
+FROM provenance WHERE job_id = ?2;
+
 -- Reading.
 
 -- What the done heat jobs of a sweep have left, in the order of its heat runs.

@@ -1,5 +1,6 @@
 #include "schema/store/ingest_heat.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,6 +31,11 @@ absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job)
 
 }  // namespace
 
+std::int64_t computed_temperatures_of(const schema::HeatRun& run) {
+  return std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0) *
+         run.time_utc_size();
+}
+
 absl::Status store_heat(Database& database, const LeasedJob& job, const schema::JobResult& result) {
   const absl::StatusOr<schema::HeatRun> run = run_of(database, job);
   if (!run.ok()) return run.status();
@@ -52,6 +58,24 @@ absl::Status store_heat(Database& database, const LeasedJob& job, const schema::
                                  part.hottest_k(), part.error_k()));
   }
   return database.run(sql::delete_superseded_heat_jobs_of_season, job.sweep_id, run->season());
+}
+
+absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
+                               const std::string& determinism_class) {
+  if (job.kind != JobKind::kHeat) return false;
+  const absl::StatusOr<schema::HeatRun> run = run_of(database, job);
+  if (!run.ok()) return run.status();
+  const absl::StatusOr<std::int64_t> twin = database.integer(
+      sql::done_twin, job.job_id, job.job_key, determinism_class, computed_temperatures_of(*run));
+  if (absl::IsNotFound(twin.status())) return false;
+  if (!twin.ok()) return twin.status();
+  IRSIG_STORE_TRY(database.run(sql::copy_heat_output, job.job_id, *twin));
+  IRSIG_STORE_TRY(database.run(sql::delete_computed_temperatures, job.job_id));
+  IRSIG_STORE_TRY(database.run(sql::copy_computed_temperatures, job.job_id, *twin, job.sweep_id));
+  IRSIG_STORE_TRY(database.run(sql::copy_provenance, job.job_id, *twin));
+  IRSIG_STORE_TRY(
+      database.run(sql::delete_superseded_heat_jobs_of_season, job.sweep_id, run->season()));
+  return true;
 }
 
 }  // namespace irsig

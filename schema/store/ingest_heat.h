@@ -1,6 +1,10 @@
 #pragma once
 
+#include <string>
+
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/job.pb.h"
 #include "schema/result.pb.h"
 #include "schema/store/database.h"
 #include "schema/store/queue.h"
@@ -12,5 +16,13 @@ namespace irsig {
 // Neither touches the queue nor opens a savepoint, nor stores who computed it.
 [[nodiscard]] absl::Status store_heat(Database& database, const LeasedJob& job,
                                       const schema::JobResult& result);
+
+// How many lines of the table a run comes to: one for each part and time.
+[[nodiscard]] std::int64_t computed_temperatures_of(const schema::HeatRun& run);
+
+// Gives the job what a done job of another sweep with the same key has left, if one of this
+// determinism class has; false: none has.
+[[nodiscard]] absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
+                                             const std::string& determinism_class);
 
 }  // namespace irsig

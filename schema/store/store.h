@@ -158,6 +158,11 @@ class StoreWriter {
   // INVALID_ARGUMENT: the result does not match its job.
   virtual absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
                                 const std::string& worker_name) = 0;
+  // Marks the job done with what a job of the same key has left in another sweep of the database,
+  // computed in this determinism class; false: there is none, and the lease goes on. Views are
+  // never taken over: their rows are of their own sweep's places.
+  virtual absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
+                                         const std::string& determinism_class) = 0;
   virtual absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
   // The determinism class that this database's unfinished sweeps are bound to; empty: not bound

@@ -13,6 +13,7 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/json_util.h"
 #include "schema/store/check_sweep.h"
+#include "schema/store/ingest_heat.h"
 #include "schema/store/queue.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
@@ -399,9 +400,7 @@ class SweepUpdate {
       const absl::StatusOr<std::int64_t> stored =
           database_.integer(sql::count_computed_temperatures, known->job_id);
       if (!stored.ok()) return stored.status();
-      const auto parts =
-          std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0);
-      if (*stored == parts * run.time_utc_size()) state = JobState::kDone;
+      if (*stored == computed_temperatures_of(run)) state = JobState::kDone;
     }
     IRSIG_STORE_TRY(database_.run(sql::place_heat_run, known->job_id, spec.heat()));
     return database_.run(sql::revive_job, known->job_id, index, static_cast<int>(state));

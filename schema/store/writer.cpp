@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/cost.h"
 #include "schema/store/ingest.h"
+#include "schema/store/ingest_heat.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
 #include "schema/store/statements.h"
@@ -97,6 +98,17 @@ class SqliteWriter final : public StoreWriter {
     if (!job.ok()) return job.status();
     IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name));
     return end_lease_done(database_, fencing_token, job->job_id, worker_name);
+  }
+
+  absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
+                                 const std::string& determinism_class) override {
+    IRSIG_STORE_TRY(require_transaction());
+    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
+    if (!job.ok()) return job.status();
+    const absl::StatusOr<bool> copied = copy_twin(database_, *job, determinism_class);
+    if (!copied.ok() || !*copied) return copied;
+    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, "another sweep's"));
+    return true;
   }
 
   absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) override {

@@ -368,5 +368,30 @@ TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreRefused) {
   EXPECT_EQ(lease(a)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 
+// As a pilot does: sweeps that differ in nothing that temperatures depend on.
+TEST_F(FarmTest, TemperaturesAreComputedOnceForAllSweepsThatShareThem) {
+  const auto id = worker("a");
+  std::vector<std::string> computed;
+  for (const char* name : {"pilot 1", "pilot 2"}) {
+    sweep_ = heated_frigate_sweep(2, name);
+    const auto submission = make_submission(sweep_, 1, {});
+    ASSERT_TRUE(submission.ok());
+    ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
+    for (;;) {
+      const auto reply = lease(id);
+      ASSERT_TRUE(reply.ok()) << reply.status();
+      if (reply->state() == schema::LeaseReply::STATE_FINISHED) break;
+      ASSERT_EQ(reply->state(), schema::LeaseReply::STATE_LEASED);
+      computed.emplace_back(reply->job().has_heat() ? "heat" : "view");
+      EXPECT_EQ(reply->output_size(), reply->job().has_heat() ? 0 : sweep_.heat_size());
+      for (const auto& output : reply->output()) EXPECT_TRUE(farm_->asset(output.sha256()).ok());
+      ASSERT_TRUE(complete(id, *reply).ok());
+    }
+  }
+  std::vector<std::string> expected(static_cast<std::size_t>(sweep_.heat_size()), "heat");
+  expected.insert(expected.end(), 4, "view");
+  EXPECT_EQ(computed, expected);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -230,6 +230,38 @@ TEST_F(StoreHeat, StaleTemperaturesStayUntilTheirReplacementIsStored) {
   EXPECT_EQ(text("SELECT count(*) FROM pragma_foreign_key_check()"), "0");
 }
 
+TEST_F(StoreHeat, TemperaturesOfTheSameKeyAreTakenOverFromAnotherSweep) {
+  EXPECT_EQ(finish(sweep_), 6);
+  schema::ResolvedSweep other = sweep_;
+  other.mutable_sweep()->set_name("other");
+  EXPECT_EQ(submit_heat(other, "sweep-b")->to_compute, 6U);
+  ASSERT_OK(writer_->begin());
+  const QueuedJob winter = lease();
+  EXPECT_FALSE(writer_->take_over(winter.fencing_token, "another class").value());
+  EXPECT_TRUE(writer_->take_over(winter.fencing_token, "test-class").value());
+  EXPECT_TRUE(
+      absl::IsFailedPrecondition(writer_->take_over(winter.fencing_token, "test-class").status()));
+  EXPECT_TRUE(writer_->take_over(lease().fencing_token, "test-class").value());
+  const QueuedJob view = lease();
+  ASSERT_TRUE(view.spec.has_view());
+  EXPECT_FALSE(writer_->take_over(view.fencing_token, "test-class").value());
+  EXPECT_EQ(view.output.size(), 2U);
+  ASSERT_OK(writer_->commit());
+  EXPECT_EQ(text("SELECT count(*) FROM asset"), "2") << "each field once";
+  auto reader = StoreReader::open(path_).value();
+  TemperatureFilter filter;
+  filter.sweep = "other";
+  const auto rows = reader->computed_temperatures(filter).value();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1].hottest_k, 302);
+  EXPECT_EQ(reader->heat_jobs("other").value()[0].cpu_s, 0);
+  EXPECT_EQ(reader->sweep("other").value().heat, reader->sweep("ship").value().heat);
+  // The first sweep goes its way: what both have left stays.
+  ASSERT_OK(submit(*writer_, make_sweep({}), "sweep-c").status());
+  EXPECT_EQ(text("SELECT count(*) FROM asset"), "2");
+  EXPECT_EQ(text("SELECT count(*) FROM pragma_foreign_key_check()"), "0");
+}
+
 TEST_F(StoreHeat, WhatNobodyReplacesGoesAtOnce) {
   EXPECT_EQ(finish(sweep_), 6);
   ASSERT_OK(submit(*writer_, make_sweep({}), "sweep-b").status());  // all temperatures stated
