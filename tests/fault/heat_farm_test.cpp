@@ -1,0 +1,111 @@
+// A sweep with computed temperatures through real coordinators and workers: what is stored is what
+// one process computes by itself.
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "bridge/heat_outputs.h"
+#include "bridge/job_runner.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/client/local_farm.h"
+#include "core/geo/sun.h"
+#include "jobs/expand.h"
+#include "jobs/sweep_file.h"
+#include "planning/export_temperatures.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+namespace {
+
+schema::ResolvedSweep heated_disk() {
+  const std::string path = IRSIG_SOURCE_DIR "/jobs/examples/disk.toml";
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  const auto file = parse_sweep(text.str(), path);
+  EXPECT_TRUE(file.ok()) << file.status();
+  schema::ResolvedSweep sweep = *resolve_sweep(*file, "");
+  schema::Accuracy& accuracy = *sweep.mutable_sweep()->mutable_accuracy();
+  accuracy.clear_relative_error();
+  accuracy.clear_absolute_error_k();
+  accuracy.set_samples_per_replicate(64);
+  sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
+  sweep.mutable_sweep()->mutable_model()->set_triangles(100);
+  for (int c = 0; c < sweep.condition_size(); ++c) {
+    schema::Condition& condition = *sweep.mutable_condition(c);
+    condition.set_part_temperature_k(0, 0);
+    schema::HeatRun& run = *sweep.add_heat();
+    run.set_season(condition.season() + std::to_string(c));
+    run.add_time_utc(condition.time_utc());
+    *run.mutable_part_temperature_k() = condition.part_temperature_k();
+    schema::WeatherRecord& record = *run.mutable_course()->add_record();
+    record.set_unix_s(unix_seconds(*parse_rfc3339(condition.time_utc())));
+    record.set_air_temperature_k(310 + c);
+    schema::ConditionField& from = *condition.mutable_temperature_field();
+    from.set_heat(static_cast<std::uint32_t>(c));
+    from.add_part(0);
+  }
+  return sweep;
+}
+
+TEST(HeatFarm, StoresWhatOneProcessComputes) {
+  std::string folder = "/tmp/irsig-heat-XXXXXX";
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const schema::ResolvedSweep sweep = heated_disk();
+  const std::string db = folder + "/heat.sigdb";
+  {
+    auto farm = LocalFarm::start({.db_path = db,
+                                  .workers = 2,
+                                  .coordinator_executable = IRSIG_COORDINATOR,
+                                  .worker_executable = IRSIG_WORKER,
+                                  .worker_arguments = {}});
+    ASSERT_TRUE(farm.ok()) << farm.status();
+    const auto sent =
+        submit((*farm)->address(), sweep, {}, static_cast<std::uint32_t>(physics_version()));
+    ASSERT_TRUE(sent.ok()) << sent.status();
+    ASSERT_TRUE((*farm)->start_workers().ok());
+    schema::SweepStatus status;
+    do {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      status = farm_status((*farm)->address())->sweep(0);
+      ASSERT_EQ(status.quarantined(), 0U) << status.failure(0);
+      ASSERT_TRUE((*farm)->keep_alive(status.done()).ok());
+    } while (status.done() < status.jobs());
+    EXPECT_EQ(status.heat_jobs(), static_cast<std::uint64_t>(sweep.heat_size()));
+    ASSERT_TRUE((*farm)->stop().ok());
+  }
+  const auto reader = StoreReader::open(db).value();
+  const HeatOutputs heat = heat_outputs(sweep, {}).value();
+  EXPECT_EQ(reader->sweep(sweep.sweep().name()).value().heat, heat);
+  EXPECT_FALSE(reader->computed_temperatures({}).value().empty());
+  const auto runner = JobRunner::create(sweep, {}, heat, {}).value();
+  const auto rows = reader->find({}).value();
+  std::size_t row = 0;
+  for (const schema::JobSpec& job : expand_jobs(sweep, physics_version())) {
+    if (!job.has_view()) continue;
+    const auto computed = runner->run(job);
+    ASSERT_TRUE(computed.ok()) << computed.status();
+    for (const schema::SignatureRow& expected : computed->view().row()) {
+      EXPECT_EQ(rows[row].intensity_w_sr, expected.intensity_w_sr().value());
+      EXPECT_EQ(rows[row++].temperature_bound_w_sr, expected.temperature_bound_w_sr());
+    }
+  }
+  EXPECT_EQ(row, rows.size());
+  std::ostringstream csv;
+  const absl::Status exported = export_temperatures(db, "", "", "", csv);
+  ASSERT_TRUE(exported.ok()) << exported;
+  schema::HeatField field;
+  ASSERT_TRUE(field.ParseFromString(heat[0]));
+  const std::string lines = csv.str();
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1 + field.facets());
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace irsig
