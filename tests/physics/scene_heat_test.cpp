@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/constants.h"
 #include "core/thermal/scene/exchange_factors.h"
 #include "core/thermal/scene/sun_visibility.h"
+#include "core/thermal/weather_course.h"
 
 namespace irsig {
 namespace {
@@ -238,8 +240,8 @@ TEST(SceneHeat, TwoTemperaturesAndAMirrorBetween) {
   // Concentric spheres as in the table of view factors: inner 400 K, emissivity 0.8; outer 300 K,
   // 0.5. The net flux of the inner one follows from the outer one's heat: here the outer one's
   // inside is kept at 300 K behind a conductance, and its face's temperature tells the flux.
-  Mesh mesh = generated("sphere", 2000, 1);
-  Mesh outer = generated("sphere", 2000, 2);
+  Mesh mesh = generated("sphere", 800, 1);
+  Mesh outer = generated("sphere", 800, 2);
   for (auto& t : outer.triangle) std::swap(t[1], t[2]);
   mesh.group = {"inner"};
   mesh.triangle_group.assign(mesh.triangle.size(), 0);
@@ -269,6 +271,135 @@ TEST(SceneHeat, TwoTemperaturesAndAMirrorBetween) {
   const double exchange = kStefanBoltzmannWM2K4 * (std::pow(400, 4) - std::pow(t, 4)) /
                           (1 / 0.8 + a * (1 / 0.5 - 1)) * a;
   EXPECT_NEAR(through / exchange, 1, 0.03) << t;
+}
+
+// Two houses on a ground of 12 m, cut to 1 m.
+Target courtyard() {
+  Mesh mesh = plate("ground", {-6, -6, 0}, {0, 12, 0}, {12, 0, 0}, 12);
+  for (const double x : {-2.5, 2.0}) {
+    Mesh house = generated("box", 96, 0, 2, 3, 2.5);
+    for (auto& v : house.vertex) v = v + Vec<Body>{x, 0.5 * x, -1.26};
+    house.group = {"walls"};
+    house.triangle_group.assign(house.triangle.size(), 0);
+    append(mesh, house);
+  }
+  return target_of(mesh, {part("ground"), part("walls")});
+}
+
+// A clear summer day at 45 N, every step_s; what stands there is turned by turned_deg.
+SceneHeatRequest clear_day(double step_s, double turned_deg = 0) {
+  SceneHeatRequest r;
+  const double midnight_s = solar_midnight_unix_s(2025, 6, 21, 0);
+  const auto course = day_course({288, 298, 15, 283, 101300, 3, 220, 0}, midnight_s);
+  EXPECT_TRUE(course.ok()) << course.status();
+  const auto radiation = CourseRadiation::make(*course, {45, 0, 0}, {0.2, 0.15, 0.33, 0.2});
+  EXPECT_TRUE(radiation.ok()) << radiation.status();
+  const auto knots = static_cast<std::size_t>(std::lround(86400 / step_s));
+  const double from = (220 - turned_deg) * std::numbers::pi / 180;
+  for (std::size_t k = 0; k <= knots; ++k) {
+    const double t = midnight_s + step_s * static_cast<double>(k);
+    const WeatherRecord w = weather_at(*course, t);
+    const auto side = [&](CourseRadiation::Side which) {
+      const Radiation at = radiation->at(t, which);
+      return HeatRadiation{at.direct_normal_w_m2, at.diffuse_horizontal_w_m2, at.sky_w_m2};
+    };
+    r.knot_s.push_back(t);
+    r.weather.push_back({w.air_k,
+                         w.wind_m_s,
+                         {std::cos(from), std::sin(from), 0},
+                         body_from_enu(radiation->sun_at(t).direction, turned_deg),
+                         0.0047,
+                         side(CourseRadiation::Side::kBefore),
+                         side(CourseRadiation::Side::kAfter)});
+    if (k % (knots / 24) == 0) r.output_knot.push_back(k);
+  }
+  r.day_knots = knots;
+  r.beneath = {.surface_z_m = 0.5, .temperature_k = 293, .emissivity = 0.95, .solar_albedo = 0.2};
+  WallBuildUp soil;
+  soil.name = "soil";
+  soil.layers = {{0.6, 1.0, 1800, 1000}};
+  r.build_up = {soil, steel(InnerSide::kAir)};
+  r.build_up[1].inner_k = 294;
+  r.build_up[1].inner_h_w_m2_k = 8;
+  r.part = {{0.75, 0.94, 0u, 0}, {0.6, 0.9, 1u, 0}};
+  return r;
+}
+
+TEST(SceneHeat, ErrorsCoverAFinerComputation) {
+  const Target target = courtyard();
+  const auto coarse = solve_scene_heat(target, clear_day(600));
+  SceneHeatRequest fine = clear_day(150);
+  fine.rays = 2048;
+  fine.seed = 99;
+  const auto exact = solve_scene_heat(target, fine);
+  ASSERT_TRUE(coarse.ok()) << coarse.status();
+  ASSERT_TRUE(exact.ok()) << exact.status();
+  ASSERT_EQ(coarse->kelvin.size(), exact->kelvin.size());
+  double all = 0, beyond_one = 0, beyond_two = 0, hottest = 0, coldest = 1000;
+  std::vector<double> stated, true_k;
+  for (std::size_t t = 0; t < coarse->kelvin.size(); ++t)
+    for (std::size_t f = 0; f < target.facet.size(); ++f) {
+      const double off = std::abs(static_cast<double>(coarse->kelvin[t][f] - exact->kelvin[t][f])),
+                   error = static_cast<double>(coarse->error_k[t][f]);
+      ++all;
+      beyond_one += off > error ? 1 : 0;
+      beyond_two += off > 2 * error ? 1 : 0;
+      stated.push_back(error);
+      true_k.push_back(off);
+      hottest = std::max(hottest, static_cast<double>(exact->kelvin[t][f]));
+      coldest = std::min(coldest, static_cast<double>(exact->kelvin[t][f]));
+    }
+  std::sort(stated.begin(), stated.end());
+  std::sort(true_k.begin(), true_k.end());
+  const std::size_t middle = stated.size() / 2, high = stated.size() * 95 / 100;
+  std::printf(
+      "%.0f values, %.1f to %.1f K: beyond one error %.3f %%, beyond two %.3f %%; stated "
+      "%.3f, %.3f (95 %%), true %.3f, %.3f K\n",
+      all, coldest, hottest, 100 * beyond_one / all, 100 * beyond_two / all, stated[middle],
+      stated[high], true_k[middle], true_k[high]);
+  EXPECT_LT(beyond_one, 0.04 * all);
+  EXPECT_LT(beyond_two, 0.005 * all);
+  // Not by being afraid: the median error is stated at most ten times too large.
+  EXPECT_LT(stated[middle], 10 * true_k[middle]);
+  EXPECT_LT(stated[middle], 0.2);
+}
+
+// Rationale: temperatures belong to the facets, not to the axes.
+// Expected: the scene and the world turned together by 53 deg give the same.
+TEST(SceneHeat, TheWorldTurned) {
+  const Target target = courtyard();
+  const double angle = 53 * std::numbers::pi / 180;
+  Mesh turned;
+  // The target's own mesh, turned clockwise seen from above (z is down: x to y).
+  for (std::size_t v = 0; v < target.vertex.size(); v += 3) {
+    const double x = static_cast<double>(target.vertex[v]),
+                 y = static_cast<double>(target.vertex[v + 1]);
+    turned.vertex.push_back(target.centre + Vec<Body>{std::cos(angle) * x - std::sin(angle) * y,
+                                                      std::sin(angle) * x + std::cos(angle) * y,
+                                                      static_cast<double>(target.vertex[v + 2])});
+  }
+  turned.group = {"ground", "walls"};
+  for (std::size_t f = 0; f < target.facet.size(); ++f) {
+    turned.triangle.push_back(
+        {target.triangle[3 * f], target.triangle[3 * f + 1], target.triangle[3 * f + 2]});
+    turned.triangle_group.push_back(target.facet[f].part);
+  }
+  const Target other = target_of(turned, {part("ground"), part("walls")});
+  const auto a = solve_scene_heat(target, clear_day(600)),
+             b = solve_scene_heat(other, clear_day(600, -53));
+  ASSERT_TRUE(a.ok()) << a.status();
+  ASSERT_TRUE(b.ok()) << b.status();
+  double all = 0, beyond = 0;
+  for (std::size_t t = 0; t < a->kelvin.size(); ++t)
+    for (std::size_t f = 0; f < target.facet.size(); ++f) {
+      ++all;
+      beyond += std::abs(static_cast<double>(a->kelvin[t][f] - b->kelvin[t][f])) >
+                        std::hypot(static_cast<double>(a->error_k[t][f]),
+                                   static_cast<double>(b->error_k[t][f]))
+                    ? 1
+                    : 0;
+    }
+  EXPECT_LT(beyond, 0.01 * all);
 }
 
 TEST(SceneHeat, WhatIsWrongIsNamed) {

@@ -42,7 +42,11 @@ class Computation {
       // Under a surface nothing shines; ground there is as warm as the ground.
       emissivity_.push_back(under && request_.beneath.water ? 0.0 : part.emissivity);
     }
-    for (std::size_t k = 0; k < count(); ++k) knot_s_.push_back(request_.knot_s[knot(k)]);
+    for (std::size_t k = 0; k < count(); ++k) {
+      knot_s_.push_back(request_.knot_s[knot(k)]);
+      windward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kWindward));
+      leeward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kLeeward));
+    }
   }
 
   absl::Status solve() {
@@ -234,8 +238,7 @@ class Computation {
     const FaceNormal n = normal_of(target_, faces_, face);
     const double towards =
         static_cast<double>(n.x) * w.wind_from.x + static_cast<double>(n.y) * w.wind_from.y;
-    to.forced_h_w_m2_k[at] = mowitt_forced_w_m2_k(
-        w.wind_m_s, towards > -1e-6 ? WindSide::kWindward : WindSide::kLeeward);
+    to.forced_h_w_m2_k[at] = towards > -1e-6 ? windward_w_m2_k_[k] : leeward_w_m2_k_[k];
   }
 
   absl::StatusOr<double> conduct(std::uint32_t which, const std::vector<std::uint32_t>& wall,
@@ -341,7 +344,7 @@ class Computation {
   const ThermalFaces& faces_;
   const SceneHeatRequest& request_;
   Knots knots_;
-  std::vector<double> knot_s_;
+  std::vector<double> knot_s_, windward_w_m2_k_, leeward_w_m2_k_;  // [knot]
   std::vector<bool> covered_;       // [face] under water or ground
   std::vector<double> emissivity_;  // [face]
   ExchangeFactors factors_;
