@@ -194,6 +194,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   sweep.clear_condition();
   sweep.clear_heat();
   *sweep.add_heat() = only;
+  sweep.mutable_heat(0)->clear_season();  // a name
   if (only.has_weather()) clear_file_names(*sweep.mutable_heat(0)->mutable_weather());
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.clear_band();

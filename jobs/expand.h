@@ -48,8 +48,8 @@ namespace irsig {
 //
 // job_key of a heat run = SHA-256 of physics_version and the canonical encoding of the sweep
 // without what temperatures do not depend on: the above, and viewpoints, conditions, bands,
-// accuracy, effects, output, profiles, other heat runs, parts called hot. The run's season keeps
-// its name, so that two runs never share a key.
+// accuracy, effects, output, profiles, other heat runs, what the season is called, parts called
+// hot. Two equal runs would share a key: a resolved sweep has each once.
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 

@@ -26,8 +26,8 @@ DELETE FROM computed_temperature WHERE job_id IN (
 DELETE FROM computed_temperature AS t
 WHERE EXISTS (SELECT 1 FROM job old WHERE old.job_id = t.job_id AND old.sweep_id = ?1 AND old.superseded = 1)
   AND NOT EXISTS (
-    SELECT 1 FROM heat_job h JOIN condition c ON c.season = h.season
-    WHERE h.job_id = t.job_id AND c.sweep_id = ?1 AND c.superseded = 0 AND c.time_utc = t.time_utc);
+    SELECT 1 FROM condition c
+    WHERE c.sweep_id = ?1 AND c.superseded = 0 AND c.heat_index IS NOT NULL AND c.time_utc = t.time_utc);
 
 -- name: delete_superseded_heat_jobs_of_season
 DELETE FROM job
@@ -95,7 +95,7 @@ ORDER BY h.heat_index;
 SELECT sweep, season, time_utc, part, mean_k, coldest_k, hottest_k, error_k, superseded, job_key
 FROM computed_temperature_view
 WHERE (?1 = '' OR sweep = ?1) AND (?2 = '' OR season = ?2) AND (?3 = '' OR time_utc = ?3)
-ORDER BY sweep, heat_index, superseded, time_index, part_index, part;
+ORDER BY sweep, superseded, condition_index, heat_index, time_index, part_index, part;
 
 -- name: heat_jobs_of_sweep
 SELECT h.season, j.state = 2, coalesce(p.seconds, 0.0), h.warning

@@ -73,7 +73,7 @@ INSERT INTO part (sweep_id, name, material, part_index) VALUES (?1, ?2, ?3, ?4) 
 UPDATE condition SET superseded = 1 WHERE sweep_id = ?1;
 
 -- name: revive_condition
-UPDATE condition SET superseded = 0, condition_index = ?3, warning = ?4
+UPDATE condition SET superseded = 0, condition_index = ?3, warning = ?4, heat_index = ?5, heat_time_index = ?6
 WHERE sweep_id = ?1 AND definition_sha256 = ?2
 RETURNING condition_id;
 
@@ -81,8 +81,9 @@ RETURNING condition_id;
 INSERT INTO condition (sweep_id, definition_sha256, condition_index, season, time_utc, sun_irradiance_w_m2,
                        air_temperature_k, surroundings, sky_temperature_k, sky_radiance_w_m2_sr_um,
                        sea_temperature_k, sea_emissivity, lower_radiance_w_m2_sr_um, sea_model,
-                       ground_temperature_k, ground_emissivity, weather, warning, temperature_field)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)
+                       ground_temperature_k, ground_emissivity, weather, warning, temperature_field,
+                       heat_index, heat_time_index)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21)
 RETURNING condition_id;
 
 -- name: insert_part_temperature

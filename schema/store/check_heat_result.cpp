@@ -4,15 +4,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/time/time.h"
 #include "core/base/printable.h"
 #include "schema/store/check_result.h"
 #include "schema/store/database.h"
+#include "schema/store/heat_time.h"
 
 namespace irsig {
 namespace {
@@ -37,12 +38,9 @@ absl::Status check_times(const schema::HeatField& field, const schema::HeatRun& 
     return wrong("field.unix_s", absl::StrCat("has ", field.unix_s_size(), " of the ",
                                               run.time_utc_size(), " times asked for"));
   for (int i = 0; i < field.unix_s_size(); ++i) {
-    absl::Time asked;
-    std::string error;
-    if (!absl::ParseTime(absl::RFC3339_full, run.time_utc(i), &asked, &error))
-      return wrong("time_utc", absl::StrCat("\"", one_line(run.time_utc(i)), "\": ", error));
-    const double asked_s = absl::ToDoubleSeconds(asked - absl::UnixEpoch());
-    if (!(std::abs(field.unix_s(i) - asked_s) <= kSameTime_s))
+    const std::optional<double> asked_s = unix_s_of(run.time_utc(i));
+    if (!asked_s) return wrong("time_utc", absl::StrCat("\"", run.time_utc(i), "\" is no time"));
+    if (!(std::abs(field.unix_s(i) - *asked_s) <= kSameTime_s))
       return wrong(absl::StrCat("field.unix_s[", i, "]"),
                    absl::StrCat("is not the time asked for, ", run.time_utc(i)));
     if (i > 0 && !(field.unix_s(i) > field.unix_s(i - 1)))

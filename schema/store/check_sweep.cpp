@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
 #include "schema/store/database.h"
+#include "schema/store/heat_time.h"
 
 namespace irsig {
 namespace {
@@ -168,6 +169,9 @@ absl::Status check_heat(const schema::ResolvedSweep& sweep) {
     if (!is_one_line(run.season()))
       return wrong(sweep, name + "has control characters or is not UTF-8");
     if (run.time_utc().empty()) return wrong(sweep, name + "has no times");
+    for (const std::string& time : run.time_utc())
+      if (!is_one_line(time) || !unix_s_of(time))
+        return wrong(sweep, absl::StrCat(name, "has \"", time, "\", which is no time"));
     if (run.part_temperature_k_size() != parts)
       return wrong(sweep, absl::StrCat(name, "has ", run.part_temperature_k_size(),
                                        " temperatures for ", parts, " parts"));
@@ -182,8 +186,7 @@ absl::Status check_heat(const schema::ResolvedSweep& sweep) {
       return wrong(sweep, absl::StrCat(name, " has the temperatures of heat run ", from.heat(),
                                        " of ", sweep.heat_size()));
     const schema::HeatRun& run = sweep.heat(static_cast<int>(from.heat()));
-    if (std::find(run.time_utc().begin(), run.time_utc().end(), c.time_utc()) ==
-        run.time_utc().end())
+    if (!time_index_of(run, c.time_utc()))
       return wrong(sweep, name + " is no time of its heat run");
     for (const std::uint32_t part : from.part())
       if (part >= static_cast<std::uint32_t>(parts) ||

@@ -13,6 +13,7 @@
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/json_util.h"
 #include "schema/store/check_sweep.h"
+#include "schema/store/heat_time.h"
 #include "schema/store/ingest_heat.h"
 #include "schema/store/queue.h"
 #include "schema/store/sha256.h"
@@ -56,7 +57,10 @@ std::string condition_definition(const schema::Condition& condition,
     from.clear_file_name();
     // What the run is, and not its place in the list.
     if (from.has_heat()) {
-      hash.add(serialized(sweep.heat(static_cast<int>(from.heat()))));
+      schema::HeatRun run = sweep.heat(static_cast<int>(from.heat()));
+      run.clear_season();
+      run.clear_time_utc();
+      hash.add(serialized(run));
       from.set_heat(0);
     }
   }
@@ -64,6 +68,16 @@ std::string condition_definition(const schema::Condition& condition,
   for (const schema::Part& part : sweep.sweep().part())
     hash.add(absl::StrCat(part.name(), "\n", part.material(), "\n"));
   return hash.hex();
+}
+
+// Where a condition's computed temperatures stand among the runs; nothing: none are.
+struct HeatPlace {
+  std::optional<int> heat_index, time_index;
+};
+HeatPlace heat_place(const schema::Condition& condition, const schema::ResolvedSweep& sweep) {
+  if (!condition.temperature_field().has_heat()) return {};
+  const int heat_index = static_cast<int>(condition.temperature_field().heat());
+  return {heat_index, time_index_of(sweep.heat(heat_index), condition.time_utc())};
 }
 
 std::string warnings(const schema::Condition& condition) {
@@ -187,8 +201,10 @@ class SweepUpdate {
     IRSIG_STORE_TRY(database_.run(sql::supersede_conditions, sweep_id_));
     for (int i = 0; i < sweep_.condition_size(); ++i) {
       const std::string definition = condition_definition(sweep_.condition(i), sweep_);
-      const absl::StatusOr<std::int64_t> id = database_.integer(
-          sql::revive_condition, sweep_id_, definition, i, warnings(sweep_.condition(i)));
+      const HeatPlace place = heat_place(sweep_.condition(i), sweep_);
+      const absl::StatusOr<std::int64_t> id =
+          database_.integer(sql::revive_condition, sweep_id_, definition, i,
+                            warnings(sweep_.condition(i)), place.heat_index, place.time_index);
       if (id.ok()) continue;
       if (!absl::IsNotFound(id.status())) return id.status();
       IRSIG_STORE_TRY(insert_condition(i, definition));
@@ -283,6 +299,7 @@ class SweepUpdate {
     using S = schema::Surroundings;
     const absl::StatusOr<std::optional<std::string>> weather = weather_text(condition);
     if (!weather.ok()) return weather.status();
+    const HeatPlace place = heat_place(condition, sweep_);
     const absl::StatusOr<std::int64_t> id = database_.integer(
         sql::insert_condition, sweep_id_, definition, index, condition.season(),
         condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
@@ -294,7 +311,7 @@ class SweepUpdate {
         around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
         if_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
         if_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
-        warnings(condition), field_text(condition));
+        warnings(condition), field_text(condition), place.heat_index, place.time_index);
     if (!id.ok()) return id.status();
     const auto& by_field = condition.temperature_field().part();
     for (std::size_t part = 0; part < part_ids_.size(); ++part) {

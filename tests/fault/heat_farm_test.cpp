@@ -41,7 +41,7 @@ schema::ResolvedSweep heated_disk() {
     schema::Condition& condition = *sweep.mutable_condition(c);
     condition.set_part_temperature_k(0, 0);
     schema::HeatRun& run = *sweep.add_heat();
-    run.set_season(condition.season() + std::to_string(c));
+    run.set_season(condition.season());
     run.add_time_utc(condition.time_utc());
     *run.mutable_part_temperature_k() = condition.part_temperature_k();
     schema::WeatherRecord& record = *run.mutable_course()->add_record();

@@ -272,7 +272,7 @@ schema::ResolvedSweep heated_sweep() {
     run.add_time_utc("2025-06-21T12:00:00Z");
     schema::WeatherRecord& record = *run.mutable_course()->add_record();
     record.set_unix_s(1750507200);
-    record.set_air_temperature_k(290);
+    record.set_air_temperature_k(290 + sweep.heat_size());
     run.mutable_surroundings()->set_kind("none");
     run.mutable_weather()->set_profile_csv("text");
     run.mutable_weather()->set_profile_file_name("sonde.csv");
@@ -313,7 +313,8 @@ TEST(ExpandJobs, KeysOfHeatRunsChangeWithEveryDeterminingField) {
                                  "sweep.transport.job_size_vertices",
                                  "sweep.part.temperature_k",
                                  "sweep.part.hot",
-                                 "heat.weather.profile_file_name"}
+                                 "heat.weather.profile_file_name",
+                                 "heat.season"}
         .contains(path);
   };
   schema::ResolvedSweep sweep = heated_sweep();
@@ -325,11 +326,10 @@ TEST(ExpandJobs, KeysOfHeatRunsChangeWithEveryDeterminingField) {
     EXPECT_EQ(expand_jobs(sweep, 1)[0].job_key() == key, is_free(path)) << path;
   });
   for (const char* path :
-       {"heat.season", "heat.time_utc", "heat.course.record.air_temperature_k",
-        "heat.weather.profile_csv", "heat.surroundings.kind", "sweep.build_up.layer.thickness_m",
-        "sweep.heat.tolerance_k", "sweep.part.build_up", "sweep.material.emissivity", "sweep.seed",
-        "sweep.model.triangles", "sweep.place.latitude_deg", "sweep.band.step_um",
-        "viewpoint.range_m"})
+       {"heat.time_utc", "heat.course.record.air_temperature_k", "heat.weather.profile_csv",
+        "heat.surroundings.kind", "sweep.build_up.layer.thickness_m", "sweep.heat.tolerance_k",
+        "sweep.part.build_up", "sweep.material.emissivity", "sweep.seed", "sweep.model.triangles",
+        "sweep.place.latitude_deg", "sweep.band.step_um", "viewpoint.range_m"})
     EXPECT_TRUE(seen.contains(path)) << path;
   schema::ResolvedSweep stated = sweep;
   stated.mutable_heat(0)->set_part_temperature_k(0, 300);
@@ -341,7 +341,7 @@ TEST(ExpandJobs, KeysOfHeatRunsChangeWithEveryDeterminingField) {
 TEST(ExpandJobs, KeysOfViewsCoverWhatTheyNeed) {
   const std::vector<schema::JobSpec> jobs = expand_jobs(heated_sweep(), 1);
   schema::ResolvedSweep warmer = heated_sweep();
-  warmer.mutable_heat(1)->mutable_course()->mutable_record(0)->set_air_temperature_k(291);
+  warmer.mutable_heat(1)->mutable_course()->mutable_record(0)->set_air_temperature_k(299);
   const std::vector<schema::JobSpec> changed = expand_jobs(warmer, 1);
   EXPECT_EQ(changed[0].job_key(), jobs[0].job_key());
   EXPECT_NE(changed[1].job_key(), jobs[1].job_key());

@@ -319,7 +319,9 @@ inline std::string without_what_came_after(int version) {
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
       "PRAGMA legacy_alter_table = ON; DROP TABLE job; ALTER TABLE old_job RENAME TO job;"
       "DROP TABLE job_kind; DELETE FROM stop_reason WHERE name = 'floor_reached';"
-      "ALTER TABLE condition DROP COLUMN temperature_field;";
+      "ALTER TABLE condition DROP COLUMN temperature_field;"
+      "ALTER TABLE condition DROP COLUMN heat_index;"
+      "ALTER TABLE condition DROP COLUMN heat_time_index;";
   std::vector<std::string> columns = {"reflections"};
   for (const QuantityInfo& quantity : kQuantities)
     if (quantity.since_format > version) columns.emplace_back(quantity.name);

@@ -262,6 +262,21 @@ TEST_F(StoreHeat, TemperaturesOfTheSameKeyAreTakenOverFromAnotherSweep) {
   EXPECT_EQ(text("SELECT count(*) FROM pragma_foreign_key_check()"), "0");
 }
 
+TEST_F(StoreHeat, SeasonsMayShareARunAndWriteItsTimesTheirOwnWay) {
+  schema::ResolvedSweep shared = sweep_;
+  shared.mutable_heat()->RemoveLast();
+  shared.mutable_heat(0)->set_time_utc(0, "2025-06-21T01:30:00.0000000Z");
+  shared.mutable_condition(1)->mutable_temperature_field()->set_heat(0);
+  ASSERT_OK(submit_heat(shared, "sweep-b").status());
+  EXPECT_EQ(finish(shared), 5);
+  const auto rows = table();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].season, "winter");
+  EXPECT_EQ(rows[1].season, "summer");
+  EXPECT_EQ(rows[1].time_utc, "2025-06-21T01:30:00Z");
+  EXPECT_EQ(rows[1].job_key, rows[0].job_key);
+}
+
 TEST_F(StoreHeat, WhatNobodyReplacesGoesAtOnce) {
   EXPECT_EQ(finish(sweep_), 6);
   ASSERT_OK(submit(*writer_, make_sweep({}), "sweep-b").status());  // all temperatures stated

@@ -6,7 +6,7 @@ INSERT INTO job_kind VALUES (2, 'heat');
 CREATE TABLE heat_job (
   job_id INTEGER PRIMARY KEY REFERENCES job ON DELETE CASCADE,
   heat_index INTEGER NOT NULL CHECK (heat_index >= 0),  -- its place in ResolvedSweep.heat
-  season TEXT NOT NULL,
+  season TEXT NOT NULL,                                 -- the first of those that share it
   output_sha256 TEXT REFERENCES asset (sha256),         -- NULL: not done
   warning TEXT NOT NULL DEFAULT ''                      -- one line each
 ) STRICT;
@@ -26,14 +26,21 @@ CREATE TABLE computed_temperature (
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX computed_temperature_by_part ON computed_temperature (part_id);
 
+-- Where the temperatures of a condition stand that a job computes: several seasons may share a heat run.
+ALTER TABLE condition ADD COLUMN heat_index INTEGER CHECK (heat_index >= 0);
+ALTER TABLE condition ADD COLUMN heat_time_index INTEGER CHECK (heat_time_index >= 0);
+
 CREATE VIEW computed_temperature_view AS
-SELECT w.name AS sweep, h.season, t.time_utc, p.name AS part, t.mean_k, t.coldest_k, t.hottest_k, t.error_k,
-       j.superseded, j.job_key, h.heat_index, t.time_index, p.part_index
+SELECT w.name AS sweep, coalesce(c.season, h.season) AS season, coalesce(c.time_utc, t.time_utc) AS time_utc,
+       p.name AS part, t.mean_k, t.coldest_k, t.hottest_k, t.error_k, j.superseded, j.job_key, c.condition_index,
+       h.heat_index, t.time_index, p.part_index
 FROM computed_temperature t
 JOIN heat_job h USING (job_id)
 JOIN job j USING (job_id)
 JOIN sweep w USING (sweep_id)
-JOIN part p USING (part_id);
+JOIN part p USING (part_id)
+LEFT JOIN condition c ON c.sweep_id = j.sweep_id AND c.superseded = 0 AND j.superseded = 0
+                     AND c.heat_index = h.heat_index AND c.heat_time_index = t.time_index;
 
 DROP VIEW sweep_view;
 CREATE VIEW sweep_view AS

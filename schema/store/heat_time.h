@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// [s] nullopt: no RFC 3339.
+[[nodiscard]] std::optional<double> unix_s_of(const std::string& time_utc);
+
+// Which of the run's times this is, however it is written; nullopt: none.
+[[nodiscard]] std::optional<int> time_index_of(const schema::HeatRun& run,
+                                               const std::string& time_utc);
+
+}  // namespace irsig
