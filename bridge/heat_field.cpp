@@ -181,10 +181,6 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
     by_time.kelvin = std::move(kelvin);
     by_time.error_k = std::move(error_k);
   }
-  if (by_time.from_behind > 0)
-    warning.push_back(absl::StrCat(by_time.from_behind,
-                                   " rays of exchange met one-sided facets from behind: set "
-                                   "two_sided = true for parts that are sheets"));
   std::vector<double> area_m2;
   for (std::size_t f = 0; f < mesh->triangle.size(); ++f) {
     const auto& c = mesh->triangle[f];

@@ -139,6 +139,27 @@ TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
   }
 }
 
+// A box that stands in a plate, its lower half below: what of the plate lies inside it does not
+// count, and the rest of the plate sees what it would see of a box on the plate.
+TEST(ExchangeFactors, PlacesInsideABodyDoNotCount) {
+  Mesh mesh = plate("plate", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1);
+  Mesh box = generated("box", 12, 0, 2, 2, 2);
+  box.group = {"box"};
+  box.triangle_group.assign(box.triangle.size(), 0);
+  append(mesh, box);
+  const Target target = target_of(mesh, {part("plate"), part("box")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = 4096, .surface_z_m = INFINITY});
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(f.exposed[i], 0.75, 0.02);
+    double sum = static_cast<double>(f.sky[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k)
+      sum += static_cast<double>(f.share[k]);
+    EXPECT_NEAR(sum, 1, 1e-6);
+  }
+}
+
 TEST(SunVisibility, HalfOfAPlateInTheShadow) {
   // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is
   // 1 long.

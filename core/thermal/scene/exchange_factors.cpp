@@ -33,15 +33,14 @@ class RowTracer {
         surface_z_(static_cast<float>(settings.surface_z_m - target.centre.z)) {}
 
   // Counts of a face's rays; `entry` gets a row with shares of them.
-  void trace(std::uint32_t face, std::vector<Entry>& entry, float& sky, float& lower,
-             std::uint64_t& from_behind) {
+  void trace(std::uint32_t face, std::vector<Entry>& entry, ExchangeFactors& out) {
     const std::uint64_t seed = mix64(settings_.seed ^ mix64(face + 1ULL));
     const SeedPair place = seed_pair(seed, 0), way = seed_pair(seed, 1);
     const FaceNormal n = normal_of(target_, faces_, face);
     FaceNormal a{}, b{};
     frame_of(n, a, b);
     met_.clear();
-    std::uint32_t to_sky = 0, to_lower = 0;
+    std::uint32_t to_sky = 0, to_lower = 0, buried = 0;
     for (std::uint32_t begin = 0; begin < settings_.rays; begin += RayPacket::kSize) {
       const int count =
           static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, settings_.rays - begin));
@@ -70,17 +69,24 @@ class RowTracer {
           ++(packet_.dir_z[lane] < 0 ? to_sky : to_lower);
           continue;
         }
-        const std::uint32_t to = face_met(lane, from_behind);
+        const std::uint32_t to = face_met(lane);
         const float z = packet_.org_z[lane] + packet_.tfar[lane] * packet_.dir_z[lane];
         if (z > surface_z_)
           ++to_lower;
+        else if (to == ThermalFaces::kNone)
+          ++buried;
         else
           met_.push_back(to);
       }
     }
-    const double share = 1.0 / settings_.rays;
-    sky = static_cast<float>(share * to_sky);
-    lower = static_cast<float>(share * to_lower);
+    out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
+    if (buried == settings_.rays) {
+      entry.push_back({face, face, 1});
+      return;
+    }
+    const double share = 1.0 / (settings_.rays - buried);
+    out.sky[face] = static_cast<float>(share * to_sky);
+    out.lower[face] = static_cast<float>(share * to_lower);
     std::sort(met_.begin(), met_.end());
     for (std::size_t i = 0; i < met_.size();) {
       std::size_t end = i;
@@ -91,7 +97,8 @@ class RowTracer {
   }
 
  private:
-  std::uint32_t face_met(int lane, std::uint64_t& from_behind) {
+  // kNone: from behind, and it has no back.
+  std::uint32_t face_met(int lane) {
     const auto behind = [&] {
       const Target::Facet& f = target_.facet[packet_.triangle[lane]];
       return f.nx * packet_.dir_x[lane] + f.ny * packet_.dir_y[lane] + f.nz * packet_.dir_z[lane] >=
@@ -100,9 +107,9 @@ class RowTracer {
     if (!behind()) return packet_.triangle[lane];
     const std::uint32_t back = faces_.back_of_facet[packet_.triangle[lane]];
     if (back != ThermalFaces::kNone) return back;
-    if (!target_.tracer->look_for_front(packet_, lane, static_cast<float>(target_.offset_m())))
-      ++from_behind;
-    return packet_.triangle[lane];
+    return target_.tracer->look_for_front(packet_, lane, static_cast<float>(target_.offset_m()))
+               ? packet_.triangle[lane]
+               : ThermalFaces::kNone;
   }
 
   const Target& target_;
@@ -141,16 +148,20 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   const std::size_t count = faces.size();
   out.sky.assign(count, 0);
   out.lower.assign(count, 0);
+  out.exposed.assign(count, 1);
   std::vector<Entry> entry;
   RowTracer tracer(target, faces, settings);
   const bool alone = target.convex;  // nothing is seen but sky and surface
   for (std::uint32_t i = 0; i < count; ++i) {
     if (faces.area_m2[i] <= 0) continue;
-    tracer.trace(i, entry, out.sky[i], out.lower[i], out.from_behind);
+    tracer.trace(i, entry, out);
   }
   out.first.assign(count + 1, 0);
   if (entry.empty() || alone) return out;
 
+  const auto exposed_m2 = [&](std::uint32_t i) {
+    return faces.area_m2[i] * static_cast<double>(out.exposed[i]);
+  };
   // Both ways of each pair.
   const std::size_t one_way = entry.size();
   entry.reserve(2 * one_way);
@@ -166,7 +177,7 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
     while (k < entry.size() && entry[k].from == e.from && entry[k].to == e.to)
       sum += entry[k++].share;
     if (e.from == e.to) sum *= 0.5;  // both ways are the same one, and areas are equal
-    const double from_m2 = faces.area_m2[e.from], to_m2 = faces.area_m2[e.to];
+    const double from_m2 = exposed_m2(e.from), to_m2 = exposed_m2(e.to);
     out.to.push_back(e.to);
     share.push_back(e.from == e.to ? sum : to_m2 * sum / (from_m2 + to_m2));
     ++out.first[e.from + 1];

@@ -93,7 +93,6 @@ class Computation {
   [[nodiscard]] double left_k() const { return left_k_; }
   [[nodiscard]] double closure_w_m2() const { return closure_w_m2_; }
   [[nodiscard]] std::uint64_t rays() const { return rays_; }
-  [[nodiscard]] std::uint64_t from_behind() const { return factors_.from_behind; }
 
  private:
   [[nodiscard]] std::size_t count() const { return knots_.of_request.size(); }
@@ -118,6 +117,12 @@ class Computation {
       gather(own, kept, {}, 1e-6, total);
       for (std::size_t i = 0; i < faces; ++i) store(i, static_cast<float>(kept[i] * total[i]));
     };
+    // What is not exposed is not lit.
+    const auto of_exposed = [&](std::size_t i) {
+      return factors_.exposed[i] > 0
+                 ? static_cast<double>(std::min(lit[i] / factors_.exposed[i], 1.0f))
+                 : 0.0;
+    };
     for (std::size_t i = 0; i < faces; ++i)
       own[i] = covered_[i] ? 0 : static_cast<double>(factors_.sky[i]) + from_below(i);
     diffuse_.resize(faces);
@@ -133,7 +138,7 @@ class Computation {
                      lit);
       rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces / 2;
       for (std::size_t i = 0; i < faces; ++i)
-        own[i] = covered_[i] ? 0 : static_cast<double>(lit[i]) - w.sun.z * from_below(i);
+        own[i] = covered_[i] ? 0 : of_exposed(i) - w.sun.z * from_below(i);
       gathered([&](std::size_t i, float value) { direct_[k * faces + i] = value; });
     }
   }
@@ -345,8 +350,8 @@ class Computation {
   const SceneHeatRequest& request_;
   Knots knots_;
   std::vector<double> knot_s_, windward_w_m2_k_, leeward_w_m2_k_;  // [knot]
-  std::vector<bool> covered_;       // [face] under water or ground
-  std::vector<double> emissivity_;  // [face]
+  std::vector<bool> covered_;                                      // [face] under water or ground
+  std::vector<double> emissivity_;                                 // [face]
   ExchangeFactors factors_;
   std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
   std::vector<float> incoming_, kelvin_, error_k_;
@@ -443,7 +448,6 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.exchange_rounds = fine.rounds();
   out.exchange_left_k = fine.left_k();
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
-  out.from_behind = fine.from_behind() + coarse.from_behind();
   out.rays = fine.rays() + coarse.rays();
   // What the two computations differ by, at a time or in the root mean square of the hours around
   // it: at one time they may agree by luck.

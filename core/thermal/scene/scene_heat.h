@@ -79,9 +79,8 @@ struct SceneHeatResult {
   // a number.
   std::vector<std::vector<float>> kelvin, error_k;
   int exchange_rounds = 0;
-  double exchange_left_k = 0;     // what another round would change at most
-  double closure_w_m2 = 0;        // of all walls (HeatResult)
-  std::uint64_t from_behind = 0;  // ExchangeFactors
+  double exchange_left_k = 0;  // what another round would change at most
+  double closure_w_m2 = 0;     // of all walls (HeatResult)
   std::uint64_t rays = 0;
 };
 
