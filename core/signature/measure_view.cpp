@@ -231,15 +231,16 @@ void add_pictures(const Pass& pass, const ViewRequest& request, ViewResult& out)
 
 absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(const PreparedScene& scene,
                                                                  const ViewRequest& request,
-                                                                 const EffectSet& effects) {
+                                                                 const ViewPlan& plan) {
   auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                              scene.axis.node_um());
   if (!surroundings.ok()) return surroundings.status();
-  auto seen = surroundings->see(request.selected_condition, effects);
+  auto seen = surroundings->see(request.selected_condition, plan.effects);
   if (!seen.ok()) return seen.status();
-  return std::make_shared<const PreparedView>(PreparedView{
-      std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint)),
-      *std::move(seen), effects});
+  return std::make_shared<const PreparedView>(
+      PreparedView{std::make_shared<const AimedView>(
+                       make_aimed_view(scene.target, request.viewpoint, plan.bright)),
+                   *std::move(seen), plan.effects});
 }
 
 }  // namespace
@@ -248,8 +249,9 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
                                         const ViewPlan& plan,
                                         std::shared_ptr<const PreparedView> prepared) {
   if (auto status = check_request(scene, request); !status.ok()) return status;
-  if (prepared == nullptr || !prepared->effects.same_light(plan.effects)) {
-    auto made = prepared_for(scene, request, plan.effects);
+  if (prepared == nullptr || !prepared->effects.same_light(plan.effects) ||
+      prepared->aimed->bright != plan.bright) {
+    auto made = prepared_for(scene, request, plan);
     if (!made.ok()) return made.status();
     prepared = *std::move(made);
   }

@@ -16,6 +16,9 @@ namespace {
 // interpolation errors (SunLight::Sky::interpolation).
 constexpr double kWideLobeSlope = 0.15;
 
+// Of the error that is wanted: light that is bounded by less is not worth rays of its own.
+constexpr double kBounded = 0.1;
+
 }  // namespace
 
 Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
@@ -38,6 +41,15 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   if (unseen_ == nullptr)
     unseen_ = std::make_shared<const UnseenLight>(scene.target, scene.carried_material(),
                                                   view_->aimed->frame);
+  const AimedView& aimed = *view_->aimed;
+  if (!aimed.bright.none()) {
+    unseen_of_ = unseen_->by_stratum(aimed, sources_.geometry().sun);
+    parts_of_.assign(aimed.stratum.size(), std::vector<bool>(scene.target.part.size(), false));
+    for (std::uint32_t f = 0; f < scene.target.facet.size(); ++f) {
+      const std::uint32_t part = scene.target.facet[f].part;
+      parts_of_[aimed.stratum_of(f, part)][part] = true;
+    }
+  }
   for (const SunDirection& sun : sources_.geometry().sun)
     glitter_.push_back(brightest_glitter(sun));
   for (std::size_t row = 0; row < this->rows(); ++row) {
@@ -47,6 +59,7 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
     brightest_thermal_.push_back(light(row).brightest_thermal_w_m2_sr(band));
     brightest_.push_back(find_brightest_w_m2_sr(row, request));
     in_band_light_.push_back(in_band_light(row));
+    if (!unseen_of_.empty()) sent_.push_back(sent_by_parts(row));
   }
 }
 
@@ -82,6 +95,17 @@ void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
   counts_ = {};
   samples_ = samples;
   collect(tracer.trace(image_plan_, image_, counts_), kind);
+}
+
+void Pass::run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64_t stage) {
+  PathSettings settings = path_settings(samples, stage);
+  settings.only_stratum = stratum;
+  const PathTracer tracer(scene_.target, scene_.carried_material(), *view_->aimed,
+                          sources_.geometry(), settings);
+  counts_ = {};
+  samples_ = samples;
+  std::vector<double> none;
+  collect(tracer.trace({}, none, counts_), Kind::kPilot);
 }
 
 // What is kept of a run's weights.
@@ -395,8 +419,9 @@ double Pass::beyond_limit_m2(std::uint32_t reflections) const {
   double none_seen_m2 = 0;
   for (std::uint32_t s = 0; s < view_->aimed->stratum.size(); ++s)
     if (!view_->aimed->stratum[s].empty())
-      none_seen_m2 += kNoneSeen * view_->aimed->stratum[s].area_m2() /
-                      (static_cast<double>(stratum_samples(s, samples_)) * accuracy_.replicates);
+      none_seen_m2 +=
+          kNoneSeen * view_->aimed->stratum[s].area_m2() /
+          (static_cast<double>(view_->aimed->samples(s, samples_)) * accuracy_.replicates);
   return e.value + 4 * e.stderr_ + none_seen_m2;
 }
 
@@ -428,12 +453,17 @@ double Pass::unseen_error(std::size_t row) const {
   return numerical_error(0, source.unseen_stderr, source.of(BoundOf::kUnseen));
 }
 
+double Pass::unseen_error(std::size_t row, std::uint32_t stratum) const {
+  const UnseenInStratum in = unseen_in(row, stratum);
+  return numerical_error(in.emitted.source, in.reflected.source, in.reflected.bound);
+}
+
 // What one sample of a stratum stands for.
 double Pass::sample_m2(std::uint32_t stratum) const {
   const AimedView& view = *view_->aimed;
   if (view.stratum[stratum].empty()) return 0;
   return view.stratum[stratum].area_m2() * std::pow(view.range_m / view.frame.plane_m, 2) /
-         (static_cast<double>(stratum_samples(stratum, samples_)) * accuracy_.replicates);
+         (static_cast<double>(view.samples(stratum, samples_)) * accuracy_.replicates);
 }
 
 Pass::InBandLight Pass::in_band_light(std::size_t row) const {
@@ -465,6 +495,20 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
 
 // What the scatter of samples cannot know, met or not. (docs/methods.md)
 Pass::Unseen Pass::unseen(std::size_t row) const {
+  if (!view_->aimed->bright.none()) {
+    Unseen out, emitted;
+    for (std::uint32_t s = 0; s < unseen_of_.size(); ++s) {
+      const UnseenInStratum in = unseen_in(row, s);
+      out = {out.bound + in.reflected.bound, std::hypot(out.source, in.reflected.source),
+             std::hypot(out.apparent, in.reflected.apparent),
+             std::hypot(out.contrast, in.reflected.contrast)};
+      emitted = {0, std::max(emitted.source, in.emitted.source),
+                 std::max(emitted.apparent, in.emitted.apparent),
+                 std::max(emitted.contrast, in.emitted.contrast)};
+    }
+    return {out.bound, std::hypot(out.source, emitted.source),
+            std::hypot(out.apparent, emitted.apparent), std::hypot(out.contrast, emitted.contrast)};
+  }
   const ConditionSources& light = this->light(row);
   const BandOnAxis band = axis_band(row);
   const InBandLight& known = in_band_light_[row];
@@ -516,6 +560,115 @@ Pass::Unseen Pass::unseen(std::size_t row) const {
   out.source = std::sqrt(source);
   out.apparent = std::sqrt(apparent);
   out.contrast = std::sqrt(contrast);
+  return out;
+}
+
+Pass::UnseenInStratum Pass::unseen_in(std::size_t row, std::uint32_t stratum) const {
+  const ConditionSources& light = this->light(row);
+  const InBandLight& known = in_band_light_[row];
+  const std::size_t parts = known.each.size();
+  const double m2 = sample_m2(stratum);
+  const UnseenLight::Stratum& of = unseen_of_[stratum];
+  UnseenInStratum out;
+  for (std::size_t p = 0; p < parts; ++p) {
+    if (!parts_of_[stratum][p]) continue;
+    const InBandLight::Radiance& one = known.each[p];
+    out.emitted = {0, std::max(out.emitted.source, 2 * m2 * one.here),
+                   std::max(out.emitted.apparent, 2 * m2 * one.seen),
+                   std::max(out.emitted.contrast, 2 * m2 * std::max(one.seen, known.behind))};
+  }
+  if (plan_.effects.max_reflections == 0) return out;
+  const auto add = [&](const RareLight& rare, bool estimate, double radiance,
+                       double radiance_seen) {
+    RareLight::Allowance a = rare.allowance(m2);
+    if (estimate) {
+      a.stderr_ = numerical_error(0, a.stderr_, a.bound);
+      a.bound = 0;
+    }
+    Unseen& sum = out.reflected;
+    sum = {sum.bound + a.bound * radiance, std::hypot(sum.source, a.stderr_ * radiance),
+           std::hypot(sum.apparent, a.stderr_ * radiance_seen),
+           std::hypot(sum.contrast, a.stderr_ * radiance_seen)};
+  };
+  add(of.reflected, false, known.around.here, known.around.seen);
+  if (plan_.effects.parts && !plan_.effects.no_second_hit) {
+    const std::vector<InBandLight::Radiance>& sent = sent_[row];
+    for (const UnseenLight::Stratum::Parts& group : of.parts) {
+      InBandLight::Radiance brightest;
+      for (std::size_t p = 0; p < parts; ++p)
+        if (group.seen[p])
+          brightest = {std::max(brightest.here, sent[p].here),
+                       std::max(brightest.seen, sent[p].seen)};
+      add(group.reflected, false, brightest.here, brightest.seen);
+    }
+  }
+  for (const LitSun& sun : light.suns()) {
+    add(of.reflected, false, glitter_w_m2_sr(row, sun, false), glitter_w_m2_sr(row, sun, true));
+    if (!sun.direct) continue;
+    const double irradiance = in_band(sun.irradiance, axis_band(row)),
+                 arrives = in_band(sun.apparent, axis_band(row));
+    add(of.first[sun.index], false, irradiance, arrives);
+    if (plan_.effects.max_reflections > 1) add(of.later[sun.index], true, irradiance, arrives);
+  }
+  return out;
+}
+
+// With what each part reflects of all others.
+std::vector<Pass::InBandLight::Radiance> Pass::sent_by_parts(std::size_t row) const {
+  const std::vector<InBandLight::Radiance>& each = in_band_light_[row].each;
+  std::vector<double> here, seen;
+  for (const InBandLight::Radiance& one : each) {
+    here.push_back(one.here);
+    seen.push_back(one.seen);
+  }
+  here = unseen_->with_reflected(here);
+  seen = unseen_->with_reflected(seen);
+  std::vector<InBandLight::Radiance> out;
+  for (std::size_t p = 0; p < each.size(); ++p) out.push_back({here[p], seen[p]});
+  return out;
+}
+
+std::vector<Pass::Brightness> Pass::brightness() const {
+  if (plan_.effects.max_reflections == 0) return {};
+  const AimedView& view = *view_->aimed;
+  const std::size_t suns = sources_.geometry().sun.size();
+  // Of each sun and each set of parts: the most of any row, per error that is wanted.
+  std::vector<double> of_sun(suns, 0.0), of_parts(unseen_->parts_above().size(), 0.0);
+  const bool by_parts = plan_.effects.parts && !plan_.effects.no_second_hit;
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const double wanted = error_wanted(row);
+    if (!(wanted > 0)) continue;
+    for (const LitSun& sun : light(row).suns())
+      if (sun.direct)
+        of_sun[sun.index] =
+            std::max(of_sun[sun.index], in_band(sun.irradiance, axis_band(row)) / wanted);
+    if (!by_parts) continue;
+    const std::vector<InBandLight::Radiance> sent = sent_by_parts(row);
+    for (std::size_t k = 0; k < of_parts.size(); ++k)
+      for (std::size_t p = 0; p < sent.size(); ++p)
+        if (unseen_->parts_above()[k][p])
+          of_parts[k] = std::max(of_parts[k], sent[p].here / wanted);
+  }
+  std::vector<Brightness> out;
+  const auto see = [&](const SunDirection* sun, double scale) {
+    // Light that matters less than this is bounded anyway.
+    const std::vector<UnseenLight::Facet> facets =
+        unseen_->facets(sun, scale > 0 ? kBounded / scale : 0);
+    if (out.empty())
+      for (const UnseenLight::Facet& f : facets) out.push_back({f.facet, f.seen_m2, 0});
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+      const UnseenLight::Facet& f = facets[i];
+      out[i].per_m2 = std::max({out[i].per_m2, scale * f.first,
+                                plan_.effects.max_reflections > 1 ? scale * f.later : 0,
+                                f.reflected * of_parts[f.parts]});
+    }
+  };
+  see(nullptr, 0);
+  for (std::size_t j = 0; j < suns; ++j)
+    if (of_sun[j] > 0) see(&sources_.geometry().sun[j], of_sun[j]);
+  std::erase_if(out, [&](const Brightness& b) {
+    return view.stratum_of(b.facet, scene_.target.facet[b.facet].part) != 0;
+  });
   return out;
 }
 

@@ -44,6 +44,8 @@ class Pass {
   // Traces all replicates afresh. A pilot knows in-band numbers only.
   enum class Kind { kPilot, kStored, kStoredWithPictures };
   void run(std::uint64_t samples, std::uint64_t stage, Kind kind);
+  // A pilot of one stratum alone: of what is seen in it.
+  void run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64_t stage);
 
   [[nodiscard]] std::size_t rows() const { return rows_.condition.size() * rows_.band.size(); }
   [[nodiscard]] std::uint32_t condition_of(std::size_t row) const {
@@ -61,6 +63,7 @@ class Pass {
   }
   [[nodiscard]] const std::vector<double>& image() const { return image_; }
   [[nodiscard]] const ViewFrame& frame() const { return view_->aimed->frame; }
+  [[nodiscard]] const std::shared_ptr<const AimedView>& aimed() const { return view_->aimed; }
   [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
   // A row's estimates with their bounds; of pilots without those of the air and of what stands
@@ -87,6 +90,16 @@ class Pass {
   // goal; and what it has of it for what is unseen, which falls as 1 / n.
   [[nodiscard]] double error_wanted(std::size_t row) const;
   [[nodiscard]] double unseen_error(std::size_t row) const;
+  // Of one stratum of a view that aims at what is bright.
+  [[nodiscard]] double unseen_error(std::size_t row, std::uint32_t stratum) const;
+
+  // For choosing what to aim at by itself: how bright each facet that is in no hot part may look,
+  // per error that is wanted, in the row where that is most; and how much of it can be seen.
+  struct Brightness {
+    std::uint32_t facet;
+    double seen_m2, per_m2;
+  };
+  [[nodiscard]] std::vector<Brightness> brightness() const;
 
   // Throughput that goes on after each number of reflections, and an upper limit of it that
   // sampling will hardly exceed: 4 standard errors, and as much as none of the samples may have
@@ -125,6 +138,12 @@ class Pass {
     double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
   };
   [[nodiscard]] Unseen unseen(std::size_t row) const;
+  // The same of one stratum of a view that aims at what is bright: standard errors of its emission
+  // in `emitted`, of all else in the others.
+  struct UnseenInStratum {
+    Unseen reflected, emitted;
+  };
+  [[nodiscard]] UnseenInStratum unseen_in(std::size_t row, std::uint32_t stratum) const;
   // In-band radiances that unseen() asks for again and again: of a row's parts, and the largest
   // of what is around the target and of what stands behind it, at the target and at the sensor.
   struct InBandLight {
@@ -136,6 +155,7 @@ class Pass {
     double behind = 0;
   };
   [[nodiscard]] InBandLight in_band_light(std::size_t row) const;
+  [[nodiscard]] std::vector<InBandLight::Radiance> sent_by_parts(std::size_t row) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
@@ -150,10 +170,13 @@ class Pass {
   std::uint64_t seed_;
   ViewSources sources_;
   std::shared_ptr<const UnseenLight> unseen_;
-  std::vector<std::vector<SeaGlint>> glitter_;         // [sun of the geometry]
-  std::vector<double> brightest_, brightest_thermal_;  // [row]
-  std::vector<InBandLight> in_band_light_;             // [row]
-  std::vector<SourceTable> in_band_;                   // [row]
+  std::vector<UnseenLight::Stratum> unseen_of_;  // [stratum], if it is aimed at what is bright
+  std::vector<std::vector<bool>> parts_of_;      // [stratum][part], likewise: which are in it
+  std::vector<std::vector<SeaGlint>> glitter_;   // [sun of the geometry]
+  std::vector<double> brightest_, brightest_thermal_;     // [row]
+  std::vector<InBandLight> in_band_light_;                // [row]
+  std::vector<std::vector<InBandLight::Radiance>> sent_;  // [row][part], with unseen_of_
+  std::vector<SourceTable> in_band_;                      // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;                                // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_, sky_w_sr_, depth_w_sr_;  // [row]

@@ -18,6 +18,17 @@ std::string to_string(const ViewPlan& plan) {
       plan.samples_per_replicate, plan.limited ? " (limited)" : "", plan.pilot_rays,
       e.max_reflections, e.no_second_hit ? ", none meets the target again" : "", word(e.sky),
       word(e.lower), word(e.parts), word(e.joined_lines));
+  if (!plan.bright.none()) {
+    absl::StrAppendFormat(&out, "aimed at what is bright, past others %s; shares of strata:",
+                          word(plan.bright.past_others));
+    for (const double share : plan.bright.share) absl::StrAppendFormat(&out, " %g", share);
+    out += "\n";
+    for (const std::vector<std::uint32_t>& group : plan.bright.group) {
+      out += "bright facets:";
+      for (const std::uint32_t facet : group) absl::StrAppendFormat(&out, " %d", facet);
+      out += "\n";
+    }
+  }
   for (std::size_t c = 0; c < e.sun.size(); ++c)
     absl::StrAppendFormat(&out,
                           "sun %d: direct %s, diffuse %s, mirrored %s, path %s, background %s\n", c,

@@ -6,6 +6,7 @@
 
 #include "core/effects/effect_set.h"
 #include "core/effects/plan.h"
+#include "core/transport/primary_rays.h"
 
 namespace irsig {
 
@@ -20,6 +21,7 @@ struct ViewPlan {
   std::vector<double> absolute_floor_w_m2_sr;    // what AccuracySpec::absolute_error_k is worth
   std::vector<RowBounds::Bound> omitted;         // reflections after max_reflections are not in it
   std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
+  BrightFacets bright;                           // what rays of their own are aimed at
 
   // What is not known in both is the same.
   bool operator==(const ViewPlan&) const = default;

@@ -12,7 +12,7 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-inline constexpr int kPhysicsVersion = 8;
+inline constexpr int kPhysicsVersion = 9;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {

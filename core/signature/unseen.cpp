@@ -62,6 +62,13 @@ struct UnseenLight::Patch {
   bool two_sided;
   std::uint32_t material;
   Spread sight{};  // of to_sensor, from corner to corner
+  std::uint32_t facet = 0;
+  double shows = 0, seen_m2 = 0;  // its DHR towards the sensor; 0: it is not seen
+};
+
+struct UnseenLight::Lit {
+  double first = 0, first_m2 = 0;  // shown to the sensor, over this area
+  double to_anyone = 0, thrown = 0, irradiance = 0;
 };
 
 void RareLight::add(double radiance, double seen_m2) {
@@ -121,22 +128,25 @@ std::vector<SeaGlint> brightest_glitter(const SunDirection& sun) {
 
 UnseenLight::UnseenLight(const Target& target, const std::vector<Material>& materials,
                          const ViewFrame& frame)
-    : materials_(materials), convex_(target.convex), dhr_(materials.size(), 0.0) {
-  // Of each material also the mean of all light in a hemisphere.
-  std::vector<double> mean_dhr(materials.size(), 0.0);
+    : target_(target),
+      materials_(materials),
+      convex_(target.convex),
+      dhr_(materials.size(), 0.0),
+      mean_dhr_(materials.size(), 0.0) {
   constexpr int kAngles = 64;
   for (std::size_t m = 0; m < materials.size(); ++m)
     for (int k = 1; k <= kAngles; ++k) {
       const double here = materials[m].dhr_max(static_cast<float>(k) / kAngles);
       dhr_[m] = std::max(dhr_[m], here);
-      mean_dhr[m] += here * (2 * k - 1) / (kAngles * kAngles);
+      mean_dhr_[m] += here * (2 * k - 1) / (kAngles * kAngles);
     }
   double largest_mean_dhr = 0;
   for (std::size_t t = 0; t < target.facet.size(); ++t) {
     const Target::Facet& facet = target.facet[t];
     const PartSpec& part = target.part[facet.part];
     Vec<Body> corner[3];
-    Patch p{{}, {facet.nx, facet.ny, facet.nz}, {}, 0, 0, part.two_sided, part.material, {}};
+    Patch p{{}, {facet.nx, facet.ny, facet.nz}, {}, 0, 0, part.two_sided, part.material,
+            {}, static_cast<std::uint32_t>(t)};
     for (std::size_t k = 0; k < 3; ++k) {
       const float* v =
           target.vertex.data() + 3 * static_cast<std::size_t>(target.triangle[3 * t + k]);
@@ -150,16 +160,18 @@ UnseenLight::UnseenLight(const Target& target, const std::vector<Material>& mate
     const double distance = length(line), sine = std::min(1.0, p.reach_m / distance);
     p.to_sensor = (1 / distance) * line;
     p.sight = {std::asin(sine), std::sqrt(1 - sine * sine), sine};
-    patch_.push_back(p);
+    Patch& kept = patch_.emplace_back(p);
 
     largest_dhr_ = std::max(largest_dhr_, dhr_[p.material]);
-    largest_mean_dhr = std::max(largest_mean_dhr, mean_dhr[p.material]);
+    largest_mean_dhr = std::max(largest_mean_dhr, mean_dhr_[p.material]);
     const double cosine = dot(p.normal, p.to_sensor);
     const Cosines cos_o = cosines_about(p.two_sided ? std::abs(cosine) : cosine, p.sight);
     if (cos_o.most <= 0) continue;
     const Material& material = materials[p.material];
     const double shows = dhr_between(material, cos_o, dhr_[p.material]),
                  seen_m2 = p.area_m2 * cos_o.most;
+    kept.shows = shows;
+    kept.seen_m2 = seen_m2;
     reflected_.add(shows, seen_m2);
     passed_on_ = std::max(passed_on_, shows);
     any_per_sr_ = std::max(any_per_sr_, material.limit_seen_per_sr(0, 1));
@@ -186,11 +198,11 @@ const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
   return sun_.emplace_back(alone, make(alone)).second;
 }
 
-UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
-  Sun out;
+// Both sides of a sheet may be seen, or lit, within the spreads of the directions.
+template <typename Visit>
+void UnseenLight::for_each_lit(const SunDirection& sun, Visit&& visit) const {
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   const Spread disk_spread = spread_of(sun.angular_radius_rad);
-  double most_irradiance = 0;
   for (const Patch& p : patch_) {
     const Material& material = materials_[p.material];
     Vec<Body> to_sun = sun.direction;
@@ -203,33 +215,234 @@ UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
       spread = spread_of(sun.angular_radius_rad + p.reach_m / sun.distance_m);
     }
     const double disk = dhr_[p.material] * disk_per_sr;
-    // Both sides of a sheet may be seen, or lit, within those spreads.
     for (const double side : {1.0, -1.0}) {
       if (side < 0 && !p.two_sided) break;
       const Vec<Body> n = side * p.normal;
       const Cosines cos_i = cosines_about(dot(n, to_sun), spread),
                     cos_o = cosines_about(dot(n, p.to_sensor), p.sight);
       if (cos_i.most <= 0) continue;
+      Lit lit;
+      lit.irradiance = irradiance;
       if (cos_o.most > 0) {
         const ReflectionRange range =
             range_of(n, to_sun, cos_i, p.to_sensor, cos_o, spread.angle + p.sight.angle);
-        out.first.add(irradiance * std::min(disk, material.cos_brdf_limit_per_sr(range)),
-                      p.area_m2 * cos_o.most);
+        lit.first = irradiance * std::min(disk, material.cos_brdf_limit_per_sr(range));
+        lit.first_m2 = p.area_m2 * cos_o.most;
       }
-      const double to_anyone =
+      lit.to_anyone =
           irradiance * std::min(disk, material.limit_of_light_per_sr(cos_i.least, cos_i.most));
-      out.brightest_per_sr = std::max(out.brightest_per_sr, to_anyone);
-      most_irradiance = std::max(most_irradiance, irradiance);
-      const double bright = to_anyone * passed_on_;
-      if (convex_ || bright <= 0) continue;
-      const double thrown = irradiance * p.area_m2 * cos_i.most *
-                            dhr_between(material, cos_i, dhr_[p.material]) * gathered_mean_;
-      out.later.add(bright, thrown * shown_per_sr_ / bright);
+      if (!convex_ && lit.to_anyone > 0)
+        lit.thrown =
+            irradiance * p.area_m2 * cos_i.most * dhr_between(material, cos_i, dhr_[p.material]);
+      visit(p, lit);
     }
   }
+}
+
+UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
+  Sun out;
+  const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
+  double most_irradiance = 0;
+  for_each_lit(sun, [&](const Patch&, const Lit& lit) {
+    out.first.add(lit.first, lit.first_m2);
+    out.brightest_per_sr = std::max(out.brightest_per_sr, lit.to_anyone);
+    most_irradiance = std::max(most_irradiance, lit.irradiance);
+    const double bright = lit.to_anyone * passed_on_;
+    if (convex_ || bright <= 0) return;
+    out.later.add(bright, lit.thrown * gathered_mean_ * shown_per_sr_ / bright);
+  });
   out.brightest_per_sr = std::min(out.brightest_per_sr * (convex_ ? 1 : gathered_),
                                   most_irradiance * std::max(1.0, largest_dhr_) * disk_per_sr);
   return out;
+}
+
+namespace {
+
+// What light thrown onto a facet may look like per what is thrown. [1/sr]
+double shown_per_sr(const Material& material, double shows) {
+  const double slope = material.narrowest_slope();
+  return shows / kPi * std::max(1.0, 1 / (4 * slope * slope));
+}
+
+}  // namespace
+
+std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
+    const AimedView& view, std::span<const SunDirection> suns) const {
+  const Above& above = this->above();
+  std::vector<Stratum> out(view.stratum.size());
+  std::vector<double> passed_on(out.size(), 0.0), shown(out.size(), 0.0), gathered(out.size(), 1.0);
+  const auto stratum_of = [&](const Patch& p) {
+    return view.stratum_of(p.facet, target_.facet[p.facet].part);
+  };
+  for (Stratum& s : out) {
+    s.first.resize(suns.size());
+    s.later.resize(suns.size());
+  }
+  std::vector<std::vector<std::size_t>> place(
+      out.size(), std::vector<std::size_t>(above.sets.size(), SIZE_MAX));
+  for (std::size_t i = 0; i < patch_.size(); ++i) {
+    const Patch& p = patch_[i];
+    if (!(p.seen_m2 > 0)) continue;
+    const std::uint32_t s = stratum_of(p);
+    const std::uint32_t set = above.of_patch[i];
+    passed_on[s] = std::max(passed_on[s], p.shows);
+    shown[s] = std::max(shown[s], shown_per_sr(materials_[p.material], p.shows));
+    // Whatever light does elsewhere, it comes back to these facets only if they have thrown it.
+    gathered[s] = std::max(gathered[s], 1 / (1 - std::min(mean_dhr_[p.material], 0.99)));
+    out[s].reflected.add(p.shows, p.seen_m2);
+    std::size_t& at = place[s][set];
+    if (at == SIZE_MAX) {
+      at = out[s].parts.size();
+      out[s].parts.push_back({above.sets[set], {}});
+    }
+    out[s].parts[at].reflected.add(p.shows, p.seen_m2);
+  }
+  for (std::size_t j = 0; j < suns.size(); ++j)
+    for_each_lit(suns[j], [&](const Patch& p, const Lit& lit) {
+      out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
+      if (convex_ || lit.to_anyone <= 0) return;
+      for (std::size_t s = 0; s < out.size(); ++s)
+        if (const double bright = lit.to_anyone * passed_on[s]; bright > 0)
+          out[s].later[j].add(bright, lit.thrown * gathered[s] * shown[s] / bright);
+    });
+  return out;
+}
+
+std::vector<double> UnseenLight::with_reflected(const std::vector<double>& emitted) const {
+  const Above& above = this->above();
+  std::vector<double> out = emitted;
+  // Emission and what is reflected of radiance R: at most B + DHR R, and at most the larger of
+  // both.
+  constexpr int kRounds = 64;
+  for (int round = 0; round < kRounds; ++round) {
+    bool changed = false;
+    for (std::size_t p = 0; p < out.size(); ++p) {
+      const double dhr = dhr_[target_.part[p].material];
+      for (std::size_t q = 0; q < out.size(); ++q) {
+        if (!above.parts[p][q]) continue;
+        const double most = std::min(emitted[p] + dhr * out[q], std::max(emitted[p], out[q]));
+        if (most <= (1 + 1e-9) * out[p]) continue;
+        out[p] = most;
+        changed = true;
+      }
+    }
+    if (!changed) return out;
+  }
+  const double brightest = *std::max_element(emitted.begin(), emitted.end());
+  return std::vector<double>(emitted.size(), brightest);
+}
+
+std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
+                                                    double least_m2_per_sr) const {
+  const Above& above = this->above();
+  std::vector<Facet> out;
+  std::vector<std::size_t> at(patch_.size(), SIZE_MAX);
+  for (std::size_t i = 0; i < patch_.size(); ++i) {
+    if (!(patch_[i].seen_m2 > 0)) continue;
+    at[i] = out.size();
+    out.push_back({patch_[i].facet, patch_[i].seen_m2, 0, 0, patch_[i].shows, above.of_patch[i]});
+  }
+  if (sun == nullptr) return out;
+  struct Thrower {
+    const Patch* patch;
+    double to_anyone, thrown, most_thrown;  // the last: of it and all behind it
+  };
+  std::vector<Thrower> thrower;
+  for_each_lit(*sun, [&](const Patch& p, const Lit& lit) {
+    const std::size_t k = at[static_cast<std::size_t>(&p - patch_.data())];
+    if (k != SIZE_MAX) out[k].first = std::max(out[k].first, lit.first);
+    if (lit.thrown > 0) thrower.push_back({&p, lit.to_anyone, lit.thrown, 0});
+  });
+  std::stable_sort(thrower.begin(), thrower.end(),
+                   [](const Thrower& a, const Thrower& b) { return a.to_anyone > b.to_anyone; });
+  double most = 0;
+  for (auto t = thrower.rbegin(); t != thrower.rend(); ++t)
+    t->most_thrown = most = std::max(most, t->thrown);
+  constexpr int kMostTried = 64;  // then the next is taken to be seen
+  for (std::size_t i = 0; i < patch_.size(); ++i) {
+    if (at[i] == SIZE_MAX) continue;
+    const Patch& p = patch_[i];
+    const double shown = shown_per_sr(materials_[p.material], p.shows);
+    int tried = 0;
+    for (const Thrower& t : thrower) {
+      if (t.most_thrown * shown < least_m2_per_sr) break;
+      if (t.thrown * shown < least_m2_per_sr || t.patch == &p) continue;
+      const Vec<Body> between = t.patch->middle - p.middle;
+      const double up = dot(p.normal, between), reach = t.patch->reach_m + p.reach_m;
+      const bool faces = p.two_sided || up > -1e-6 * reach,
+                 apart = std::abs(up) > 1e-6 * reach || length(between) < reach;
+      if (++tried < kMostTried && !(faces && apart)) continue;
+      out[at[i]].later = p.shows * t.to_anyone;
+      break;
+    }
+  }
+  return out;
+}
+
+const UnseenLight::Above& UnseenLight::above() const {
+  const std::lock_guard lock(mutex_);
+  if (above_ != nullptr) return *above_;
+  auto made = std::make_unique<Above>();
+  const std::size_t parts = target_.part.size();
+  // Of each part its vertices and the box around them.
+  std::vector<std::vector<Vec<Body>>> vertex(parts), box(parts);
+  {
+    std::vector<std::vector<std::uint32_t>> index(parts);
+    for (std::size_t t = 0; t < target_.facet.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        index[target_.facet[t].part].push_back(target_.triangle[3 * t + k]);
+    for (std::size_t p = 0; p < parts; ++p) {
+      std::sort(index[p].begin(), index[p].end());
+      index[p].erase(std::unique(index[p].begin(), index[p].end()), index[p].end());
+      Vec<Body> low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+      for (const std::uint32_t v : index[p]) {
+        const float* q = target_.vertex.data() + 3 * static_cast<std::size_t>(v);
+        const Vec<Body> place{q[0], q[1], q[2]};
+        vertex[p].push_back(place);
+        low = {std::min(low.x, place.x), std::min(low.y, place.y), std::min(low.z, place.z)};
+        high = {std::max(high.x, place.x), std::max(high.y, place.y), std::max(high.z, place.z)};
+      }
+      for (int corner = 0; corner < 8 && !vertex[p].empty(); ++corner)
+        box[p].push_back({(corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
+                          (corner & 4) != 0 ? high.z : low.z});
+    }
+  }
+  // Facets and rays are rounded by less; reflected rays start 2e-6 of the radius above.
+  const double rounding = 1e-6 * target_.radius_m;
+  std::uint64_t tests = 20'000'000;  // then boxes have to do
+  const auto any_above = [&](Vec<Body> n, double level, const std::vector<Vec<Body>>& places) {
+    return std::any_of(places.begin(), places.end(),
+                       [&](Vec<Body> q) { return dot(n, q) > level + rounding; });
+  };
+  made->parts.assign(parts, std::vector<bool>(parts, false));
+  std::map<std::vector<bool>, std::uint32_t> known;
+  for (const Patch& p : patch_) {
+    std::vector<bool> set(parts, false);
+    const std::uint32_t own = target_.facet[p.facet].part;
+    const double to_sensor = dot(p.normal, p.to_sensor);
+    for (const double side : {1.0, -1.0}) {
+      if (side < 0 && !p.two_sided) break;
+      const bool shown = side * to_sensor > -p.sight.sine;
+      const Vec<Body> n = side * p.normal;
+      const double level = dot(n, p.middle);
+      for (std::size_t q = 0; q < parts; ++q) {
+        if ((!shown || set[q]) && made->parts[own][q]) continue;
+        bool is = any_above(n, level, box[q]);
+        if (is && tests > vertex[q].size()) {
+          tests -= vertex[q].size();
+          is = any_above(n, level, vertex[q]);
+        }
+        if (!is) continue;
+        made->parts[own][q] = true;
+        if (shown) set[q] = true;
+      }
+    }
+    const auto [at, fresh] = known.emplace(set, static_cast<std::uint32_t>(made->sets.size()));
+    if (fresh) made->sets.push_back(set);
+    made->of_patch.push_back(at->second);
+  }
+  above_ = std::move(made);
+  return *above_;
 }
 
 }  // namespace irsig

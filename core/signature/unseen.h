@@ -3,7 +3,9 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -65,6 +67,37 @@ class UnseenLight {
   // Made when it is asked for first; sea and horizon play no part.
   [[nodiscard]] const Sun& of(const SunDirection& sun) const;
 
+  // The same for the facets of one stratum of a view each, and light from other parts for facets
+  // that have those above their plane: what they reflect of it is less where no hot part is.
+  struct Stratum {
+    std::vector<RareLight> first, later;  // [sun]
+    RareLight reflected;                  // of sky, sea, glitter
+    struct Parts {
+      std::vector<bool> seen;  // [part]
+      RareLight reflected;
+    };
+    std::vector<Parts> parts;
+  };
+  // suns: of which light is wanted.                                    [stratum]
+  [[nodiscard]] std::vector<Stratum> by_stratum(const AimedView& view,
+                                                std::span<const SunDirection> suns) const;
+  // The largest radiance that each part sends to anyone, given what it sends by itself: what it
+  // reflects of parts above its facets is in it.                         [part]
+  [[nodiscard]] std::vector<double> with_reflected(const std::vector<double>& emitted) const;
+
+  // How bright a facet may look to the sensor; a guess to choose by, no bound.
+  struct Facet {
+    std::uint32_t facet;
+    double seen_m2;
+    double first, later;  // per unit irradiance of the sun
+    double reflected;     // its DHR
+    std::size_t parts;    // above it: index into parts_above()
+  };
+  // later: of light that is shown by this facet and is more than `least_m2_per_sr` of the sun's
+  // irradiance.
+  [[nodiscard]] std::vector<Facet> facets(const SunDirection* sun, double least_m2_per_sr) const;
+  [[nodiscard]] const std::vector<std::vector<bool>>& parts_above() const { return above().sets; }
+
   // Light from anywhere, reflected by what the sensor sees: the facets' DHR towards it.
   [[nodiscard]] const RareLight& reflected() const { return reflected_; }
   // What an irradiance from anywhere becomes at most, seen after one reflection: the sum of each
@@ -77,18 +110,31 @@ class UnseenLight {
 
  private:
   struct Patch;
+  struct Lit;  // what one side of a facet makes of a sun
+  template <typename Visit>
+  void for_each_lit(const SunDirection& sun, Visit&& visit) const;
   [[nodiscard]] Sun make(const SunDirection& sun) const;
+  // Which parts have places above which facets.
+  struct Above {
+    std::vector<std::vector<bool>> sets;   // that occur
+    std::vector<std::uint32_t> of_patch;   // for who looks from the sensor's side
+    std::vector<std::vector<bool>> parts;  // [part][part]: above any of its facets, on either side
+  };
+  [[nodiscard]] const Above& above() const;
 
+  const Target& target_;
   const std::vector<Material>& materials_;
   bool convex_;
   std::vector<Patch> patch_;
-  std::vector<double> dhr_;  // [material]: the largest over angles
+  // [material]: the largest over angles, and the mean of all light in a hemisphere.
+  std::vector<double> dhr_, mean_dhr_;
   double largest_dhr_ = 0, gathered_ = 1, gathered_mean_ = 1;
   double shown_per_sr_ = 0, passed_on_ = 0;
   RareLight reflected_;
   double shown_m2_per_sr_ = 0, edge_on_m2_ = 0, any_per_sr_ = 0;
   mutable std::mutex mutex_;
   mutable std::deque<std::pair<SunDirection, Sun>> sun_;
+  mutable std::unique_ptr<const Above> above_;
 };
 
 // The sea that mirrors a sun, over all directions: brightest along the sun's vertical circle, which

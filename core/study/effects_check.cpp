@@ -174,10 +174,12 @@ absl::StatusOr<CheckedView> check_effects(const Simulator& simulator, ViewReques
   }
   view.chosen_samples = chosen.planned.plan.samples_per_replicate;
   view.all_samples = all.planned.plan.samples_per_replicate;
-  // The same paths: as many as the chosen run has.
-  if (all.planned.plan.samples_per_replicate != chosen.planned.plan.samples_per_replicate) {
+  // The same paths: as many as the chosen run has, aimed as they are.
+  if (all.planned.plan.samples_per_replicate != chosen.planned.plan.samples_per_replicate ||
+      all.planned.plan.bright != chosen.planned.plan.bright) {
     PlannedView planned = all.planned;
     planned.plan.samples_per_replicate = chosen.planned.plan.samples_per_replicate;
+    planned.plan.bright = chosen.planned.plan.bright;
     auto result = simulator.measure(with_all, planned);
     if (!result.ok()) return result.status();
     all.result = *std::move(result);

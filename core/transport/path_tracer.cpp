@@ -116,7 +116,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
   work.weight.assign(settings_.replicates * work.orders, none);
   work.last.assign(keep_last ? settings_.replicates : 0, none);
   for (std::uint32_t s = 0; s < view_.stratum.size(); ++s) {
-    if (view_.stratum[s].empty()) continue;
+    if (view_.stratum[s].empty() || settings_.only_stratum.value_or(s) != s) continue;
     work.stratum = s;
     for (SourceWeights& w : work.weight) w.clear();
     for (SourceWeights& w : work.last) w.clear();
@@ -128,7 +128,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     else
       trace_stratum<false>(work, s);
     const double normalise =
-        view_.stratum[s].area_m2() / static_cast<double>(stratum_samples(s, settings_.samples));
+        view_.stratum[s].area_m2() / static_cast<double>(view_.samples(s, settings_.samples));
     for (std::uint32_t r = 0; r < settings_.replicates; ++r) {
       if (settings_.by_order)
         for (std::size_t k = 0; k < orders; ++k)
@@ -150,10 +150,6 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     w.truncated_m2 = w.beyond_m2[2];
   }
   return out;
-}
-
-std::uint64_t stratum_samples(std::uint32_t stratum, std::uint64_t samples) {
-  return stratum == 0 ? samples : std::max<std::uint64_t>(64, samples / 8);
 }
 
 namespace {
@@ -180,7 +176,7 @@ const SeedPair* PathTracer::seeds_of(Work& work, std::uint32_t order) const {
 template <bool kSpectral>
 void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
   const CoverageMask& mask = view_.stratum[stratum];
-  const std::uint64_t samples = stratum_samples(stratum, settings_.samples);
+  const std::uint64_t samples = view_.samples(stratum, settings_.samples);
   work.area_per_sample = static_cast<float>(mask.area_m2() / static_cast<double>(samples));
   work.stratum_seed.clear();
   std::vector<SeedPair> aim;

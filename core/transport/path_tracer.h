@@ -63,6 +63,8 @@ struct PathSettings {
   bool hot_lights = true, sun_disk_by_chance = true;
   // Independent random numbers instead of scrambled Sobol points. For comparisons.
   bool pseudo_random = false;
+  // Of the view's strata this one alone.
+  std::optional<std::uint32_t> only_stratum = std::nullopt;
   // No ray that leaves the target meets it again (Target::convex): none is traced.
   bool no_second_hit = false;
 };
@@ -90,10 +92,6 @@ struct PathWeights {
 [[nodiscard]] constexpr std::uint32_t beyond_spacing(std::uint32_t max_reflections) {
   return max_reflections < 6 ? 1 : max_reflections / 3;
 }
-
-// Samples of one stratum, each replicate: of the main one (0) all; a hot part is small and bright,
-// and gets an eighth of them, whatever its area.
-[[nodiscard]] std::uint64_t stratum_samples(std::uint32_t stratum, std::uint64_t samples);
 
 // Guarded events are numbers that should not occur; nothing of them enters the result.
 struct PathCounts {

@@ -19,7 +19,9 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
   };
   const int columns = cells(frame.width_m), rows = cells(frame.height_m);
   const double cell_x = frame.width_m / columns, cell_y = frame.height_m / rows;
-  std::vector<std::uint8_t> hit(static_cast<std::size_t>(columns * rows), 0);
+  CellGrid grid{frame.x0_m, frame.y0_m, cell_x, cell_y, columns, rows, {}};
+  std::vector<std::uint8_t>& hit = grid.hit;
+  hit.assign(static_cast<std::size_t>(columns * rows), 0);
 
   // In cells: of all vertices at once, where most of them are needed.
   struct Place {
@@ -73,21 +75,25 @@ CoverageMask::CoverageMask(const Target& target, const ViewFrame& frame,
         covered = outside ? 0 : 1;
       }
   }
+  *this = CoverageMask(grid);
+}
+
+CoverageMask::CoverageMask(const CellGrid& grid) {
   float running = 0;
-  for (int column = 0; column < columns; ++column) {
-    for (int row = 0; row < rows; ++row)
-      if (hit[static_cast<std::size_t>(column * rows + row)] != 0) {
+  for (int column = 0; column < grid.columns; ++column) {
+    for (int row = 0; row < grid.rows; ++row)
+      if (grid.hit[static_cast<std::size_t>(column * grid.rows + row)] != 0) {
         row_.push_back(static_cast<std::uint16_t>(row));
         running += 1;
       }
     column_end_.push_back(running);
   }
   occupied_ = static_cast<std::uint32_t>(row_.size());
-  area_m2_ = occupied_ * cell_x * cell_y;
-  x0_ = static_cast<float>(frame.x0_m);
-  y0_ = static_cast<float>(frame.y0_m);
-  cell_x_ = static_cast<float>(cell_x);
-  cell_y_ = static_cast<float>(cell_y);
+  area_m2_ = occupied_ * grid.cell_x_m * grid.cell_y_m;
+  x0_ = static_cast<float>(grid.x0_m);
+  y0_ = static_cast<float>(grid.y0_m);
+  cell_x_ = static_cast<float>(grid.cell_x_m);
+  cell_y_ = static_cast<float>(grid.cell_y_m);
   largest_position_ = std::nextafter(static_cast<float>(occupied_), 0.0f);
   if (occupied_ > 0) make_guide();
 }
@@ -158,6 +164,8 @@ Vec<Body> place_of(const Target& target, std::size_t vertex) {
           static_cast<double>(target.vertex[3 * vertex + 1]),
           static_cast<double>(target.vertex[3 * vertex + 2])};
 }
+
+constexpr int kMaskCells = 128;
 
 bool reaches_beyond(const Target& target, double range_m) {
   return range_m <= length(target.centre) + target.radius_m;
@@ -237,7 +245,8 @@ absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
                                  : ""));
 }
 
-AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
+AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
+                          const BrightFacets& bright) {
   AimedView view;
   view.range_m = viewpoint.range_m;
   ViewFrame& frame = view.frame;
@@ -264,14 +273,19 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
                                 : std::max(to_centre - 1.0001 * target.radius_m, 0.01 * to_centre);
 
   const std::size_t vertices = target.vertex.size() / 3;
-  std::vector<double> x_m(vertices), y_m(vertices);
+  PlaneVertices plane;
+  std::vector<double>&x_m = plane.x_m, &y_m = plane.y_m;
+  x_m.resize(vertices);
+  y_m.resize(vertices);
+  if (bright.past_others) plane.depth_m.resize(vertices);
   for (std::size_t i = 0; i < vertices; ++i) {
     const Vec<Body> q =
         Vec<Body>{target.vertex[3 * i], target.vertex[3 * i + 1], target.vertex[3 * i + 2]} -
         frame.sensor;
-    const double scale = frame.plane_m / dot(q, frame.forward);
+    const double depth_m = dot(q, frame.forward), scale = frame.plane_m / depth_m;
     x_m[i] = scale * dot(q, frame.right);
     y_m[i] = scale * dot(q, frame.up);
+    if (bright.past_others) plane.depth_m[i] = depth_m;
   }
   const auto [x_min, x_max] = std::minmax_element(x_m.begin(), x_m.end());
   const auto [y_min, y_max] = std::minmax_element(y_m.begin(), y_m.end());
@@ -285,13 +299,28 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint) {
 
   std::uint32_t strata = 1;
   for (const PartSpec& part : target.part) view.stratum_of_part.push_back(part.hot ? strata++ : 0);
-  // 128 cells on the long side of each stratum's own rectangle: 90 % of the frigate's rays then
-  // meet it, and a small hot spot on a large target is aimed at as well as a large one.
-  std::vector<std::vector<std::uint32_t>> facets(strata);
+  // 128 cells (kMaskCells) on the long side of each stratum's own rectangle: 90 % of the frigate's
+  // rays then meet it, and a small hot spot on a large target is aimed at as well as a large one.
+  view.bright = bright;
+  std::vector<std::vector<std::uint32_t>> facets(strata + bright.group.size());
+  if (!bright.group.empty()) {
+    view.first_bright = strata;
+    for (const Target::Facet& facet : target.facet)
+      view.stratum_of_facet.push_back(view.stratum_of_part[facet.part]);
+    for (const std::vector<std::uint32_t>& group : bright.group) {
+      for (const std::uint32_t t : group) view.stratum_of_facet[t] = strata;
+      ++strata;
+    }
+  }
   for (std::uint32_t t = 0; t < target.facet.size(); ++t)
-    facets[view.stratum_of_part[target.facet[t].part]].push_back(t);
-  for (const std::vector<std::uint32_t>& f : facets)
-    view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, f), x_m, y_m, f, 128);
+    facets[view.stratum_of(t, target.facet[t].part)].push_back(t);
+  const double size_m = std::max(frame.width_m, frame.height_m);
+  for (std::size_t s = 0; s < facets.size(); ++s)
+    if (bright.past_others && s > 0 && !facets[s].empty())
+      view.stratum.emplace_back(visible_cells(target, plane, facets[s], size_m, kMaskCells));
+    else
+      view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, facets[s]), x_m, y_m,
+                                facets[s], kMaskCells);
   return view;
 }
 

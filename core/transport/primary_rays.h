@@ -9,6 +9,7 @@
 #include "core/base/sobol.h"
 #include "core/geo/viewpoint.h"
 #include "core/scene/target.h"
+#include "core/transport/visible_cells.h"
 
 namespace irsig {
 
@@ -32,6 +33,9 @@ class CoverageMask {
   CoverageMask(const Target& target, const ViewFrame& frame, const std::vector<double>& x_m,
                const std::vector<double>& y_m, std::span<const std::uint32_t> facets,
                std::uint32_t cells_long_side);
+
+  // The cells of a grid that are hit.
+  explicit CoverageMask(const CellGrid& grid);
 
   // The whole rectangle of the frame.
   static CoverageMask whole(const ViewFrame& frame);
@@ -72,20 +76,53 @@ class CoverageMask {
   std::vector<std::uint16_t> guide_;  // a column at or before the one of s.x
 };
 
-// A view with the masks of its strata: everything that is not hot, then one stratum for each hot
-// part.
+// What of a target is aimed at by itself because it may be bright and is small: facets in groups
+// that lie close together (none of a hot part: those are aimed at anyway).
+struct BrightFacets {
+  std::vector<std::vector<std::uint32_t>> group;
+  bool past_others = false;  // hot parts and groups are looked for past what hides them
+  // [stratum] Samples of each, relative to the number that is asked for; empty: as where nothing is
+  // bright, and of each group all.
+  std::vector<double> share;
+  bool operator==(const BrightFacets&) const = default;
+  [[nodiscard]] bool none() const { return group.empty() && !past_others; }
+};
+
+// Of one stratum, each replicate: the sampler's coordinates have 23 bits.
+inline constexpr std::uint64_t kMostOfStratum = std::uint64_t{1} << 23;
+
+// A view with the masks of its strata: everything that is neither hot nor bright, then one stratum
+// for each hot part, then one for each group of bright facets.
 struct AimedView {
   double range_m = 0;
   ViewFrame frame;
   std::vector<std::uint32_t> stratum_of_part;
   std::vector<CoverageMask> stratum;
+  std::vector<std::uint32_t> stratum_of_facet;  // empty: that of its part
+  std::uint32_t first_bright = 0;               // stratum; 0: no facets are bright
+  BrightFacets bright;                          // for which it was made
+
+  [[nodiscard]] std::uint32_t stratum_of(std::uint32_t facet, std::uint32_t part) const {
+    return stratum_of_facet.empty() ? stratum_of_part[part] : stratum_of_facet[facet];
+  }
+  // Of each replicate: of the main stratum (0) and of bright facets all; a hot part is small and
+  // bright, and gets an eighth of them, whatever its area.
+  [[nodiscard]] std::uint64_t samples(std::uint32_t of_stratum, std::uint64_t samples) const {
+    if (!bright.share.empty())
+      return std::clamp<std::uint64_t>(
+          static_cast<std::uint64_t>(bright.share[of_stratum] * static_cast<double>(samples)), 16,
+          kMostOfStratum);
+    if (of_stratum == 0 || (first_bright > 0 && of_stratum >= first_bright)) return samples;
+    return std::max<std::uint64_t>(64, samples / 8);
+  }
 };
 // INVALID_ARGUMENT: the sensor is inside the target's convex hull, or within a hundredth of the
 // target's radius of it. A sensor that is nearer than the target reaches looks past the reference
 // point, so that all of the target is in front of it.
 [[nodiscard]] absl::Status check_outside(const Target& target, const Viewpoint& viewpoint);
 // Of a sensor that is outside.
-[[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint);
+[[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
+                                        const BrightFacets& bright = {});
 
 // A narrow view: all that is seen of a sensor (body frame) through a rectangle of width x height
 // across the line of sight at the point `at` (body frame), the target or what is behind it. One

@@ -1,0 +1,147 @@
+#include "core/signature/aim_at_bright.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace irsig {
+namespace {
+
+constexpr double kWorth = 4;         // times fewer samples
+constexpr double kMaskExcess = 1.5;  // what a group's mask covers / what is seen of its facets
+constexpr double kBounded = 0.1;     // of the error
+
+// A group's facets with the rectangle of their middles on the image plane.
+struct Group {
+  std::vector<std::uint32_t> facet;
+  double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
+  double covered_m2 = 0, mask_m2 = 0;  // of facets; of the cells that they touch, about
+  [[nodiscard]] double longest() const { return std::max(x_max - x_min, y_max - y_min); }
+};
+
+class Grouping {
+ public:
+  Grouping(const Target& target, const ViewFrame& frame) : target_(target), frame_(frame) {}
+
+  [[nodiscard]] Group make(std::vector<std::uint32_t> facets) const {
+    Group out;
+    out.facet = std::move(facets);
+    double around_m = 0, area_m2 = 0;
+    for (const std::uint32_t f : out.facet) {
+      Place corner[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        corner[k] = place(f, k);
+        out.x_min = std::min(out.x_min, corner[k].x);
+        out.x_max = std::max(out.x_max, corner[k].x);
+        out.y_min = std::min(out.y_min, corner[k].y);
+        out.y_max = std::max(out.y_max, corner[k].y);
+      }
+      for (std::size_t k = 0; k < 3; ++k)
+        around_m +=
+            std::hypot(corner[(k + 1) % 3].x - corner[k].x, corner[(k + 1) % 3].y - corner[k].y);
+      area_m2 += 0.5 * std::abs((corner[1].x - corner[0].x) * (corner[2].y - corner[0].y) -
+                                (corner[1].y - corner[0].y) * (corner[2].x - corner[0].x));
+    }
+    const double cell_m = out.longest() / 128;
+    out.covered_m2 = area_m2;
+    out.mask_m2 = std::min(
+        area_m2 + around_m * cell_m + static_cast<double>(out.facet.size()) * cell_m * cell_m,
+        (out.x_max - out.x_min) * (out.y_max - out.y_min));
+    return out;
+  }
+
+  // Halved across its longer side; false: all middles lie on one side.
+  [[nodiscard]] bool halve(const Group& group, Group& low, Group& high) const {
+    const bool along_x = group.x_max - group.x_min >= group.y_max - group.y_min;
+    const double middle =
+        along_x ? 0.5 * (group.x_min + group.x_max) : 0.5 * (group.y_min + group.y_max);
+    std::vector<std::uint32_t> below, above;
+    for (const std::uint32_t f : group.facet) {
+      double at = 0;
+      for (std::size_t k = 0; k < 3; ++k) at += (along_x ? place(f, k).x : place(f, k).y) / 3;
+      (at < middle ? below : above).push_back(f);
+    }
+    if (below.empty() || above.empty()) return false;
+    low = make(std::move(below));
+    high = make(std::move(above));
+    return true;
+  }
+
+ private:
+  struct Place {
+    double x, y;
+  };
+  [[nodiscard]] Place place(std::uint32_t facet, std::size_t k) const {
+    const float* v =
+        target_.vertex.data() +
+        3 * static_cast<std::size_t>(target_.triangle[3 * static_cast<std::size_t>(facet) + k]);
+    const Vec<Body> q = Vec<Body>{v[0], v[1], v[2]} - frame_.sensor;
+    const double scale = frame_.plane_m / dot(q, frame_.forward);
+    return {scale * dot(q, frame_.right), scale * dot(q, frame_.up)};
+  }
+
+  const Target& target_;
+  const ViewFrame& frame_;
+};
+
+}  // namespace
+
+BrightFacets choose_bright(const Target& target, const AimedView& view,
+                           std::vector<Pass::Brightness> facets) {
+  BrightFacets out;
+  // Hot parts have strata already; past what hides them they may be much smaller.
+  for (const PartSpec& part : target.part) out.past_others |= part.hot;
+
+  std::erase_if(facets, [](const Pass::Brightness& b) { return !(b.per_m2 > 0); });
+  std::sort(facets.begin(), facets.end(), [](const Pass::Brightness& a, const Pass::Brightness& b) {
+    return a.per_m2 != b.per_m2 ? a.per_m2 > b.per_m2 : a.facet < b.facet;
+  });
+  std::size_t first = 0;
+  for (double sent = 0; first < facets.size(); ++first) {
+    sent += facets[first].per_m2 * facets[first].seen_m2;
+    if (sent > kBounded) break;
+  }
+  if (first == facets.size()) return out;
+  const double mask_m2 = view.stratum[0].area_m2() * std::pow(view.range_m / view.frame.plane_m, 2);
+  const double brightest = facets[first].per_m2, together = mask_m2 * brightest;
+  double least = together, seen_m2 = 0;
+  std::size_t count = 0;
+  for (std::size_t k = first; k < facets.size(); ++k) {
+    seen_m2 += facets[k].seen_m2;
+    const double next = k + 1 < facets.size() ? facets[k + 1].per_m2 : 0;
+    const double apart = mask_m2 * next + kMaskExcess * seen_m2 * brightest;
+    if (apart >= least) continue;
+    least = apart;
+    count = k + 1 - first;
+  }
+  if (count == 0 || kWorth * least > together) return out;
+
+  std::vector<std::uint32_t> chosen;
+  for (std::size_t k = 0; k < first + count; ++k) chosen.push_back(facets[k].facet);
+  std::sort(chosen.begin(), chosen.end());
+  const Grouping grouping(target, view.frame);
+  std::vector<Group> groups;
+  {
+    // Of different parts one may be much brighter than the other: apart, if there are few.
+    std::vector<std::vector<std::uint32_t>> of_part(target.part.size());
+    for (const std::uint32_t f : chosen) of_part[target.facet[f].part].push_back(f);
+    std::erase_if(of_part, [](const auto& part) { return part.empty(); });
+    if (of_part.size() > kMostGroups) of_part.assign(1, std::move(chosen));
+    for (auto& part : of_part) groups.push_back(grouping.make(std::move(part)));
+  }
+  while (groups.size() < kMostGroups) {
+    const auto widest =
+        std::max_element(groups.begin(), groups.end(), [](const Group& a, const Group& b) {
+          return a.mask_m2 - a.covered_m2 < b.mask_m2 - b.covered_m2;
+        });
+    if (!(widest->mask_m2 > kMaskExcess * widest->covered_m2)) break;
+    Group low, high;
+    if (!grouping.halve(*widest, low, high)) break;
+    *widest = std::move(low);
+    groups.push_back(std::move(high));
+  }
+  out.past_others = true;
+  for (Group& group : groups) out.group.push_back(std::move(group.facet));
+  return out;
+}
+
+}  // namespace irsig

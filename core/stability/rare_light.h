@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/signature/prepared_scene.h"
+#include "core/signature/request.h"
+
+namespace irsig {
+
+// Plates of 16 m2 with one small thing that is much brighter than they are, and the same plate
+// without it: what aiming at what is bright has to be worth (docs/stability.md).
+struct RareLightScene {
+  std::string name;
+  SceneSpec scene;
+  ViewRequest request;  // one condition, all bands
+};
+
+// The plate alone, of two triangles or cut into squares of this side (0: two triangles).
+[[nodiscard]] RareLightScene plain_plate(bool sun, double square_m = 0);
+// 1200 K behind a hole; in the second the wall is cut into squares, so that no single triangle
+// hides much. side_m = 0: no hole.
+[[nodiscard]] RareLightScene hot_behind_hole(double side_m);
+[[nodiscard]] RareLightScene hot_behind_fine_wall(double side_m, double square_m);
+// A mirror that shows the sun; a mirror that shows another, which shows the sun.
+[[nodiscard]] RareLightScene small_mirror(double side_m, double slope, bool metal);
+[[nodiscard]] RareLightScene mirror_pair(double side_m, double slope, bool metal);
+
+// Those that a goal of 1 % is measured on, each with its plain one.
+struct RareLightPair {
+  RareLightScene rare, plain;
+};
+[[nodiscard]] std::vector<RareLightPair> rare_light_scenes();
+
+}  // namespace irsig
