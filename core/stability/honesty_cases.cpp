@@ -5,6 +5,7 @@
 #include "core/base/constants.h"
 #include "core/stability/bodies.h"
 #include "core/stability/groups.h"
+#include "core/stability/rare_light.h"
 #include "core/stability/reference_view.h"
 
 namespace irsig {
@@ -20,6 +21,7 @@ absl::Status judge(const SceneSpec& scene, const ViewRequest& request, std::uint
   const auto simulator = Simulator::create(scene);
   if (!simulator.ok()) return simulator.status();
   ViewRequest asked = request;
+  asked.selected_band.clear();
   for (std::uint32_t b = 0; b < scene.band.size(); ++b) asked.selected_band.push_back(b);
   asked.selected_condition = {0};
   const auto view = (*simulator)->simulate(asked);
@@ -213,6 +215,38 @@ absl::StatusOr<Finding> mirror_pair(Effort effort) {
   return worst.finding();
 }
 
+// What is small and bright is aimed at: 1 % is reached, and holds.
+absl::StatusOr<Finding> rare_light(Effort effort) {
+  Worst worst(student_t_bound(31, 30));
+  for (const auto& [rare, plain] : rare_light_scenes()) {
+    const absl::Status done =
+        judge(rare.scene, rare.request, effort == Effort::kFull ? 65536 : 8192, rare.name, worst);
+    if (!done.ok()) return done;
+  }
+  return worst.finding();
+}
+
+// The rays of each over those of the plate alone.
+absl::StatusOr<Finding> rare_light_cost(Effort /*effort*/) {
+  Worst worst(20);
+  for (const auto& [rare, plain] : rare_light_scenes()) {
+    double rays[2] = {};
+    int k = 0;
+    for (const RareLightScene* one : {&rare, &plain}) {
+      const auto simulator = Simulator::create(one->scene);
+      if (!simulator.ok()) return simulator.status();
+      const auto view = (*simulator)->simulate(one->request);
+      if (!view.ok()) return view.status();
+      rays[k++] = static_cast<double>(view->rays);
+      worst.require(view->row[0].stop_reason == StopReason::kTargetReached,
+                    [&] { return absl::StrCat(one->name, ": 1 % is not reached"); });
+    }
+    worst.see(rays[0] / rays[1],
+              [&] { return absl::StrCat(rare.name, ": ", rays[0], " rays, without ", rays[1]); });
+  }
+  return worst.finding();
+}
+
 // A wall above the waterline: what stands behind it changes from sea to sky as the sensor rises.
 absl::StatusOr<Finding> raised_sensor(Effort effort) {
   Worst worst(student_t_bound(31, 30));
@@ -274,6 +308,10 @@ std::vector<HardCase> honesty_cases() {
        small_mirror},
       {"honesty", "mirror_pair", "sunlight by way of two small mirrors [errors]", reason,
        mirror_pair},
+      {"honesty", "rare_light", "to 1 %: holes, small mirrors, pairs of mirrors [errors]", reason,
+       rare_light},
+      {"honesty", "rare_light_cost", "the same: rays over those of the plate alone",
+       "what was asked for", rare_light_cost},
       {"honesty", "raised_sensor", "sensors of 2 to 30 m, walls of 2 and 7 m, 5 km [errors]",
        reason, raised_sensor},
       {"honesty", "notch", "emissivity 0.1 within a step of the band [errors]", reason, notch},
