@@ -2,6 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/accuracy/pilot_samples.h"
+#include "core/accuracy/replicates.h"
+#include "core/signature/make_plan.h"
 
 namespace irsig {
 namespace {
@@ -141,6 +147,99 @@ BrightFacets choose_bright(const Target& target, const AimedView& view,
   }
   out.past_others = true;
   for (Group& group : groups) out.group.push_back(std::move(group.facet));
+  return out;
+}
+
+namespace {
+
+std::uint64_t more(std::uint64_t samples) { return samples + samples / 2; }
+
+// A stratum's pilot, and what it would bring to the square of each row's error. [row]
+struct SharedStratum {
+  std::uint32_t index = 0;
+  double samples = 0, rays = 0;  // of the pilot
+  std::vector<double> stderr_;
+  std::uint64_t given = 0;
+  std::vector<double> now, next;  // with those that are given, and with more
+
+  [[nodiscard]] std::vector<double> variance(const Pass& pass, std::uint64_t of_samples) const {
+    std::vector<double> out;
+    for (std::size_t row = 0; row < stderr_.size(); ++row)
+      out.push_back(stderr_[row] * stderr_[row] * samples / static_cast<double>(of_samples) +
+                    std::pow(pass.unseen_error(row, index, of_samples), 2));
+    return out;
+  }
+  void give(const Pass& pass, std::uint64_t of_samples) {
+    given = of_samples;
+    now = next.empty() ? variance(pass, given) : std::move(next);
+    next = variance(pass, more(given));
+  }
+};
+
+}  // namespace
+
+SharedOut share_out(Pass& pass, std::uint64_t& pilot_rays) {
+  const AimedView& view = *pass.aimed();
+  std::vector<SharedStratum> strata;
+  std::vector<double> goal(pass.rows(), 0.0), floor(pass.rows(), 0.0), bias(pass.rows(), 0.0);
+  for (std::uint32_t s = 0; s < view.stratum.size(); ++s) {
+    if (view.stratum[s].empty()) continue;
+    pass.run_stratum(s, kFirstPilotSamples, kFirstPilotStage);
+    pilot_rays += pass.counts().rays;
+    SharedStratum& of = strata.emplace_back();
+    of.index = s;
+    of.samples = static_cast<double>(view.samples(s, kFirstPilotSamples));
+    of.rays = static_cast<double>(pass.counts().rays);
+    for (std::size_t row = 0; row < pass.rows(); ++row) {
+      of.stderr_.push_back(pass.statistics(row).estimate(0).stderr_);
+      goal[row] += pass.relative_goal_w_sr(row);
+      floor[row] += pass.absolute_floor_w_sr(row);
+      const Measured source = pass.measured(row).source;
+      bias[row] += source.bias_bound() - source.of(BoundOf::kUnseen) - source.of(BoundOf::kOmitted);
+    }
+  }
+  std::vector<double> wanted2;
+  for (std::size_t row = 0; row < pass.rows(); ++row) {
+    const double omitted = pass.measured(row).source.of(BoundOf::kOmitted);
+    wanted2.push_back(std::pow(
+        kSharedAim * stderr_wanted(std::max(goal[row], floor[row]), bias[row] + omitted), 2));
+  }
+  for (SharedStratum& of : strata) of.give(pass, kLeastShared);
+  constexpr int kMostSteps = 256;
+  for (int step = 0; step < kMostSteps; ++step) {
+    std::size_t worst = 0;
+    double most = 1;
+    for (std::size_t row = 0; row < wanted2.size(); ++row) {
+      double sum = 0;
+      for (const SharedStratum& of : strata) sum += of.now[row];
+      if (sum > most * wanted2[row]) {
+        most = wanted2[row] > 0 ? sum / wanted2[row] : std::numeric_limits<double>::infinity();
+        worst = row;
+      }
+    }
+    if (most <= 1) break;
+    SharedStratum* best = nullptr;
+    double gain = 0;
+    for (SharedStratum& of : strata) {
+      if (more(of.given) > kMostOfStratum) continue;
+      const double per_ray = (of.now[worst] - of.next[worst]) * of.samples /
+                             (of.rays * static_cast<double>(more(of.given) - of.given));
+      if (per_ray <= gain) continue;
+      gain = per_ray;
+      best = &of;
+    }
+    if (best == nullptr) break;
+    best->give(pass, more(best->given));
+  }
+  SharedOut out;
+  out.samples = kLeastShared;
+  for (const SharedStratum& of : strata)
+    if (of.index == 0) out.samples = of.given;
+  out.share.assign(view.stratum.size(), 1.0);
+  for (const SharedStratum& of : strata) {
+    out.share[of.index] = static_cast<double>(of.given) / static_cast<double>(out.samples);
+    out.rays += of.rays * static_cast<double>(of.given) / of.samples;
+  }
   return out;
 }
 

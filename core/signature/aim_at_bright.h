@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/scene/target.h"
@@ -22,5 +23,19 @@ namespace irsig {
 inline constexpr std::size_t kMostGroups = 4;
 [[nodiscard]] BrightFacets choose_bright(const Target& target, const AimedView& view,
                                          std::vector<Pass::Brightness> facets);
+
+// How many samples the strata of such a view get, from a pilot of each alone: kLeastShared each,
+// then twice as many for the stratum that takes most, per ray, from the error of the row that is
+// farthest from kSharedAim of what is wanted, scatter and what is unseen together, until no row is.
+inline constexpr std::uint64_t kLeastShared = 32;
+// Less than the 0.8 that other pilots aim at: scatter is not measured with these numbers of
+// samples.
+inline constexpr double kSharedAim = 0.7;
+struct SharedOut {
+  std::uint64_t samples = 0;  // of the main stratum
+  std::vector<double> share;  // [stratum] relative to it
+  double rays = 0;            // that they will take
+};
+[[nodiscard]] SharedOut share_out(Pass& pass, std::uint64_t& pilot_rays);
 
 }  // namespace irsig

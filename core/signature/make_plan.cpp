@@ -120,8 +120,6 @@ bool saw_enough(const Pass& pilot) {
 // bright: the frigate at 0.2 % takes 1024 to 2816, a plate of 16 m2 with a mirror of 5 cm 150 000
 // at 1 %. The first pilot overrates what is needed, and so has to ask for more.
 constexpr std::uint64_t kRareSamples = 4096, kRareFromFirst = 16384;
-// Of the main stratum in a pilot with shares of strata: others get many times as many.
-constexpr std::uint64_t kSharedPilotSamples = 32;
 // And what is found is aimed at if a pilot then asks for so many times fewer rays.
 constexpr double kWorthAiming = 4;
 
@@ -156,128 +154,46 @@ std::optional<std::uint64_t> samples_for_goal(Pass& pilot, std::uint64_t n_first
   }
 }
 
-// How many samples each stratum gets, relative to those that are asked for: from a pilot of each
-// alone. Starting from few, those of the stratum are doubled that takes most from the error of the
-// row that is farthest from its goal, per ray.
-std::vector<double> shares_of_strata(Pass& pass, std::uint64_t& pilot_rays) {
-  constexpr std::uint64_t kLeast = kSharedPilotSamples;
-  constexpr double kAim = 0.6;  // of the error that is wanted; pilots of rare light tell too little
-  const AimedView& view = *pass.aimed();
-  struct Stratum {
-    double samples = 0, rays = 0;         // of the pilot
-    std::vector<double> sampled, unseen;  // [row]
-    double given = 0;
-    [[nodiscard]] double variance(std::size_t row, double of_samples) const {
-      return sampled[row] * sampled[row] * samples / of_samples +
-             std::pow(unseen[row] * samples / of_samples, 2);
-    }
-  };
-  std::vector<Stratum> strata(view.stratum.size());
-  std::vector<double> value(pass.rows(), 0.0), floor(pass.rows(), 0.0);
-  for (std::uint32_t s = 0; s < strata.size(); ++s) {
-    if (view.stratum[s].empty()) continue;
-    pass.run_stratum(s, kFirstPilotSamples, kFirstPilotStage);
-    pilot_rays += pass.counts().rays;
-    Stratum& of = strata[s];
-    of.samples = static_cast<double>(view.samples(s, kFirstPilotSamples));
-    of.rays = static_cast<double>(pass.counts().rays);
-    of.given = static_cast<double>(kLeast);
-    for (std::size_t row = 0; row < pass.rows(); ++row) {
-      const Estimate total = pass.statistics(row).estimate(0);
-      of.sampled.push_back(total.stderr_);
-      of.unseen.push_back(pass.unseen_error(row, s));
-      value[row] += pass.relative_goal_w_sr(row);
-      floor[row] += pass.absolute_floor_w_sr(row);
-    }
-  }
-  const auto error2 = [&](std::size_t row) {
-    double sum = 0;
-    for (const Stratum& of : strata)
-      if (of.given > 0) sum += of.variance(row, of.given);
-    return sum / std::pow(kAim * std::max(value[row], floor[row]), 2);
-  };
-  for (int step = 0; step < 200; ++step) {
-    std::size_t worst = 0;
-    double most = 0;
-    for (std::size_t row = 0; row < pass.rows(); ++row)
-      if (const double e = error2(row); e > most) {
-        most = e;
-        worst = row;
-      }
-    if (most <= 1) break;
-    Stratum* best = nullptr;
-    double gain = 0;
-    for (Stratum& of : strata) {
-      if (!(of.given > 0) || of.given * 2 > static_cast<double>(kMostOfStratum)) continue;
-      const double saved = of.variance(worst, of.given) - of.variance(worst, 2 * of.given);
-      const double per_ray = saved * of.samples / (of.rays * of.given);
-      if (per_ray > gain) {
-        gain = per_ray;
-        best = &of;
-      }
-    }
-    if (best == nullptr) break;
-    best->given *= 2;
-  }
-  const double whole = std::max(strata[0].given, static_cast<double>(kLeast));
-  std::vector<double> out;
-  for (const Stratum& of : strata)
-    out.push_back(std::clamp((of.given > 0 ? of.given : whole) / whole, 1.0 / 8, 256.0));
-  return out;
-}
-
-// A pass that aims at what is bright and rare, after its first pilot; null: nothing is, or it would
-// not pay. pilot: one without, whose environments and plan it shares, of n samples; asked: those
-// that it asks for.
-std::unique_ptr<Pass> aim_at_bright(const PreparedScene& scene, const ViewRequest& request,
-                                    const ViewPlan& plan, const PreparedView& view,
-                                    const Pass& pilot, const Pass::Rows& rows, std::uint64_t n,
-                                    std::uint64_t asked, std::uint64_t& pilot_rays) {
-  const BrightFacets bright = choose_bright(scene.target, *view.aimed, pilot.brightness());
-  if (bright.none()) return nullptr;
-  const std::uint64_t seed = view_seed(scene, request);
-  const auto pass_of = [&](AimedView aimed) {
-    PreparedView at_bright = view;
-    at_bright.aimed = std::make_shared<const AimedView>(std::move(aimed));
-    return std::make_unique<Pass>(scene, request, plan,
-                                  std::make_shared<const PreparedView>(std::move(at_bright)), rows,
-                                  seed);
-  };
-  auto alone = pass_of(make_aimed_view(scene.target, request.viewpoint, bright));
-  AimedView aimed = *alone->aimed();
-  aimed.bright.share = shares_of_strata(*alone, pilot_rays);
-  auto pass = pass_of(std::move(aimed));
-  pass->run(kSharedPilotSamples, kSharedPilotStage, Pass::Kind::kPilot);
-  pilot_rays += pass->counts().rays;
-  const auto rays = [](const Pass& of, std::uint64_t pilot_samples, std::uint64_t samples) {
-    return static_cast<double>(of.counts().rays) * static_cast<double>(samples) /
-           static_cast<double>(pilot_samples);
-  };
-  const double now = rays(pilot, n, asked),
-               then = rays(*pass, kSharedPilotSamples,
-                           samples_of_rows(*pass, 0, {}, kSharedPilotSamples));
-  return kWorthAiming * then > now ? nullptr : std::move(pass);
-}
-
 // The number of samples for the asked error after a first pilot of n_first samples; and where what
-// is rare and bright is aimed at, the view that does so, which shares the pilot's plan.
+// is rare and bright is aimed at, the view that does so.
 struct ForGoal {
   std::uint64_t samples = 0;
   std::shared_ptr<const AimedView> aimed;  // null: as the pilot is
 };
+
+// A view that aims at what is bright and rare; none: nothing is, or it would not pay. pilot: one
+// without, of n samples, whose environments and plan it shares; asked: the samples that it asks
+// for.
+std::optional<ForGoal> aim_at_bright(const PreparedScene& scene, const ViewRequest& request,
+                                     const ViewPlan& plan, const PreparedView& view,
+                                     const Pass& pilot, const Pass::Rows& rows, std::uint64_t n,
+                                     std::uint64_t asked, std::uint64_t& pilot_rays) {
+  const BrightFacets bright = choose_bright(scene.target, *view.aimed, pilot.brightness());
+  if (bright.none()) return std::nullopt;
+  AimedView aimed = make_aimed_view(scene.target, request.viewpoint, bright);
+  PreparedView at_bright = view;
+  at_bright.aimed = std::make_shared<const AimedView>(aimed);
+  Pass alone(scene, request, plan, std::make_shared<const PreparedView>(std::move(at_bright)), rows,
+             view_seed(scene, request));
+  const SharedOut shared = share_out(alone, pilot_rays);
+  const double rays = static_cast<double>(pilot.counts().rays) * static_cast<double>(asked) /
+                      static_cast<double>(n);
+  if (kWorthAiming * shared.rays > rays) return std::nullopt;
+  aimed.bright.share = shared.share;
+  return ForGoal{shared.samples, std::make_shared<const AimedView>(std::move(aimed))};
+}
+
 ForGoal for_goal(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& pilot_plan,
                  const PreparedView& view, Pass& pilot, const Pass::Rows& rows,
                  std::uint64_t n_first, std::uint64_t& pilot_rays) {
-  const std::uint64_t most = request.accuracy.max_samples_per_replicate;
-  std::unique_ptr<Pass> aimed;
-  const auto samples =
-      samples_for_goal(pilot, n_first, most, pilot_rays, [&](std::uint64_t n, std::uint64_t asked) {
-        aimed = aim_at_bright(scene, request, pilot_plan, view, pilot, rows, n, asked, pilot_rays);
-        return aimed != nullptr;
-      });
-  if (samples) return {*samples, nullptr};
-  return {*samples_for_goal(*aimed, kSharedPilotSamples, most, pilot_rays, nullptr),
-          aimed->aimed()};
+  std::optional<ForGoal> aimed;
+  const auto samples = samples_for_goal(pilot, n_first, request.accuracy.max_samples_per_replicate,
+                                        pilot_rays, [&](std::uint64_t n, std::uint64_t asked) {
+                                          aimed = aim_at_bright(scene, request, pilot_plan, view,
+                                                                pilot, rows, n, asked, pilot_rays);
+                                          return aimed.has_value();
+                                        });
+  return samples ? ForGoal{*samples, nullptr} : *aimed;
 }
 
 // Hits are counted with the strata in the proportion that the stored run has.

@@ -90,8 +90,9 @@ class Pass {
   // goal; and what it has of it for what is unseen, which falls as 1 / n.
   [[nodiscard]] double error_wanted(std::size_t row) const;
   [[nodiscard]] double unseen_error(std::size_t row) const;
-  // Of one stratum of a view that aims at what is bright.
-  [[nodiscard]] double unseen_error(std::size_t row, std::uint32_t stratum) const;
+  // Of one stratum of a view that aims at what is bright, with so many samples of it.
+  [[nodiscard]] double unseen_error(std::size_t row, std::uint32_t stratum,
+                                    std::uint64_t samples) const;
 
   // For choosing what to aim at by itself: how bright each facet that is in no hot part may look,
   // per error that is wanted, in the row where that is most; and how much of it can be seen.
@@ -143,7 +144,8 @@ class Pass {
   struct UnseenInStratum {
     Unseen reflected, emitted;
   };
-  [[nodiscard]] UnseenInStratum unseen_in(std::size_t row, std::uint32_t stratum) const;
+  [[nodiscard]] UnseenInStratum unseen_in(std::size_t row, std::uint32_t stratum,
+                                          std::uint64_t samples) const;
   // In-band radiances that unseen() asks for again and again: of a row's parts, and the largest
   // of what is around the target and of what stands behind it, at the target and at the sensor.
   struct InBandLight {
@@ -157,6 +159,7 @@ class Pass {
   [[nodiscard]] InBandLight in_band_light(std::size_t row) const;
   [[nodiscard]] std::vector<InBandLight::Radiance> sent_by_parts(std::size_t row) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
+  [[nodiscard]] double sample_m2(std::uint32_t stratum, std::uint64_t samples) const;
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
   [[nodiscard]] ImagePlan plan_images(const SourceLayout& paths) const;

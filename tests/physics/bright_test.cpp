@@ -230,6 +230,7 @@ TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
     const auto simulator = simulator_of(scene.scene);
     ViewRequest request = scene.request;
     double sum = 0, variance = 0;
+    std::vector<Estimate> stated;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       request.seed = seed;
       const auto planned = simulator->prepare(request);
@@ -239,7 +240,13 @@ TEST(Bright, MirrorsShowWhatTheyShowWithoutRaysOfTheirOwn) {
       ASSERT_TRUE(view.ok()) << view.status();
       sum += view->row[0].intensity_w_sr.value / kSeeds;
       variance += std::pow(view->row[0].intensity_w_sr.stderr_ / kSeeds, 2);
+      stated.push_back({view->row[0].intensity_w_sr.value, view->row[0].numerical_error_w_sr});
     }
+    // What each seed states holds, by the mean of all.
+    for (const Estimate& one : stated)
+      EXPECT_LT(std::abs(one.value - sum), student_t_bound(31, kSeeds * scenes.size()) *
+                                               std::hypot(one.stderr_, std::sqrt(variance)))
+          << scene.name;
     request = scene.request;
     request.seed = 1000;
     request.accuracy.relative_error = 0;
