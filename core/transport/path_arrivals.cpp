@@ -81,7 +81,8 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
             ray.from.z + hit.along * d.z};
   const Target::Facet& facet = target_.facet[hit.facet];
   hit.part = facet.part;
-  if (all.order == 0 && view_.stratum_of(hit.facet, facet.part) != work.stratum) return Met::kNothing;
+  if (all.order == 0 && view_.stratum_of(hit.facet, facet.part) != work.stratum)
+    return Met::kNothing;
   // Under water (or ground): the path ended on the surface above.
   if (hit.at.z > all.surface_z_m) return Met::kBelow;
   hit.normal = {facet.nx, facet.ny, facet.nz};
