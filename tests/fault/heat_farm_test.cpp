@@ -19,6 +19,7 @@
 #include "jobs/sweep_file.h"
 #include "planning/export_temperatures.h"
 #include "schema/store/store.h"
+#include "tests/unit/heated_sweep.h"
 
 namespace irsig {
 namespace {
@@ -37,20 +38,7 @@ schema::ResolvedSweep heated_disk() {
   accuracy.set_samples_per_replicate(64);
   sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
   sweep.mutable_sweep()->mutable_model()->set_triangles(100);
-  for (int c = 0; c < sweep.condition_size(); ++c) {
-    schema::Condition& condition = *sweep.mutable_condition(c);
-    condition.set_part_temperature_k(0, 0);
-    schema::HeatRun& run = *sweep.add_heat();
-    run.set_season(condition.season());
-    run.add_time_utc(condition.time_utc());
-    *run.mutable_part_temperature_k() = condition.part_temperature_k();
-    schema::WeatherRecord& record = *run.mutable_course()->add_record();
-    record.set_unix_s(unix_seconds(*parse_rfc3339(condition.time_utc())));
-    record.set_air_temperature_k(310 + c);
-    schema::ConditionField& from = *condition.mutable_temperature_field();
-    from.set_heat(static_cast<std::uint32_t>(c));
-    from.add_part(0);
-  }
+  for (int c = 0; c < sweep.condition_size(); ++c) compute_temperatures(sweep, c, 290 + c);
   return sweep;
 }
 

@@ -9,6 +9,7 @@
 #include "bridge/sweep_temperatures.h"
 #include "core/geo/sun.h"
 #include "jobs/expand.h"
+#include "tests/unit/heated_sweep.h"
 #include "tests/unit/sweep_text.h"
 
 namespace irsig {
@@ -251,21 +252,7 @@ absl::StatusOr<schema::JobResult> first_job_of_plates(const schema::ResolvedSwee
 schema::ResolvedSweep heated_plates() {
   schema::ResolvedSweep sweep = plates();
   sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(1);
-  schema::Condition& condition = *sweep.mutable_condition(0);
-  condition.set_part_temperature_k(0, 0);
-  schema::HeatRun& run = *sweep.add_heat();
-  run.set_season(condition.season());
-  run.add_time_utc(condition.time_utc());
-  *run.mutable_part_temperature_k() = condition.part_temperature_k();
-  const double time_s = unix_seconds(*parse_rfc3339(condition.time_utc()));
-  for (const double hour : {-1.0, 1.0}) {
-    schema::WeatherRecord& record = *run.mutable_course()->add_record();
-    record.set_unix_s(time_s + 3600 * hour);
-    record.set_air_temperature_k(300 + 10 * hour);
-  }
-  schema::ConditionField& from = *condition.mutable_temperature_field();
-  from.set_heat(0);
-  from.add_part(0);
+  compute_temperatures(sweep, 0, 300);
   return sweep;
 }
 
