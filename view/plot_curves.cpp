@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "view/axis.h"
 #include "view/plot_frame.h"
 #include "view/svg.h"
 
@@ -12,23 +12,48 @@ namespace irsig {
 namespace {
 
 constexpr double kPanelWidth = 560, kPanelHeight = 400, kTop = 74;
-constexpr double kLeft = 74, kRight = 20, kAbove = 62, kBelow = 56;
+constexpr double kLeft = 74, kRight = 20, kAbove = 62, kBelow = 56, kLegendLine = 22;
+
+Stroke stroke_of(const CurvePanel& panel, std::size_t i) {
+  return curve_stroke(panel.curve[i].place.value_or(i));
+}
+
+std::vector<LegendEntry> legend_of(const CurvePanel& panel) {
+  std::vector<LegendEntry> out;
+  for (std::size_t i = 0; i < panel.curve.size(); ++i)
+    out.push_back({panel.curve[i].name, stroke_of(panel, i)});
+  return out;
+}
+
+int per_line(const std::vector<LegendEntry>& legend) {
+  // As wide as the page is around the frame's middle.
+  return std::min(5, legend_entries_per_line(legend, kPanelWidth - kLeft + kRight));
+}
+
+// What the legend needs beyond one line.
+double more_legend(const CurvePanel& panel) {
+  const auto legend = legend_of(panel);
+  const auto n = static_cast<std::size_t>(per_line(legend));
+  return legend.empty() ? 0 : kLegendLine * static_cast<double>((legend.size() - 1) / n);
+}
 
 class Panel {
  public:
-  Panel(Svg& svg, Point corner, const CurvePanel& panel, const Axis& x, const Axis& y)
-      : svg_(svg), corner_(corner), panel_(panel), x_(x), y_(y) {}
+  // more: room above the frame for the lines of legends beyond the first.
+  Panel(Svg& svg, Point corner, double more, const CurvePanel& panel, const Axis& x, const Axis& y)
+      : svg_(svg), corner_(corner), above_(kAbove + more), panel_(panel), x_(x), y_(y) {}
 
   void draw() const {
     grid();
     svg_.begin_clip_rect(at(x_.low, y_.high), width(), height());
-    for (std::size_t i = 0; i < panel_.curve.size(); ++i) curve(panel_.curve[i], curve_stroke(i));
+    for (std::size_t i = 0; i < panel_.curve.size(); ++i)
+      band(panel_.curve[i], stroke_of(panel_, i));
+    for (std::size_t i = 0; i < panel_.curve.size(); ++i)
+      curve(panel_.curve[i], stroke_of(panel_, i));
     svg_.end_group();
     frame();
-    std::vector<LegendEntry> legend;
-    for (std::size_t i = 0; i < panel_.curve.size(); ++i)
-      legend.push_back({panel_.curve[i].name, curve_stroke(i)});
-    draw_legend(svg_, {corner_.x + kLeft + width() / 2, corner_.y + 44}, legend, 5);
+    const auto legend = legend_of(panel_);
+    draw_legend(svg_, {corner_.x + kLeft + width() / 2, corner_.y + 44}, legend, per_line(legend));
   }
 
  private:
@@ -37,7 +62,7 @@ class Panel {
 
   [[nodiscard]] Point at(double x, double y) const {
     return {corner_.x + kLeft + width() * x_.fraction(x),
-            corner_.y + kAbove + height() * (1 - y_.fraction(y))};
+            corner_.y + above_ + height() * (1 - y_.fraction(y))};
   }
 
   void grid() const {
@@ -53,6 +78,31 @@ class Panel {
     }
   }
 
+  void band(const Curve& c, const Stroke& stroke) const {
+    if (c.low.empty()) return;
+    std::vector<Point> upper, lower;
+    const Stroke edge{stroke.color, 0.7, stroke.dash};
+    const auto end_piece = [&] {
+      if (upper.size() > 1) {
+        svg_.polyline(upper, edge);
+        svg_.polyline(lower, edge);
+        upper.insert(upper.end(), lower.rbegin(), lower.rend());
+        svg_.polygon(upper, stroke.color, 0.1);
+      }
+      upper.clear();
+      lower.clear();
+    };
+    for (std::size_t k = 0; k < c.x.size(); ++k) {
+      if (!std::isfinite(c.x[k]) || !std::isfinite(c.low[k]) || !std::isfinite(c.high[k])) {
+        end_piece();
+        continue;
+      }
+      upper.push_back(at(c.x[k], c.high[k]));
+      lower.push_back(at(c.x[k], c.low[k]));
+    }
+    end_piece();
+  }
+
   void curve(const Curve& c, const Stroke& stroke) const {
     std::vector<Point> piece;
     const auto end_piece = [&] {
@@ -60,10 +110,12 @@ class Panel {
       piece.clear();
     };
     for (std::size_t k = 0; k < c.x.size(); ++k) {
-      if (std::isfinite(c.x[k]) && std::isfinite(c.y[k]))
+      if (std::isfinite(c.x[k]) && std::isfinite(c.y[k])) {
         piece.push_back(at(c.x[k], c.y[k]));
-      else
+        if (c.marks) svg_.circle(piece.back(), 2.6, stroke.color, {"", 0, ""});
+      } else {
         end_piece();
+      }
     }
     end_piece();
   }
@@ -73,14 +125,15 @@ class Panel {
     const double middle = corner_.x + kLeft + width() / 2;
     svg_.text({middle, corner_.y + 24}, panel_.title,
               {.size = 15, .anchor = Anchor::kMiddle, .bold = true});
-    svg_.text({middle, corner_.y + kPanelHeight - kBelow + 40}, panel_.x_label,
+    svg_.text({middle, at(x_.low, y_.low).y + 40}, panel_.x_label,
               {.size = 13, .anchor = Anchor::kMiddle});
-    svg_.text({corner_.x + 22, corner_.y + kAbove + height() / 2}, panel_.y_label,
+    svg_.text({corner_.x + 22, corner_.y + above_ + height() / 2}, panel_.y_label,
               {.size = 13, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
   Svg& svg_;
   Point corner_;
+  double above_;
   const CurvePanel& panel_;
   const Axis& x_;
   const Axis& y_;
@@ -102,27 +155,35 @@ struct Extent {
 
 std::string plot_curves(std::string_view title, std::string_view subtitle,
                         const std::vector<CurvePanel>& panels, std::size_t columns) {
-  const std::size_t rows = (panels.size() + columns - 1) / columns;
+  std::vector<double> more;  // of each row of panels
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    if (i % columns == 0) more.push_back(0);
+    more.back() = std::max(more.back(), more_legend(panels[i]));
+  }
   Svg svg(kPanelWidth * static_cast<double>(columns),
-          kTop + kPanelHeight * static_cast<double>(rows), title);
+          kTop + kPanelHeight * static_cast<double>(more.size()) +
+              std::accumulate(more.begin(), more.end(), 0.0),
+          title);
   svg.text({svg.width_px() / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
   svg.text({svg.width_px() / 2, 56}, subtitle,
            {.size = 13, .anchor = Anchor::kMiddle, .color = "#666666"});
+  double top = kTop;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const CurvePanel& panel = panels[i];
     Extent across, up;
     for (const Curve& c : panel.curve) {
       across.add(c.x);
-      up.add(c.y);
+      for (const auto& values : {c.y, c.low, c.high}) up.add(values);
     }
     across = across.or_unit();
     up = up.or_unit();
-    const Axis x = tight_axis(across.low, across.high, 8);
+    const Axis x = panel.x ? *panel.x : tight_axis(across.low, across.high, 8);
     const Axis y = panel.y_high > panel.y_low ? tight_axis(panel.y_low, panel.y_high, 5)
                                               : round_axis(up.low, up.high, 5);
-    const Point corner{kPanelWidth * static_cast<double>(i % columns),
-                       kTop + kPanelHeight * static_cast<double>(i / columns)};
-    Panel(svg, corner, panel, x, y).draw();
+    const double row_more = more[i / columns];
+    const Point corner{kPanelWidth * static_cast<double>(i % columns), top};
+    Panel(svg, corner, row_more, panel, x, y).draw();
+    if (i % columns == columns - 1) top += kPanelHeight + row_more;
   }
   return svg.finish();
 }

@@ -21,6 +21,15 @@ double text_width(const std::string& text, double size) {
   return 0.6 * size * static_cast<double>(characters);
 }
 
+constexpr double kSize = 14, kSample = 34, kGap = 26;  // of legends
+
+double line_width(const std::vector<LegendEntry>& entries, std::size_t first, std::size_t last) {
+  double total = -kGap;
+  for (std::size_t i = first; i < last; ++i)
+    total += kSample + 8 + text_width(entries[i].name, kSize) + kGap;
+  return total;
+}
+
 }  // namespace
 
 CurveNames::CurveNames(const std::vector<StoredSignature>& signatures) {
@@ -87,17 +96,23 @@ absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& rea
   return out;
 }
 
+int legend_entries_per_line(const std::vector<LegendEntry>& entries, double width) {
+  for (std::size_t n = entries.size(); n > 1; --n) {
+    double widest = 0;
+    for (std::size_t first = 0; first < entries.size(); first += n)
+      widest = std::max(widest, line_width(entries, first, std::min(entries.size(), first + n)));
+    if (widest <= width) return static_cast<int>(n);
+  }
+  return 1;
+}
+
 void draw_legend(Svg& svg, Point top_center, const std::vector<LegendEntry>& entries,
                  int per_line) {
-  constexpr double kSize = 14, kSample = 34, kGap = 26, kLine = 22;
+  constexpr double kLine = 22;
   const auto n = static_cast<std::size_t>(per_line);
   for (std::size_t first = 0; first < entries.size(); first += n) {
     const std::size_t last = std::min(entries.size(), first + n);
-    double total = -kGap;
-    for (std::size_t i = first; i < last; ++i) {
-      total += kSample + 8 + text_width(entries[i].name, kSize) + kGap;
-    }
-    double x = top_center.x - total / 2;
+    double x = top_center.x - line_width(entries, first, last) / 2;
     const double y = top_center.y + kLine * static_cast<double>(first / n);
     for (std::size_t i = first; i < last; ++i) {
       svg.line({x, y}, {x + kSample, y}, entries[i].stroke);

@@ -38,6 +38,8 @@ struct LegendEntry {
   std::string name;
   Stroke stroke;
 };
+// How many of them fit side by side, at least 1.
+[[nodiscard]] int legend_entries_per_line(const std::vector<LegendEntry>& entries, double width);
 // Side by side, centred at x; returns nothing: entries take one line of 20 px each `per_line`
 // entries.
 void draw_legend(Svg& svg, Point top_center, const std::vector<LegendEntry>& entries, int per_line);

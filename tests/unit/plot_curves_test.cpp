@@ -68,5 +68,26 @@ TEST(PlotCurves, FindsARangeOfItsOwn) {
   EXPECT_THAT(plot_curves("t", "s", {empty}, 1), HasSubstr("</svg>"));
 }
 
+TEST(PlotCurves, ABandSurroundsItsCurve) {
+  CurvePanel banded = panel({1, 2, 3});
+  banded.y_high = 0;
+  banded.curve[0].low = {0, 1, 2};
+  banded.curve[0].high = {2, 3, 8};
+  banded.curve[0].marks = true;
+  const std::string svg = plot_curves("t", "s", {banded}, 1);
+  EXPECT_THAT(svg, HasSubstr(">8</text>")) << "the axis covers it";
+  EXPECT_THAT(svg, HasSubstr("fill-opacity=\"0.1\""));
+  EXPECT_THAT(svg, HasSubstr("<circle"));
+}
+
+TEST(PlotCurves, ALongLegendTakesMoreLines) {
+  CurvePanel many = panel({0, 0, 1});
+  for (int i = 0; i < 7; ++i) {
+    many.curve.push_back(many.curve[0]);
+    many.curve.back().name = "superstructure";
+  }
+  EXPECT_THAT(plot_curves("t", "s", {many}, 1), HasSubstr("width=\"560\" height=\"540\""));
+}
+
 }  // namespace
 }  // namespace irsig
