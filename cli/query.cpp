@@ -1,10 +1,6 @@
 #include <fmt/format.h>
 
-#include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,11 +9,8 @@
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
-#include "coordinator/client/child_process.h"
-#include "coordinator/client/local_farm.h"
-#include "coordinator/client/scratch_folder.h"
+#include "cli/picture_program.h"
 #include "jobs/number_bounds.h"
-#include "view/atomic_file.h"
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/query_table.h"
@@ -31,33 +24,6 @@ absl::StatusOr<TargetExtent> extent_of(const StoredSweep& sweep) {
   const auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
   if (!scene.ok()) return scene.status();
   return target_extent(scene->mesh.vertex);
-}
-
-// By a program that has OpenImageIO, which is slow to load.
-absl::StatusOr<std::string> paint_png(const std::string& exr, const std::string& scale,
-                                      const NextExr& others) {
-  const auto made = ScratchFolder::make();
-  if (!made.ok()) return made.status();
-  const ScratchFolder* folder = made->get();
-  const std::string at = folder->path() + "/images", png = folder->path() + "/picture.png";
-  std::error_code error;
-  if (!std::filesystem::create_directory(at, error))
-    return absl::UnavailableError(fmt::format("cannot make {}: {}", at, error.message()));
-  if (auto status = replace_file(at + "/picture.exr", exr); !status.ok()) return status;
-  for (std::size_t i = 0;; ++i) {
-    const auto other = others();
-    if (!other.ok()) return other.status();
-    if (other->empty()) break;
-    if (auto status = replace_file(fmt::format("{}/{}.exr", at, i), *other); !status.ok())
-      return status;
-  }
-  auto painter = ChildProcess::start({beside_this_executable("irsig-picture"), png, scale, at},
-                                     folder->path() + "/log", SIGKILL);
-  if (!painter.ok()) return painter.status();
-  if (!painter->wait(600) || !painter->succeeded())
-    return absl::InternalError(fmt::format("irsig-picture: {}", painter->last_words()));
-  std::ifstream file(png, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
 struct QueryCommand {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "absl/strings/escaping.h"
 #include "core/base/printable.h"
 
 namespace irsig {
@@ -123,6 +124,14 @@ void Svg::text(Point at, std::string_view text, const TextStyle& style) {
       extra, escaped(text));
 }
 
+void Svg::image(Point corner, double width, double height, std::string_view png) {
+  body_ += fmt::format(
+      "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
+      "style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
+      px(corner.x), px(corner.y), px(width), px(height),
+      absl::Base64Escape({png.data(), png.size()}));
+}
+
 void Svg::begin_clip_rect(Point corner, double width, double height) {
   body_ += fmt::format(
       "<clipPath id=\"c{0}\"><rect x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\"/></clipPath>\n"
@@ -148,7 +157,7 @@ Stroke curve_stroke(std::size_t k) {
   return {kColors[k % kColors.size()], 2.2, kDashes[(k / kColors.size()) % kDashes.size()]};
 }
 
-std::string map_color(double fraction) {
+Rgb map_rgb(double fraction) {
   constexpr std::array<std::array<int, 3>, 9> kNodes{{{0x00, 0x00, 0x04},
                                                       {0x21, 0x0c, 0x4a},
                                                       {0x57, 0x10, 0x6e},
@@ -161,11 +170,15 @@ std::string map_color(double fraction) {
   const double at = std::clamp(fraction, 0.0, 1.0) * (kNodes.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(at), kNodes.size() - 2);
   const double t = at - static_cast<double>(i);
-  std::array<long, 3> rgb{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    rgb[c] = std::lround((1 - t) * kNodes[i][c] + t * kNodes[i + 1][c]);
-  }
-  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  const auto channel = [&](std::size_t c) {
+    return static_cast<std::uint8_t>(std::lround((1 - t) * kNodes[i][c] + t * kNodes[i + 1][c]));
+  };
+  return {channel(0), channel(1), channel(2)};
+}
+
+std::string map_color(double fraction) {
+  const Rgb color = map_rgb(fraction);
+  return fmt::format("#{:02x}{:02x}{:02x}", color.red, color.green, color.blue);
 }
 
 }  // namespace irsig

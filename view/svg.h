@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "view/png.h"
+
 namespace irsig {
 
 struct Point {
@@ -41,6 +43,8 @@ class Svg {
   void rect(Point corner, double width, double height, std::string_view fill, const Stroke& stroke);
   void circle(Point center, double radius, std::string_view fill, const Stroke& stroke);
   void text(Point at, std::string_view text, const TextStyle& style);
+  // A PNG stretched to a rectangle, each pixel a rectangle of its own.
+  void image(Point corner, double width, double height, std::string_view png);
   // Everything until end_group() is clipped to a rectangle or circle.
   void begin_clip_rect(Point corner, double width, double height);
   void begin_clip_circle(Point center, double radius);
@@ -61,7 +65,8 @@ class Svg {
 [[nodiscard]] Stroke curve_stroke(std::size_t k);
 
 // Perceptually uniform map from [0, 1] to a colour ("inferno" of matplotlib, 9 nodes, linear
-// between).
-[[nodiscard]] std::string map_color(double fraction);
+// between: CIE lightness grows by 9.7 to 14.5 from node to node).
+[[nodiscard]] Rgb map_rgb(double fraction);
+[[nodiscard]] std::string map_color(double fraction);  // "#rrggbb"
 
 }  // namespace irsig

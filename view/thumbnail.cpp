@@ -61,18 +61,8 @@ absl::StatusOr<NextExr> images_like(StoreReader& reader, const StoredSignature& 
 
 }  // namespace
 
-absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& rows,
-                             const std::string& path, const std::string& scale,
-                             const PaintPng& paint) {
-  const bool png = path.ends_with(".png");
-  if (!png && !path.ends_with(".exr")) {
-    return absl::InvalidArgumentError(
-        fmt::format("thumbnail {}: expected a name that ends in .png or .exr", path));
-  }
-  if (!png && !scale.empty())
-    return absl::InvalidArgumentError("thumbnail scale: .exr files hold radiance, without a scale");
-  if (!scale.empty())
-    if (absl::Status status = check_scale(scale); !status.ok()) return status;
+absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
+                                                   const std::vector<QueryRow>& rows) {
   if (rows.empty()) return absl::InvalidArgumentError("thumbnail: no signature matches");
   if (rows.size() > 1) {
     return absl::InvalidArgumentError(
@@ -87,15 +77,32 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
     return absl::NotFoundError(fmt::format(
         "row {} was computed without image (output.thumbnail_px = 0)", rows.front().signature.row));
   }
-  if (!png) return replace_file(path, (*thumbnail)->exr());
-  if (scale.empty()) return replace_file(path, (*thumbnail)->png());
+  return **std::move(thumbnail);
+}
+
+absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& rows,
+                             const std::string& path, const std::string& scale,
+                             const PaintPng& paint) {
+  const bool png = path.ends_with(".png");
+  if (!png && !path.ends_with(".exr")) {
+    return absl::InvalidArgumentError(
+        fmt::format("thumbnail {}: expected a name that ends in .png or .exr", path));
+  }
+  if (!png && !scale.empty())
+    return absl::InvalidArgumentError("thumbnail scale: .exr files hold radiance, without a scale");
+  if (!scale.empty())
+    if (absl::Status status = check_scale(scale); !status.ok()) return status;
+  const auto thumbnail = stored_thumbnail(reader, rows);
+  if (!thumbnail.ok()) return thumbnail.status();
+  if (!png) return replace_file(path, thumbnail->exr());
+  if (scale.empty()) return replace_file(path, thumbnail->png());
   NextExr others = [] { return std::string(); };
   if (scale == "common") {
     auto all = images_like(reader, rows.front().signature);
     if (!all.ok()) return all.status();
     others = *std::move(all);
   }
-  const auto bytes = paint((*thumbnail)->exr(), scale, others);
+  const auto bytes = paint(thumbnail->exr(), scale, others);
   if (!bytes.ok()) return bytes.status();
   return replace_file(path, *bytes);
 }

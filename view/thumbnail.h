@@ -16,9 +16,13 @@ using NextExr = std::function<absl::StatusOr<std::string>()>;
 using PaintPng = std::function<absl::StatusOr<std::string>(
     const std::string& exr, const std::string& scale, const NextExr& others)>;
 
+// The stored image of the only row. INVALID_ARGUMENT: no row, an interpolated one, or several (they
+// are listed); NOT_FOUND: stored without image.
+[[nodiscard]] absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
+                                                                 const std::vector<QueryRow>& rows);
+
 // Writes the stored image of the only row to a file; its ending (.png or .exr) says which.
-// INVALID_ARGUMENT: another ending, no row, an interpolated one, or several (they are listed);
-// NOT_FOUND: stored without image.
+// INVALID_ARGUMENT: another ending; those of stored_thumbnail.
 //   scale  of a .png: "" (the image as stored: 0 to its own hottest pixel), "common" (0 to the
 //          hottest pixel of all images of its sweep and band) or "BLACK,WHITE" in W/(m2 sr); needs
 //          `paint`

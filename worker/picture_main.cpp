@@ -1,9 +1,12 @@
-// irsig-picture: an image of radiances (EXR) as PNG, on a scale that other images share.
+// irsig-picture: an image of radiances (EXR) as PNG, on a scale that other images share, or its
+// pixels.
 //
 //   irsig-picture OUT.png SCALE FOLDER
+//   irsig-picture OUT pixels FOLDER
 //
 // FOLDER/picture.exr is painted. SCALE: "common", from 0 to the hottest pixel of all the folder's
-// images, or BLACK,WHITE in W/(m2 sr). A program of its own, because OpenImageIO is slow to load.
+// images, or BLACK,WHITE in W/(m2 sr). "pixels": a line "WIDTH HEIGHT", then float32 of this
+// machine, row by row from the top left. A program of its own, because OpenImageIO is slow to load.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -24,9 +27,23 @@ absl::StatusOr<irsig::RadianceImage> read(const fs::path& path) {
   return irsig::decode_exr(std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
+absl::Status written(const std::string& out, std::ofstream& file) {
+  file.close();
+  return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + out);
+}
+
+absl::Status write_pixels(const std::string& out, const irsig::RadianceImage& image) {
+  std::ofstream file(out, std::ios::binary);
+  file << image.width_px << ' ' << image.height_px << '\n';
+  file.write(reinterpret_cast<const char*>(image.radiance_w_m2_sr.data()),
+             static_cast<std::streamsize>(image.radiance_w_m2_sr.size() * sizeof(float)));
+  return written(out, file);
+}
+
 absl::Status paint(const std::string& out, const std::string& scale_text, const fs::path& folder) {
   const auto picture = read(folder / "picture.exr");
   if (!picture.ok()) return picture.status();
+  if (scale_text == "pixels") return write_pixels(out, *picture);
   irsig::GreyScale scale{0, 0};
   if (scale_text == "common") {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -45,15 +62,14 @@ absl::Status paint(const std::string& out, const std::string& scale_text, const 
   if (!png.ok()) return png.status();
   std::ofstream file(out, std::ios::binary);
   file << *png;
-  file.close();
-  return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + out);
+  return written(out, file);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::fprintf(stderr, "usage: irsig-picture OUT.png SCALE FOLDER\n");
+    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER\n");
     return 2;
   }
   const absl::Status status = paint(argv[1], argv[2], argv[3]);

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// Ticks beside a colour bar, at values of the picture.
+struct BarAxis {
+  std::string title;
+  std::vector<double> at;
+  std::vector<std::string> label;
+};
+
+// The values at the ends of the colours.
+struct ColorRange {
+  double low, high;
+};
+
+// Values of one quantity, row by row from the top left; NaN: nothing is there.
+struct FalseColorPicture {
+  std::string title, subtitle;
+  std::uint32_t width_px = 0, height_px = 0;
+  std::vector<float> value;
+  ColorRange range{};  // what is outside has the colour of its end
+  BarAxis axis;
+  std::optional<BarAxis> other{};  // of a quantity that the first determines, on the other side
+};
+
+// From the smallest to the largest value; of a single one, a little around it. NOT_FOUND: all are
+// NaN.
+[[nodiscard]] absl::StatusOr<ColorRange> range_of(const std::vector<float>& values);
+
+// "0,12.5". INVALID_ARGUMENT: not two finite numbers, the smaller one first.
+[[nodiscard]] absl::StatusOr<ColorRange> parse_color_range(const std::string& text);
+
+// Round values of the range.
+[[nodiscard]] BarAxis bar_axis(const std::string& title, const ColorRange& range);
+
+// The picture in 255 colours of map_color(), each as wide as the others, with its bar: a complete
+// SVG document with two embedded PNG images, picture and bar. Where nothing is, it is grey.
+[[nodiscard]] std::string draw_false_color(const FalseColorPicture& picture);
+
+}  // namespace irsig

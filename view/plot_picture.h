@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "view/false_color.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// The pixels of a stored image, row by row from the top left.
+struct StoredPixels {
+  std::uint32_t width_px = 0, height_px = 0;
+  std::vector<float> radiance_w_m2_sr;
+};
+// Given by who has a program that reads EXR.
+using ReadExr = std::function<absl::StatusOr<StoredPixels>(const std::string& exr)>;
+
+// The stored image of the only row that a query selects (an aspect alone: the nearest viewpoint) in
+// false colours: in-band radiance at the target, without the air, from the smallest to the largest
+// of the target's pixels or over `range` [W/(m2 sr)]; beside it the temperature of the blackbody
+// with the same in-band radiance. Errors: those of run_query and of stored_thumbnail (thumbnail.h);
+// NOT_FOUND: it shows nothing of the target.
+[[nodiscard]] absl::StatusOr<FalseColorPicture> radiance_picture(
+    StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
+    const ReadExr& read);
+
+}  // namespace irsig
