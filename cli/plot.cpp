@@ -1,13 +1,18 @@
 #include "view/plot.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
+#include "cli/picture_program.h"
+#include "planning/temperature_picture.h"
 #include "view/hours.h"
+#include "view/plot_picture.h"
 
 namespace irsig {
 namespace {
@@ -19,13 +24,12 @@ struct PlotCommand {
   }
   FilterOptions filter;
   OutputOptions output;
-  std::string kind;
+  std::string kind, scale;
   std::optional<double> elevation_deg;
+  std::optional<std::uint32_t> pixels;
 
   [[nodiscard]] absl::Status run() const {
-    if (elevation_deg && kind != "polar") {
-      return absl::InvalidArgumentError("--elevation belongs to --kind polar");
-    }
+    if (absl::Status status = check_options(); !status.ok()) return status;
     const auto format = output.format();
     if (!format.ok()) return format.status();
     if (*format != "svg" && kind != "hours")
@@ -34,9 +38,20 @@ struct PlotCommand {
                                         "write its numbers");
     auto query = filter.query();
     if (!query.ok()) return query.status();
+    std::optional<ColorRange> range;
+    if (!scale.empty()) {
+      const auto asked = parse_color_range(scale);
+      if (!asked.ok()) return asked.status();
+      range = *asked;
+    }
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
     if (kind == "hours") return write_hours_as(*format, **reader, *query);
+    if (kind == "picture")
+      return write_picture(radiance_picture(**reader, *query, range, read_exr));
+    if (kind == "temperatures")
+      return write_picture(
+          temperature_picture(filter.database(), *query, range, pixels.value_or(kPixels)));
     auto svg = kind == "polar"           ? plot_polar(**reader, *query, elevation_deg)
                : kind == "spectrum"      ? plot_spectrum(**reader, *query)
                : kind == "transmittance" ? plot_transmittance(**reader, *query)
@@ -45,7 +60,29 @@ struct PlotCommand {
     return output.write(*svg);
   }
 
+  static constexpr std::uint32_t kPixels = 512;
+
  private:
+  [[nodiscard]] absl::Status check_options() const {
+    const auto belongs = [&](bool given, const char* option,
+                             const std::vector<std::string>& kinds) -> absl::Status {
+      if (!given || std::find(kinds.begin(), kinds.end(), kind) != kinds.end())
+        return absl::OkStatus();
+      std::string names = kinds.front();
+      for (std::size_t i = 1; i < kinds.size(); ++i) names += " or " + kinds[i];
+      return absl::InvalidArgumentError(std::string(option) + " belongs to --kind " + names);
+    };
+    absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
+    status.Update(belongs(!scale.empty(), "--scale", {"picture", "temperatures"}));
+    status.Update(belongs(pixels.has_value(), "--pixels", {"temperatures"}));
+    return status;
+  }
+
+  [[nodiscard]] absl::Status write_picture(const absl::StatusOr<FalseColorPicture>& picture) const {
+    if (!picture.ok()) return picture.status();
+    return output.write(draw_false_color(*picture));
+  }
+
   [[nodiscard]] absl::Status write_hours_as(const std::string& format, StoreReader& reader,
                                             const Query& query) const {
     const auto hours = hours_of(reader, query);
@@ -64,17 +101,31 @@ void add_plot(CLI::App& app, int& exit_code) {
       "Draw signatures as SVG: polar (in-band values against aspect azimuth), spectrum (of one "
       "viewpoint), map (in-band values over all aspects) or hours (in-band values of one viewpoint "
       "against the time of day, and the temperatures that were computed for them; also csv and "
-      "json), of the source intensity or of --quantity; or transmittance (of the air, from one "
-      "viewpoint)");
+      "json), of the source intensity or of --quantity; transmittance (of the air, from one "
+      "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "
+      "and apparent temperature) or temperatures (of the target's facets, from any --aspect)");
   const auto options = std::make_shared<PlotCommand>(*command);
-  command->add_option("--kind", options->kind, "polar, spectrum, map, hours or transmittance")
+  command
+      ->add_option("--kind", options->kind,
+                   "polar, spectrum, map, hours, transmittance, picture or temperatures")
       ->required()
       ->type_name("KIND")
-      ->check(CLI::IsMember({"polar", "spectrum", "map", "hours", "transmittance"}));
+      ->check(CLI::IsMember(
+          {"polar", "spectrum", "map", "hours", "transmittance", "picture", "temperatures"}));
   command
       ->add_option("--elevation", options->elevation_deg,
                    "Elevation of a polar plot [deg]; default: the lowest that the viewpoints cover")
       ->type_name("DEG");
+  command
+      ->add_option("--scale", options->scale,
+                   "Values at the ends of the colours of picture [W/(m2 sr)] and temperatures [K]; "
+                   "default: the smallest and largest of its pixels")
+      ->type_name("LOW,HIGH");
+  command
+      ->add_option("--pixels", options->pixels,
+                   "Long side of temperatures; default: " + std::to_string(PlotCommand::kPixels))
+      ->type_name("N")
+      ->check(CLI::Range(16, 2048));
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

@@ -198,7 +198,9 @@ class Views(unittest.TestCase):
 
     def test_plots_are_svg(self):
         for arguments in (["polar"], ["polar", "--elevation", 30, "--season", "summer"],
-                          ["spectrum", "--aspect", "45,20"], ["map", "--band", "lwir"]):
+                          ["spectrum", "--aspect", "45,20"], ["map", "--band", "lwir"],
+                          ["picture", "--row", 1], ["picture", "--row", 1, "--scale", "0,50"],
+                          ["temperatures", "--aspect", "30,40", "--season", "summer", "--pixels", 64]):
             out = self.path / "plot.svg"
             irsig("plot", self.db, "--kind", *arguments, "--out", out)
             root = xml.etree.ElementTree.parse(out).getroot()

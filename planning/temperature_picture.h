@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "planning/sweep_facets.h"
+#include "view/false_color.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// The temperatures of a target's facets as seen from an aspect: one parallel ray through the middle
+// of each pixel, the temperature of the facet that it meets first, from whichever side.
+//   condition  of the sweep
+//   long_side_px  of the picture, the target's outline fills it; > 0
+[[nodiscard]] absl::StatusOr<FalseColorPicture> draw_temperatures(
+    const SweepFacets& facets, int condition, const SignatureFilter::Direction& aspect,
+    std::uint32_t long_side_px);
+
+// The same of a stored sweep. `query` says which: sweep, season and time as far as there are
+// several, and an aspect, which need not be that of a viewpoint; or the row of a signature, for all
+// of these. Its other filters are those of signatures: INVALID_ARGUMENT, as is a query that
+// selects several conditions (they are listed) or none.
+//   range  [K]; without: from the coldest to the hottest pixel
+[[nodiscard]] absl::StatusOr<FalseColorPicture> temperature_picture(
+    const std::string& database, const Query& query, const std::optional<ColorRange>& range,
+    std::uint32_t long_side_px);
+
+}  // namespace irsig
