@@ -48,7 +48,7 @@ struct PlotCommand {
     if (!reader.ok()) return reader.status();
     if (kind == "hours") return write_hours_as(*format, **reader, *query);
     if (kind == "picture")
-      return write_picture(radiance_picture(**reader, *query, range, read_exr));
+      return write_picture(radiance_picture(**reader, *query, range, pixels, read_exr));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), *query, range, pixels.value_or(kPixels)));
@@ -74,7 +74,7 @@ struct PlotCommand {
     };
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(belongs(!scale.empty(), "--scale", {"picture", "temperatures"}));
-    status.Update(belongs(pixels.has_value(), "--pixels", {"temperatures"}));
+    status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "temperatures"}));
     return status;
   }
 
@@ -123,7 +123,9 @@ void add_plot(CLI::App& app, int& exit_code) {
       ->type_name("LOW,HIGH");
   command
       ->add_option("--pixels", options->pixels,
-                   "Long side of temperatures; default: " + std::to_string(PlotCommand::kPixels))
+                   "Long side of temperatures, default: " + std::to_string(PlotCommand::kPixels) +
+                       "; of picture, of whose stored pixels squares are averaged, default: as "
+                       "many as leave 25 paths to each pixel of the target")
       ->type_name("N")
       ->check(CLI::Range(16, 2048));
   command->callback([options, &exit_code] { exit_code = report(options->run()); });

@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint8_t kLevels = 255, kNothing = 255;
 constexpr double kTop = 78, kEdge = 30, kLongestX = 760, kLongestY = 640;
 constexpr double kBarWidth = 26, kBarLeast = 280, kAxisWidth = 92, kLabelHeight = 15;
+constexpr double kMostEnlarged = 6;
 
 std::vector<Rgb> colors() {
   std::vector<Rgb> out;
@@ -27,17 +28,25 @@ std::vector<Rgb> colors() {
   return out;
 }
 
-std::vector<std::uint8_t> levels_of(const FalseColorPicture& picture) {
-  const auto [low, high] = picture.range;
-  std::vector<std::uint8_t> out;
-  out.reserve(picture.value.size());
-  for (const float value : picture.value) {
-    const double level = (static_cast<double>(value) - low) / (high - low) * kLevels;
-    out.push_back(std::isnan(level)
-                      ? kNothing
-                      : static_cast<std::uint8_t>(std::clamp(level, 0.0, kLevels - 1.0)));
-  }
-  return out;
+std::uint8_t level_of(float value, const ColorRange& range) {
+  const double level =
+      (static_cast<double>(value) - range.low) / (range.high - range.low) * kLevels;
+  return std::isnan(level) ? kNothing
+                           : static_cast<std::uint8_t>(std::clamp(level, 0.0, kLevels - 1.0));
+}
+
+// Not every program that draws SVG leaves pixels alone: some blend neighbours when they enlarge an
+// image, and a blend of two colours is that of a third value. So pixels come enlarged, each as
+// `times` x `times` of the image.
+std::string png_of(const FalseColorPicture& picture, std::uint32_t times) {
+  std::vector<std::uint8_t> pixel;
+  pixel.reserve(picture.value.size() * times * times);
+  for (std::size_t y = 0; y < std::size_t{picture.height_px} * times; ++y)
+    for (std::size_t x = 0; x < picture.width_px; ++x)
+      pixel.insert(pixel.end(), times,
+                   level_of(picture.value[y / times * picture.width_px + x], picture.range));
+  return encode_palette_png(picture.width_px * times, picture.height_px * times, pixel, colors(),
+                            kNothing);
 }
 
 class Bar {
@@ -128,8 +137,7 @@ std::string draw_false_color(const FalseColorPicture& picture) {
   const Point corner{kEdge, kTop + (bar_height - height) / 2};
   svg.rect(corner, width, height, "#d9dde1", {"", 0, ""});
   svg.image(corner, width, height,
-            encode_palette_png(picture.width_px, picture.height_px, levels_of(picture), colors(),
-                               kNothing));
+            png_of(picture, static_cast<std::uint32_t>(std::clamp(zoom, 1.0, kMostEnlarged))));
   Bar bar(svg, {bar_x, kTop}, bar_height, picture.range);
   bar.draw();
   bar.axis(picture.axis, 1);

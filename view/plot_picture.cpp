@@ -64,10 +64,33 @@ BarAxis temperature_axis(const SweepBand& band, const ColorRange& range) {
   return out;
 }
 
+constexpr double kPathsInPixel = 25;  // a Poisson count is then right to 20 %
+
+// How many paths met the target in each pixel of it, on the average. 0: none.
+double paths_in_pixel(const StoredSignature& s, double pixel_rad) {
+  const double pixel_m = pixel_rad * s.range_m;
+  if (!(s.projected_area_m2 > 0)) return 0;
+  return static_cast<double>(s.target_paths) * pixel_m * pixel_m / s.projected_area_m2;
+}
+
+// Means over squares of `side` x `side` pixels; beyond the edges is nothing.
+StoredPixels coarser(const StoredPixels& fine, std::uint32_t side) {
+  StoredPixels out{(fine.width_px + side - 1) / side, (fine.height_px + side - 1) / side, {}};
+  std::vector<double> sum(static_cast<std::size_t>(out.width_px) * out.height_px, 0.0);
+  for (std::uint32_t y = 0; y < fine.height_px; ++y)
+    for (std::uint32_t x = 0; x < fine.width_px; ++x)
+      sum[static_cast<std::size_t>(y / side) * out.width_px + x / side] += static_cast<double>(
+          fine.radiance_w_m2_sr[static_cast<std::size_t>(y) * fine.width_px + x]);
+  for (const double s : sum)
+    out.radiance_w_m2_sr.push_back(static_cast<float>(s / (static_cast<double>(side) * side)));
+  return out;
+}
+
 }  // namespace
 
 absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Query& query,
                                                    const std::optional<ColorRange>& range,
+                                                   const std::optional<std::uint32_t>& long_side_px,
                                                    const ReadExr& read) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
@@ -75,9 +98,20 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   if (!rows.ok()) return rows.status();
   const auto thumbnail = stored_thumbnail(reader, *rows);
   if (!thumbnail.ok()) return thumbnail.status();
-  auto pixels = read(thumbnail->exr());
-  if (!pixels.ok()) return pixels.status();
+  const auto stored = read(thumbnail->exr());
+  if (!stored.ok()) return stored.status();
   const StoredSignature& s = rows->front().signature;
+  const std::uint32_t longest = std::max(stored->width_px, stored->height_px);
+  if (long_side_px && *long_side_px > longest)
+    return absl::InvalidArgumentError(
+        fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
+  const double paths = paths_in_pixel(s, thumbnail->pixel_rad());
+  const std::uint32_t side =
+      long_side_px
+          ? (longest + *long_side_px - 1) / *long_side_px
+          : static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(kPathsInPixel / paths)), 1.0,
+                                                  static_cast<double>(longest)));
+  StoredPixels pixels = coarser(*stored, side);
   const auto band = band_of(reader, s);
   if (!band.ok()) return band.status();
 
@@ -85,10 +119,14 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   out.title = fmt::format("{}, {} {}, {}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}",
                           s.sweep, s.season, s.time_utc, band_title(s), s.aspect_azimuth_deg,
                           s.aspect_elevation_deg, range_title(s.range_m));
-  out.subtitle = "Radiance at the target, without the air. Grey: no path has met the target there";
-  out.width_px = pixels->width_px;
-  out.height_px = pixels->height_px;
-  out.value = std::move(pixels->radiance_w_m2_sr);
+  const double in_each = paths * side * side;
+  out.subtitle = fmt::format(
+      "Radiance at the target, without the air; {:.3g} paths in a pixel, about {:.2g} % of noise. "
+      "Grey: no path",
+      in_each, 100 / std::sqrt(in_each));
+  out.width_px = pixels.width_px;
+  out.height_px = pixels.height_px;
+  out.value = std::move(pixels.radiance_w_m2_sr);
   for (float& v : out.value)
     if (v == 0) v = std::numeric_limits<float>::quiet_NaN();
   const auto own = range_of(out.value);

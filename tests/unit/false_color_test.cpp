@@ -78,6 +78,15 @@ Png read_png(const std::string& bytes) {
   return out;
 }
 
+// The colour in the middle of a pixel of the picture, which is enlarged.
+Color color_at(const Png& png, const FalseColorPicture& picture, std::size_t pixel) {
+  const std::size_t times = png.width / picture.width_px;
+  EXPECT_EQ(png.width, times * picture.width_px);
+  EXPECT_EQ(png.height, times * picture.height_px);
+  const std::size_t x = pixel % picture.width_px, y = pixel / picture.width_px;
+  return png.pixel.at((y * times + times / 2) * png.width + x * times + times / 2);
+}
+
 std::vector<Png> images_of(const std::string& svg) {
   std::vector<Png> out;
   const std::string begin = "base64,";
@@ -126,10 +135,10 @@ TEST(FalseColor, AColourLeadsBackToItsValueByTheBar) {
   const double level = (picture.range.high - picture.range.low) / 255;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i == 17) {
-      EXPECT_EQ(std::get<3>(pixels.pixel[i]), 0) << "transparent";
+      EXPECT_EQ(std::get<3>(color_at(pixels, picture, i)), 0) << "transparent";
       continue;
     }
-    const auto found = std::find(bar.pixel.begin(), bar.pixel.end(), pixels.pixel[i]);
+    const auto found = std::find(bar.pixel.begin(), bar.pixel.end(), color_at(pixels, picture, i));
     ASSERT_NE(found, bar.pixel.end());
     const auto from_top = static_cast<double>(found - bar.pixel.begin()) + 0.5;
     EXPECT_NEAR(picture.range.high - from_top * level, static_cast<double>(values[i]),
@@ -164,7 +173,12 @@ struct Stored {
     return StoredPixels{3, 1, {0, 30, 60}};
   };
   Stored() {
-    for (const auto& s : db.signatures) db.thumbnails[s.signature_id].set_exr("the image");
+    for (auto& s : db.signatures) {
+      db.thumbnails[s.signature_id].set_exr("the image");
+      db.thumbnails[s.signature_id].set_pixel_rad(1 / s.range_m);  // 1 m
+      s.target_paths = 1000;
+      s.projected_area_m2 = 2;
+    }
     schema::Band& band = *db.sweeps["box ship"].resolved.mutable_sweep()->add_band();
     band.set_name("lwir");
     band.set_lambda_min_um(8);
@@ -175,7 +189,7 @@ struct Stored {
 
 TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   Stored stored;
-  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, stored.read);
+  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
   EXPECT_TRUE(std::isnan(picture->value[0])) << "nothing of the target";
   EXPECT_EQ(picture->range.low, 30);
@@ -189,7 +203,7 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   EXPECT_THAT(svg, AllOf(HasSubstr("In-band radiance in W/(m\u00b2 sr)"),
                          HasSubstr("Apparent temperature in K"), HasSubstr(">30</text>"),
                          HasSubstr(">60</text>"), HasSubstr("lwir (8\u201312 \u00b5m)")));
-  const auto scaled = radiance_picture(stored.db, {.row = 2}, ColorRange{20, 80}, stored.read);
+  const auto scaled = radiance_picture(stored.db, {.row = 2}, ColorRange{20, 80}, {}, stored.read);
   ASSERT_TRUE(scaled.ok());
   EXPECT_EQ(scaled->range.high, 80);
 }
@@ -202,20 +216,50 @@ TEST(RadiancePicture, TheTemperaturesOfABandWithAResponseAreItsOwn) {
     p.set_lambda_um(lambda_um);
     p.set_value(0.5);
   }
-  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, stored.read);
+  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
   for (std::size_t i = 0; i < picture->other->at.size(); ++i)
     EXPECT_NEAR(apparent_temperature_k(8, 12, 2 * picture->other->at[i]),
                 std::stod(picture->other->label[i]), 1e-3);
 }
 
+// A target of 16 m2, 1 m to a pixel, met by every second path: pixels are black or twice as bright
+// as the target.
+TEST(RadiancePicture, PixelsThatHaveTooFewPathsAreAveraged) {
+  Stored stored;
+  for (auto& s : stored.db.signatures) {
+    s.target_paths = 100;
+    s.projected_area_m2 = 16;
+  }
+  stored.read = [](const std::string&) -> absl::StatusOr<StoredPixels> {
+    StoredPixels out{5, 4, {}};
+    for (int i = 0; i < 20; ++i)
+      out.radiance_w_m2_sr.push_back(i % 5 < 4 && (i / 5 + i % 5) % 2 == 0 ? 60.0F : 0.0F);
+    return out;
+  };
+  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  // 6.25 paths in a stored pixel, 25 in four of them.
+  EXPECT_EQ(picture->width_px, 3U);
+  EXPECT_EQ(picture->height_px, 2U);
+  for (const std::size_t i : {0U, 1U, 3U, 4U}) EXPECT_EQ(picture->value[i], 30);
+  EXPECT_TRUE(std::isnan(picture->value[2])) << "nothing of the target";
+  EXPECT_THAT(picture->subtitle, HasSubstr("25 paths in a pixel, about 20 % of noise"));
+  const auto as_stored = radiance_picture(stored.db, {.row = 2}, {}, 5, stored.read);
+  ASSERT_TRUE(as_stored.ok());
+  EXPECT_EQ(as_stored->width_px, 5U);
+  EXPECT_EQ(as_stored->value[0], 60);
+  EXPECT_EQ(radiance_picture(stored.db, {.row = 2}, {}, 6, stored.read).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
 TEST(RadiancePicture, IsOfOneRowWithAnImage) {
   Stored stored;
-  const auto several = radiance_picture(stored.db, {.band = "lwir"}, {}, stored.read);
+  const auto several = radiance_picture(stored.db, {.band = "lwir"}, {}, {}, stored.read);
   EXPECT_EQ(several.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(several.status().message()), HasSubstr("choose one"));
   stored.db.thumbnails.clear();
-  EXPECT_EQ(radiance_picture(stored.db, {.row = 2}, {}, stored.read).status().code(),
+  EXPECT_EQ(radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read).status().code(),
             absl::StatusCode::kNotFound);
 }
 
