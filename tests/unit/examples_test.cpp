@@ -35,13 +35,14 @@ TEST(Examples, AllOfThemResolveAndExpand) {
     ASSERT_TRUE(sweep.ok()) << sweep.status();
     EXPECT_EQ(sweep->sweep().name(), entry.path().stem())
         << "a file and its sweep have the same name";
-    EXPECT_EQ(expand_jobs(*sweep, 1).size(), static_cast<std::size_t>(sweep->viewpoint_size() + sweep->heat_size()));
+    EXPECT_EQ(expand_jobs(*sweep, 1).size(),
+              static_cast<std::size_t>(sweep->viewpoint_size() + sweep->heat_size()));
     names.insert(sweep->sweep().name());
   }
-  EXPECT_THAT(names, UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk",
-                                          "primitives", "sphere", "box", "cylinder", "cone",
-                                          "cavity", "cooling_tower", "painted_sphere", "houses",
-                                          "frigate_day"));
+  EXPECT_THAT(names,
+              UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk", "primitives",
+                                   "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower",
+                                   "painted_sphere", "houses", "frigate_day"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.
