@@ -100,8 +100,8 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
       const auto found = std::find(names.begin(), names.end(), part.build_up());
       if (found == names.end()) {
         check.error("build_up",
-                    absl::StrCat("= \"", one_line(part.build_up()),
-                                 "\" is no [[build_up]], ", suggestion(part.build_up(), names)));
+                    absl::StrCat("= \"", one_line(part.build_up()), "\" is no [[build_up]], ",
+                                 suggestion(part.build_up(), names)));
       } else if (const auto& build_up = sweep.build_up(static_cast<int>(found - names.begin()));
                  build_up.inside() == "open" && !part.two_sided()) {
         check.error("build_up", absl::StrCat("= \"", one_line(part.build_up()),

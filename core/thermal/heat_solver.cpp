@@ -389,7 +389,9 @@ class GroupSolver {
         }
         result_.level[to] = level;
         result_.closure_w_m2[to] = fine.closure_w_m2[e];
-        if (!(largest <= request_.accuracy.tolerance_k)) open.push_back(e);
+        // A day whose begin is not found better than that says no more when it is cut finer.
+        if (!(largest <= std::max(request_.accuracy.tolerance_k, fine.day_left_k[e])))
+          open.push_back(e);
       }
       coarse.output = rows_of(fine.output, n, open);
       change_before = rows_of(change_before, n, open);

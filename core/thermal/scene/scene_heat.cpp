@@ -13,7 +13,8 @@ namespace irsig {
 namespace {
 
 constexpr int kMostRounds = 60;
-constexpr int kMostLevels = 6;  // of conduction (HeatAccuracy)
+constexpr int kMostDays = 60;   // that are repeated until one returns to where it began
+constexpr int kMostLevels = 3;  // of conduction (HeatAccuracy): one more takes four times as long
 
 // Natural convection of water at large faces, Nu = 0.13 Ra^(1/3) at 15 deg C: expansion 1.5e-4 / K,
 // viscosity 1.19e-6, diffusivity 1.4e-7 m2/s, 0.6 W/(m K).
@@ -268,7 +269,7 @@ class Computation {
     }
     for (std::size_t k = 0; k < count(); ++k) ask.smooth.push_back(is_smooth(k));
     begin_k_.resize(request_.build_up.size());
-    ask.start = PeriodicStart{mean_k, knots_.day_intervals, request_.tolerance_k, 200,
+    ask.start = PeriodicStart{mean_k, knots_.day_intervals, request_.tolerance_k, kMostDays,
                               std::move(begin_k_[which])};
     for (std::size_t k = 0; k < count(); ++k) ask.output_knot.push_back(k);
     ask.output_boundary = {0};
