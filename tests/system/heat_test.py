@@ -1,0 +1,201 @@
+"""Temperatures computed from the weather, at the front door: the rare, the tiny and the hidden, calm and storm, sheets and seas; what
+changes nothing; what is computed once; and what is refused.
+
+usage: heat_test.py <irsig> <repository>
+"""
+import csv, io, pathlib, subprocess, sys, tempfile, unittest
+
+IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
+SWEEP = """
+name = "heat"
+time = TIME
+[model]
+MODEL
+[place]
+latitude_deg = LATITUDE
+longitude_deg = 10
+heading_deg = HEADING
+[[material]]
+name = "paint"
+kind = "lambert"
+emissivity = 0.9
+ABSORPTANCE
+[[build_up]]
+name = "wall"
+layer = LAYER
+INSIDE
+[[part]]
+name = "body"
+rest = true
+material = "paint"
+BUILD_UP
+[heat]
+HEAT
+[weather]
+pressure_pa = 101300
+wind_speed_m_s = WIND
+wind_from_deg = FROM
+[[season]]
+name = "a"
+date = DATE
+day = { air_temperature_min_k = COLDEST, air_temperature_max_k = WARMEST, dew_point_k = DEW }
+[[band]]
+name = "lwir"
+lambda_min_um = 8
+lambda_max_um = 12
+step_um = 0.5
+[viewpoints]
+kind = "list"
+range_m = RANGE
+aspect = [ { azimuth_deg = 30, elevation_deg = 20 } ]
+[surroundings]
+SURROUNDINGS
+[air]
+model = "atmosphere"
+aerosol = "rural"
+visibility_m = 23000
+[transport]
+sun = true
+[accuracy]
+ACCURACY
+[output]
+thumbnail_px = 0
+"""
+STATED = {"TIME": '["00:00Z", "09:00Z", "12:00Z", "18:00Z"]', "LATITUDE": "45", "DATE": "2025-06-21", "HEADING": "0",
+          "MODEL": 'generate = "box"\ntriangles = 48\ndraft_m = 0', "LAYER": '[{ solid = "steel", thickness_m = 0.005 }]',
+          "INSIDE": 'inside = "adiabatic"', "BUILD_UP": 'build_up = "wall"', "HEAT": "", "WIND": "3", "FROM": "240",
+          "COLDEST": "285", "WARMEST": "295", "DEW": "280", "RANGE": "1000", "ACCURACY": "relative_error = 0.02",
+          "ABSORPTANCE": "solar_absorptance = 0.7",
+          "SURROUNDINGS": 'kind = "ground"\nground_temperature_k = 288\nground_emissivity = 0.95\nsolar_albedo = 0.2'}
+
+
+def sweep(**changes):
+    text = SWEEP
+    for key, value in (STATED | changes).items():
+        text = text.replace(key, value)
+    return text
+
+
+class Heat(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def irsig(self, *arguments):
+        return subprocess.run([IRSIG, *arguments], cwd=self.path, capture_output=True, text=True, timeout=300)
+
+    def run_it(self, text, db="a.sigdb", *arguments):
+        (self.path / "s.toml").write_text(text)
+        done = self.irsig("run", "s.toml", "--db", db, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout + done.stderr
+
+    def table(self, *arguments):
+        done = self.irsig(*arguments, "--csv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return list(csv.DictReader(io.StringIO(done.stdout)))
+
+    # [time] (coldest, hottest, error)
+    def temperatures(self, **changes):
+        db = f"{len(list(self.path.glob('*.sigdb')))}.sigdb"
+        self.run_it(sweep(**changes), db)
+        rows = self.table("show", "temperatures", db)
+        column = {name.split(" ")[0]: name for name in rows[0]}
+        return [tuple(float(row[column[key]]) for key in ("coldest_k", "hottest_k", "error_k")) for row in rows]
+
+    def refused(self, text, *expected):
+        (self.path / "wrong.toml").write_text(text)
+        done = self.irsig("run", "wrong.toml", "--db", "wrong.sigdb")
+        self.assertEqual(done.returncode, 2, done.stderr)
+        for line in expected:
+            self.assertIn(line, done.stderr)
+        self.assertFalse((self.path / "wrong.sigdb").exists(), "something was left behind")
+
+    def test_size_is_no_matter(self):
+        plain = self.temperatures()
+        for model in ("length_m = 0.004\nwidth_m = 0.002\nheight_m = 0.001", "length_m = 800\nwidth_m = 400\nheight_m = 200"):
+            other = self.temperatures(MODEL=f'generate = "box"\ntriangles = 48\n{model}\ndraft_m = 0', RANGE="20000")
+            for a, b in zip(plain, other, strict=True):
+                self.assertAlmostEqual(a[0], b[0], delta=1e-3)
+                self.assertAlmostEqual(a[1], b[1], delta=1e-3)
+
+    def test_the_world_turned_by_right_angles(self):
+        # A square box knows no north; sun and wind do, and they stay.
+        square = {"MODEL": 'generate = "box"\ntriangles = 48\nlength_m = 2\nwidth_m = 2\nheight_m = 1\ndraft_m = 0'}
+        north, east = self.temperatures(**square), self.temperatures(**square, HEADING="90")
+        for a, b in zip(north, east, strict=True):
+            self.assertAlmostEqual(a[0], b[0], delta=max(0.02, a[2]))
+            self.assertAlmostEqual(a[1], b[1], delta=max(0.02, a[2]))
+
+    def test_a_wall_kept_at_a_temperature_has_it(self):
+        kept = self.temperatures(INSIDE='inside = "temperature"\ninside_temperature_k = 310', LAYER='[{ solid = "copper", thickness_m = 0.001 }]')
+        for coldest, hottest, _ in kept:
+            self.assertAlmostEqual(coldest, 310, delta=0.01)
+            self.assertAlmostEqual(hottest, 310, delta=0.01)
+
+    def test_hard_weather_and_walls(self):
+        night = {"DATE": "2025-12-21", "COLDEST": "238", "WARMEST": "242", "DEW": "235", "LATITUDE": "85",
+                 "SURROUNDINGS": 'kind = "ground"\nground_temperature_k = 240\nground_emissivity = 0.95\nsolar_albedo = 0.8'}
+        cases = {
+            "polar night": (night, 225, 242),
+            "calm polar night": (night | {"WIND": "0"}, 210, 242),
+            "storm": ({"WIND": "20"}, 284, 310),
+            "foil": ({"LAYER": '[{ solid = "aluminium", thickness_m = 1e-5 }]'}, 279, 330),
+            "paint on concrete": ({"LAYER": '[{ solid = "epoxy", thickness_m = 1e-6 }, { solid = "concrete", thickness_m = 1 }]'}, 285, 318),
+            "insulation": ({"LAYER": "[{ thickness_m = 0.1, conductivity_w_m_k = 0, density_kg_m3 = 100, specific_heat_j_kg_k = 1000 }]"}, 279, 330),
+            "red hot": ({"INSIDE": 'inside = "temperature"\ninside_temperature_k = 1500'}, 1465, 1480),
+            "sheet": ({"MODEL": 'generate = "disk"\ntriangles = 24\noffset_m = [0, 0, 3]', "INSIDE": 'inside = "open"',
+                       "BUILD_UP": 'build_up = "wall"\ntwo_sided = true'}, 279, 320),
+            "half in the sea": ({"MODEL": 'generate = "box"\ntriangles = 48\ndraft_m = 0.25',
+                                 "SURROUNDINGS": 'kind = "sea"\nsea_temperature_k = 288', "WIND": "5"}, 280, 325),
+            "in the ground": ({"MODEL": 'generate = "box"\ntriangles = 48\ndraft_m = 0.49'}, 279, 330),
+        }
+        for name, (changes, least, most) in cases.items():
+            with self.subTest(name):
+                for coldest, hottest, error in self.temperatures(**changes):
+                    self.assertGreater(coldest, least)
+                    self.assertLess(hottest, most)
+                    self.assertLess(error, 1.5)
+
+    def test_temperatures_are_computed_once_and_can_be_read_again(self):
+        fixed = "samples_per_replicate = 256"
+        self.run_it(sweep(ACCURACY=fixed))
+        first = self.table("show", "temperatures", "a.sigdb")
+        rows = self.table("query", "a.sigdb")
+        # Another accuracy: other views of the same temperatures.
+        said = self.run_it(sweep(ACCURACY="samples_per_replicate = 128"))
+        self.assertNotIn("temperatures 0 of 1", said, "computed again")
+        self.assertEqual(first, self.table("show", "temperatures", "a.sigdb"))
+        # The same by way of a file.
+        done = self.irsig("export", "a.sigdb", "--temperatures", "--out", "t.csv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = sweep(ACCURACY=fixed, BUILD_UP="", HEAT="").replace("[heat]\n", "")
+        text = text.replace('day = {', 'temperature_field = "file"\nday = {').replace("wind_from_deg = 240\n", "")
+        text = text.replace("solar_albedo = 0.2", "")
+        start, end = text.index("[[build_up]]"), text.index("[[part]]")
+        text = text[:start] + '[[temperature_field]]\nname = "file"\nfile = "t.csv"\nunit = "K"\nmatch = "index"\n' + text[end:]
+        self.run_it(text, "b.sigdb")
+        again = self.table("query", "b.sigdb")
+        self.assertEqual(len(rows), len(again))
+        for a, b in zip(rows, again, strict=True):
+            for column in a:
+                if column.startswith("intensity"):
+                    self.assertAlmostEqual(float(a[column]) / float(b[column]), 1, delta=1e-6)
+
+    def test_what_is_refused(self):
+        self.refused(sweep(ABSORPTANCE=""), "has no solar_absorptance")
+        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0 }]'), "thickness_m = 0, expected more than 0")
+        self.refused(sweep(LAYER='[{ thickness_m = 1, conductivity_w_m_k = 1, density_kg_m3 = -3, specific_heat_j_kg_k = 1 }]'),
+                     "density_kg_m3 = -3")
+        self.refused(sweep(BUILD_UP=""), "wrong.toml")
+        self.refused(sweep(INSIDE='inside = "open"'), "expected two_sided = true")
+        self.refused(sweep(HEAT="element_size_m = 0.01", MODEL='generate = "box"\ntriangles = 48\nlength_m = 500\ndraft_m = 0'),
+                     "heat.element_size_m")
+        self.refused(sweep().replace("wind_from_deg = 240\n", ""), "wind_from_deg")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
