@@ -37,7 +37,10 @@ class Computation {
               Knots knots)
       : target_(target), faces_(faces), request_(request), knots_(std::move(knots)) {
     for (std::uint32_t face = 0; face < faces_.size(); ++face) {
-      const bool under = faces_.centroid_z_m[face] > request_.beneath.surface_z_m;
+      // What stands on the surface is covered from below; what lies on it, like a road, is not.
+      const double below_m = faces_.centroid_z_m[face] - request_.beneath.surface_z_m;
+      const bool under = below_m > touching_m() ||
+                         (below_m > -touching_m() && normal_of(target_, faces_, face).z > 0.5f);
       covered_.push_back(under);
       const HeatPart& part = part_of(face);
       // Under a surface nothing shines; ground there is as warm as the ground.
@@ -51,9 +54,10 @@ class Computation {
   }
 
   absl::Status solve() {
-    factors_ = exchange_factors(
-        target_, faces_,
-        {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = request_.beneath.surface_z_m});
+    factors_ = exchange_factors(target_, faces_,
+                                {.rays = knots_.rays,
+                                 .seed = knots_.seed,
+                                 .surface_z_m = request_.beneath.surface_z_m + touching_m()});
     rays_ += static_cast<std::uint64_t>(knots_.rays) * faces_.size();
     light();
     kelvin_.resize(count() * faces_.size());
@@ -97,6 +101,8 @@ class Computation {
 
  private:
   [[nodiscard]] std::size_t count() const { return knots_.of_request.size(); }
+  // Coordinates are known to a part of the target's size.
+  [[nodiscard]] double touching_m() const { return 1e-5 * target_.radius_m; }
   [[nodiscard]] std::size_t knot(std::size_t k) const { return knots_.of_request[k]; }
   [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
     return request_.weather[knot(k)];
@@ -135,7 +141,7 @@ class Computation {
       sun_visibility(target_, faces_, {w.sun, w.sun_radius_rad},
                      {.points = knots_.sun_points,
                       .seed = mix(knots_.seed, knot(k)),
-                      .surface_z_m = request_.beneath.surface_z_m},
+                      .surface_z_m = request_.beneath.surface_z_m + touching_m()},
                      lit);
       rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces / 2;
       for (std::size_t i = 0; i < faces; ++i)
