@@ -195,6 +195,7 @@ class Heat(unittest.TestCase):
         self.refused(sweep(HEAT="element_size_m = 0.01", MODEL='generate = "box"\ntriangles = 48\nlength_m = 500\ndraft_m = 0'),
                      "heat.element_size_m")
         self.refused(sweep().replace("wind_from_deg = 240\n", ""), "wind_from_deg")
+        self.refused(sweep().replace("sun = true", "sun = false"), "transport.sun = false, but [heat]")
 
 
 if __name__ == "__main__":
