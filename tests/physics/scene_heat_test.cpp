@@ -160,6 +160,33 @@ TEST(ExchangeFactors, PlacesInsideABodyDoNotCount) {
   }
 }
 
+// A hot block on a deck: what of the deck lies below it is as if it were not there.
+TEST(ExchangeFactors, WhatIsHiddenExchangesNothing) {
+  Mesh mesh = plate("deck", {-4, -4, 0}, {0, 8, 0}, {8, 0, 0}, 8);
+  Mesh block = generated("box", 48, 0, 4, 4, 1);
+  for (auto& v : block.vertex) v.z -= 0.5;
+  block.group = {"block"};
+  block.triangle_group.assign(block.triangle.size(), 0);
+  append(mesh, block);
+  const Target target = target_of(mesh, {part("deck"), part("block")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = 1024, .surface_z_m = INFINITY});
+  int hidden = 0;
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    double to_others = 0, sum = static_cast<double>(f.sky[i]) + static_cast<double>(f.lower[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k) {
+      sum += static_cast<double>(f.share[k]);
+      to_others += f.to[k] != i ? static_cast<double>(f.share[k]) : 0;
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+    if (f.exposed[i] > 0) continue;
+    ++hidden;
+    EXPECT_EQ(to_others, 0);
+  }
+  EXPECT_GE(hidden, 32) << "the deck's facets below the block";
+}
+
 TEST(SunVisibility, HalfOfAPlateInTheShadow) {
   // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is
   // 1 long.

@@ -80,7 +80,9 @@ class RowTracer {
       }
     }
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
-    if (buried == settings_.rays) {
+    // So few are rounding where two bodies touch.
+    if (32 * buried > 31 * settings_.rays) {
+      out.exposed[face] = 0;
       entry.push_back({face, face, 1});
       return;
     }
@@ -162,6 +164,10 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   const auto exposed_m2 = [&](std::uint32_t i) {
     return faces.area_m2[i] * static_cast<double>(out.exposed[i]);
   };
+  // What is not exposed exchanges nothing.
+  std::erase_if(entry, [&](const Entry& e) {
+    return e.from != e.to && (out.exposed[e.from] <= 0 || out.exposed[e.to] <= 0);
+  });
   // Both ways of each pair.
   const std::size_t one_way = entry.size();
   entry.reserve(2 * one_way);

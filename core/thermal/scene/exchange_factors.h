@@ -12,8 +12,8 @@ namespace irsig {
 // lies below the horizon. Rows add up to 1; exposed area x share is symmetric to 1e-6.
 //
 // A ray that meets a facet from behind that has no back began inside a body (where a deckhouse
-// stands on a deck): that place of its face is not exposed and does not count. A face without any
-// exposed place sees itself alone.
+// stands on a deck): that place of its face is not exposed and does not count. A face with less
+// than 1/32 of its places exposed has none, and sees itself alone.
 struct ExchangeFactors {
   std::vector<std::size_t> first;  // [face + 1] into the next two
   std::vector<std::uint32_t> to;   // face, increasing in a row
