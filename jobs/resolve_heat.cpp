@@ -70,8 +70,9 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
                                       "\": temperatures are computed under the embedded "
                                       "atmosphere's sky"));
   if (sweep.transport().has_sun() && !sweep.transport().sun())
-    findings.add("transport.sun",
-                 "transport.sun = false, but [heat] computes temperatures in the sun, expected true");
+    findings.add(
+        "transport.sun",
+        "transport.sun = false, but [heat] computes temperatures in the sun, expected true");
   if (!sweep.has_place())
     findings.add("heat",
                  "[heat] needs [place], expected latitude_deg, longitude_deg and heading_deg: "
