@@ -115,6 +115,22 @@ Mesh plate(double width_m, double height_m, std::uint32_t cells) {
   return of_one_group(std::move(mesh.vertex), std::move(mesh.triangle), "plate");
 }
 
+Mesh rectangle(Vec<Body> at, Vec<Body> u, Vec<Body> v, const std::string& group) {
+  Mesh mesh;
+  mesh.group = {group};
+  mesh.vertex = {at - u - v, at + u - v, at + u + v, at - u + v};
+  mesh.triangle = {{0, 1, 2}, {0, 2, 3}};
+  mesh.triangle_group = {0, 0};
+  return mesh;
+}
+
+Mesh square(Vec<Body> at, Vec<Body> normal, double half_m, const std::string& group) {
+  const Vec<Body> n = normalized(normal);
+  const Vec<Body> u =
+      normalized(cross(std::abs(n.z) < 0.9 ? Vec<Body>{0, 0, 1} : Vec<Body>{1, 0, 0}, n));
+  return rectangle(at, half_m * u, half_m * cross(n, u), group);
+}
+
 Mesh lying(Mesh mesh) {
   for (Vec<Body>& v : mesh.vertex) v = {v.z, v.y, -v.x};
   return mesh;

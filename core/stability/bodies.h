@@ -32,6 +32,10 @@ namespace irsig {
 // or more: cells x cells squares.
 [[nodiscard]] Mesh plate(double width_m, double height_m, std::uint32_t cells = 1);
 
+// A rectangle of 2 u x 2 v about `at` whose front is u x v; a square that faces along `normal`.
+[[nodiscard]] Mesh rectangle(Vec<Body> at, Vec<Body> u, Vec<Body> v, const std::string& group);
+[[nodiscard]] Mesh square(Vec<Body> at, Vec<Body> normal, double half_m, const std::string& group);
+
 // What faces +x faces up (-z).
 [[nodiscard]] Mesh lying(Mesh mesh);
 [[nodiscard]] Mesh moved(Mesh mesh, Vec<Body> by);

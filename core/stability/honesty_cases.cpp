@@ -63,23 +63,6 @@ MaterialSpec gloss(double slope) {
   return {"gloss", m};
 }
 
-// A rectangle of 2 u x 2 v about `at` whose front is u x v.
-Mesh rectangle(Vec<Body> at, Vec<Body> u, Vec<Body> v, const std::string& group) {
-  Mesh mesh;
-  mesh.group = {group};
-  mesh.vertex = {at - u - v, at + u - v, at + u + v, at - u + v};
-  mesh.triangle = {{0, 1, 2}, {0, 2, 3}};
-  mesh.triangle_group = {0, 0};
-  return mesh;
-}
-// A square that faces along `normal`.
-Mesh square(Vec<Body> at, Vec<Body> normal, double half_m, const std::string& group) {
-  const Vec<Body> n = normalized(normal);
-  const Vec<Body> u =
-      normalized(cross(std::abs(n.z) < 0.9 ? Vec<Body>{0, 0, 1} : Vec<Body>{1, 0, 0}, n));
-  return rectangle(at, half_m * u, half_m * cross(n, u), group);
-}
-
 SceneSpec scene_of(Mesh mesh, std::vector<MaterialSpec> material) {
   SceneSpec scene;
   scene.mesh = std::move(mesh);

@@ -10,23 +10,6 @@ namespace {
 
 constexpr double kPlateHalfM = 2, kHotK = 1200, kColdK = 290;
 
-// A rectangle of 2 u x 2 v about `at` whose front is u x v.
-Mesh rectangle(Vec<Body> at, Vec<Body> u, Vec<Body> v, const std::string& group) {
-  Mesh mesh;
-  mesh.group = {group};
-  mesh.vertex = {at - u - v, at + u - v, at + u + v, at - u + v};
-  mesh.triangle = {{0, 1, 2}, {0, 2, 3}};
-  mesh.triangle_group = {0, 0};
-  return mesh;
-}
-// A square that faces along `normal`.
-Mesh square(Vec<Body> at, Vec<Body> normal, double half_m, const std::string& group) {
-  const Vec<Body> n = normalized(normal);
-  const Vec<Body> u =
-      normalized(cross(std::abs(n.z) < 0.9 ? Vec<Body>{0, 0, 1} : Vec<Body>{1, 0, 0}, n));
-  return rectangle(at, half_m * u, half_m * cross(n, u), group);
-}
-
 Mesh whole_plate() {
   return rectangle({0, 0, 0}, {0, kPlateHalfM, 0}, {0, 0, kPlateHalfM}, "plate");
 }
