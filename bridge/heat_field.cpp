@@ -1,10 +1,9 @@
 #include "bridge/heat_field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -169,17 +168,12 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   request.tolerance_k = sweep.heat().tolerance_k();
 
   auto solved = solve_scene_heat(*target, request);
-  if (!solved.ok()) return solved.status();
-  // What two times share a knot of a day that repeats.
-  SceneHeatResult by_time = *std::move(solved);
-  {
-    std::vector<std::vector<float>> kelvin, error_k;
-    for (const std::size_t k : weather->output_of_time) {
-      kelvin.push_back(by_time.kelvin[k]);
-      error_k.push_back(by_time.error_k[k]);
-    }
-    by_time.kelvin = std::move(kelvin);
-    by_time.error_k = std::move(error_k);
+  if (!solved.ok()) return at("heat", solved.status());
+  // Times of several days may share a knot of the one that repeats.
+  SceneHeatResult by_time;
+  for (const std::size_t k : weather->output_of_time) {
+    by_time.kelvin.push_back(solved->kelvin[k]);
+    by_time.error_k.push_back(solved->error_k[k]);
   }
   std::vector<double> area_m2;
   for (std::size_t f = 0; f < mesh->triangle.size(); ++f) {
