@@ -407,9 +407,9 @@ TEST(SceneHeat, ErrorsCoverAFinerComputation) {
       stated[high], true_k[middle], true_k[high]);
   EXPECT_LT(beyond_one, 0.04 * all);
   EXPECT_LT(beyond_two, 0.005 * all);
-  // Not by being afraid: the median error is stated at most ten times too large.
-  EXPECT_LT(stated[middle], 10 * true_k[middle]);
-  EXPECT_LT(stated[middle], 0.2);
+  // Not by being afraid, though what differs inside facets is in it and not in what is compared.
+  EXPECT_LT(stated[middle], 15 * true_k[middle]);
+  EXPECT_LT(stated[middle], 0.4);
 }
 
 // Rationale: temperatures belong to the facets, not to the axes.
@@ -450,6 +450,148 @@ TEST(SceneHeat, TheWorldTurned) {
   EXPECT_LT(beyond, 0.01 * all);
 }
 
+// A floor of 2 x 2 m in n x n squares east of a wall whose shadow crosses it in the morning.
+Target floor_and_wall(int n) {
+  Mesh mesh = plate("floor", {-1, 0, 0}, {0, 2, 0}, {2, 0, 0}, n);
+  append(mesh, plate("wall", {-3, 2.01, 0}, {6, 0, 0}, {0, 0, -1.5}, 1));
+  return target_of(mesh, {part("floor"), part("wall", true)});
+}
+
+// Rationale: two facets that a shadow crosses alike have one temperature each, and no neighbour
+// says that it is not that of all of it. Expected: the stated error is at least the root mean
+// square of what a fine mesh finds inside, at most 5 % of times excepted (it is a rough estimate),
+// and not out of all proportion.
+TEST(SceneHeat, ShadowsAcrossLargeFacetsAreTheirError) {
+  SceneHeatRequest r = clear_day(600);
+  r.part[1] = {0.6, 0.9, std::nullopt, 295};
+  for (const double thickness_m : {0.003, 0.6}) {
+    r.build_up[0].layers = {thickness_m < 0.1 ? Layer{thickness_m, 45, 7850, 490}
+                                              : Layer{thickness_m, 1.0, 1800, 1000}};
+    constexpr int kFine = 12;
+    const Target large = floor_and_wall(1), fine = floor_and_wall(kFine);
+    const auto rough = solve_scene_heat(large, r), exact = solve_scene_heat(fine, r);
+    ASSERT_TRUE(rough.ok()) << rough.status();
+    ASSERT_TRUE(exact.ok()) << exact.status();
+    double most = 0, stated = 0, found = 0;
+    int times = 0, too_small = 0;
+    for (std::size_t t = 0; t < rough->kelvin.size(); ++t) {
+      double square = 0;
+      for (std::size_t f = 0; f < 2 * kFine * kFine; ++f) {
+        const std::size_t i = f / 2 / kFine, j = f / 2 % kFine;
+        const std::size_t half = i > j || (i == j && f % 2 == 0) ? 0 : 1;
+        const double off = static_cast<double>(exact->kelvin[t][f] - rough->kelvin[t][half]);
+        square += off * off / (2 * kFine * kFine);
+      }
+      const double rms = std::sqrt(square),
+                   error = 0.5 * static_cast<double>(rough->error_k[t][0] + rough->error_k[t][1]);
+      ++times;
+      too_small += rms > 0.1 + error ? 1 : 0;
+      most = std::max(most, rms);
+      stated += error;
+      found += rms;
+    }
+    std::printf("%.3f m: inside at most %.2f K, mean %.2f K, stated %.2f K, too small %d of %d\n",
+                thickness_m, most, found / times, stated / times, too_small, times);
+    EXPECT_GT(most, 2) << "the shadow is not there";
+    EXPECT_LE(too_small, times / 20);
+    EXPECT_LT(stated, 10 * found);
+  }
+}
+
+// A deck half of whose facets stand inside a deckhouse: what is seen of them has all of its sun.
+TEST(SceneHeat, WhatStandsInsideABodyTakesNoSunAway) {
+  // One facet pair of 4 x 4 m, of which a tall block covers a strip; the sun stands in the zenith.
+  Mesh mesh = plate("deck", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1);
+  Mesh block = generated("box", 12, 0, 4.2, 2, 0.2);
+  for (auto& v : block.vertex) v.y -= 1.05;
+  block.group = {"block"};
+  block.triangle_group.assign(block.triangle.size(), 0);
+  append(mesh, block);
+  const Target target = target_of(mesh, {part("deck"), part("block")});
+  const Target free =
+      target_of(plate("deck", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1), {part("deck")});
+  SceneHeatRequest r = steady(290, 300);
+  for (HeatWeather& w : r.weather) {
+    w.sun = {0, 0, -1};
+    w.wind_m_s = 2;
+    w.before = w.after = {700, 60, 300};
+  }
+  r.beneath.temperature_k = 290;
+  r.build_up = {steel(InnerSide::kAdiabatic)};
+  r.part = {{0.7, 0.9, 0u, 0}};
+  const auto alone = solve_scene_heat(free, r);
+  r.part.push_back({0.7, 0.9, std::nullopt, 290});
+  const auto half = solve_scene_heat(target, r);
+  ASSERT_TRUE(alone.ok()) << alone.status();
+  ASSERT_TRUE(half.ok()) << half.status();
+  for (std::size_t f = 0; f < 2; ++f)
+    EXPECT_NEAR(half->kelvin[1][f], alone->kelvin[1][f], 2.5) << "half its sun is 15 K less";
+}
+
+TEST(SceneHeat, TheWindwardSideIsTheOneThatTheWindMeets) {
+  // Two walls back to back in a strong wind, cold inside: the windward one is nearer to the air.
+  Mesh mesh = plate("west", {0, -1, 0}, {0, 2, 0}, {0, 0, -2}, 1);  // faces -x
+  append(mesh, plate("east", {0.5, 1, 0}, {0, -2, 0}, {0, 0, -2}, 1));
+  const Target target = target_of(mesh, {part("west"), part("east")});
+  SceneHeatRequest r = steady(290, kStefanBoltzmannWM2K4 * std::pow(290, 4));
+  for (HeatWeather& w : r.weather) {
+    w.wind_m_s = 12;
+    w.wind_from = {-1, 0, 0};
+  }
+  r.beneath.temperature_k = 290;
+  r.build_up = {steel(InnerSide::kAir)};
+  r.build_up[0].inner_k = 250;
+  r.build_up[0].inner_h_w_m2_k = 20;
+  r.part = {{0.5, 0.9, 0u, 0}, {0.5, 0.9, 0u, 0}};
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  const double windward = 3.26 * std::pow(12, 0.89), leeward = 3.55 * std::pow(12, 0.617);
+  ASSERT_GT(windward, leeward + 5);
+  const auto face = [&](double forced) {
+    double low = 240, high = 290;
+    for (int i = 0; i < 60; ++i) {
+      const double t = 0.5 * (low + high), natural = 1.31 * std::cbrt(290 - t);
+      const double heat = std::hypot(forced, natural) * (290 - t) + 20 * (250 - t) +
+                          0.9 * kStefanBoltzmannWM2K4 * (std::pow(290, 4) - std::pow(t, 4));
+      (heat > 0 ? low : high) = t;
+    }
+    return low;
+  };
+  EXPECT_NEAR(result->kelvin[1][0], face(windward), 0.1);
+  EXPECT_NEAR(result->kelvin[1][2], face(leeward), 0.1);
+}
+
+// Rationale: in a hollow body in still air nearly all heat goes round between its walls, and rounds
+// change less and less for long: a change of 0.01 K may leave 1 K.
+// Expected: what a much stricter computation finds is within the stated error.
+TEST(SceneHeat, SlowRoundsAreNotTakenForTheLast) {
+  Mesh mesh = hollow_box();
+  mesh.group = {"hot", "rest"};
+  for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
+    double x = 0;
+    for (const auto v : mesh.triangle[f]) x += mesh.vertex[v].x / 3;
+    mesh.triangle_group[f] = x < -0.99 ? 0 : 1;
+  }
+  const Target target = target_of(mesh, {part("hot"), part("rest")});
+  SceneHeatRequest r = steady(290, 0);
+  r.part = {{0.5, 0.9, std::nullopt, 310}, {0.5, 0.9, 0u, 0}};
+  r.build_up = {steel(InnerSide::kAdiabatic)};
+  r.rays = 1024;
+  r.exchange_tolerance_k = 1;
+  const auto rough = solve_scene_heat(target, r);
+  r.exchange_tolerance_k = 1e-4;
+  const auto exact = solve_scene_heat(target, r);
+  ASSERT_TRUE(rough.ok()) << rough.status();
+  ASSERT_TRUE(exact.ok()) << exact.status();
+  EXPECT_LT(rough->exchange_rounds, exact->exchange_rounds);
+  EXPECT_LT(exact->exchange_left_k, 1e-3);
+  for (std::size_t f = 0; f < target.facet.size(); ++f)
+    if (target.facet[f].part == 1) {
+      EXPECT_LE(std::abs(static_cast<double>(rough->kelvin[1][f] - exact->kelvin[1][f])),
+                rough->exchange_left_k + 0.01);
+    }
+}
+
 TEST(SceneHeat, WhatIsWrongIsNamed) {
   const Target target = target_of(generated("disk", 8), {part("disk")});
   SceneHeatRequest r = steady(290, 300);
@@ -459,6 +601,12 @@ TEST(SceneHeat, WhatIsWrongIsNamed) {
   r.build_up[0].inner_side = InnerSide::kAdiabatic;
   r.build_up[0].layers[0].thickness_m = 0;
   EXPECT_NE(solve_scene_heat(target, r).status().message().find("steel"), std::string::npos);
+  SceneHeatRequest large = r;
+  large.build_up[0].layers[0].thickness_m = 0.01;
+  large.knot_s.resize(20'000'001);
+  large.weather.resize(large.knot_s.size(), r.weather[0]);
+  EXPECT_NE(solve_scene_heat(target, large).status().message().find("element_size_m"),
+            std::string::npos);
   r.part = {{1.7, 0.9, 0u, 0}};
   EXPECT_NE(solve_scene_heat(target, r).status().message().find("absorptance"), std::string::npos);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
@@ -13,7 +14,8 @@ namespace irsig {
 namespace {
 
 constexpr int kMostRounds = 60;
-constexpr int kMostDays = 60;   // that are repeated until one returns to where it began
+constexpr double kSlowest = 0.999;  // changes may fall by, from round to round
+constexpr int kMostDays = 60;       // that are repeated until one returns to where it began
 constexpr int kMostLevels = 3;  // of conduction (HeatAccuracy): one more takes four times as long
 
 // Natural convection of water at large faces, Nu = 0.13 Ra^(1/3) at 15 deg C: expansion 1.5e-4 / K,
@@ -21,6 +23,22 @@ constexpr int kMostLevels = 3;  // of conduction (HeatAccuracy): one more takes 
 constexpr Convection kStillWater{160, 160, 1};
 
 double power4(double t) { return t * t * t * t; }
+
+// Of a wall from its outer face, as deep as heat diffuses in a time; an insulation ends it.
+double heat_capacity_reached(const std::vector<Layer>& layers, double time_s) {
+  double left = std::sqrt(time_s / std::numbers::pi), out = 0;  // depth over root of diffusivity
+  for (const Layer& layer : layers) {
+    const double capacity = layer.density_kg_m3 * layer.specific_heat_j_kg_k;
+    if (layer.conductivity_w_m_k == 0) break;
+    if (capacity == 0) continue;
+    const double per_m = std::sqrt(capacity / layer.conductivity_w_m_k),
+                 depth = std::min(layer.thickness_m, left / per_m);
+    out += capacity * depth;
+    left -= depth * per_m;
+    if (left <= 0) break;
+  }
+  return std::max(out, 1.0);
+}
 
 // Of one computation.
 struct Knots {
@@ -58,7 +76,6 @@ class Computation {
                                 {.rays = knots_.rays,
                                  .seed = knots_.seed,
                                  .surface_z_m = request_.beneath.surface_z_m + touching_m()});
-    rays_ += static_cast<std::uint64_t>(knots_.rays) * faces_.size();
     light();
     kelvin_.resize(count() * faces_.size());
     error_k_.assign(count() * faces_.size(), 0.0f);
@@ -67,22 +84,29 @@ class Computation {
       for (std::uint32_t i = 0; i < faces_.size(); ++i)
         kelvin_[k * faces_.size() + i] =
             static_cast<float>(part_of(i).build_up ? weather(k).air_k : part_of(i).stated_k);
-    double before_k = INFINITY;
-    for (rounds_ = 1; true; ++rounds_) {
+    if (factors_.to.empty()) {
+      rounds_ = 1;
       exchange();
-      // Until the exchange is settled, once over all is enough.
-      if (!factors_.to.empty()) {
-        const auto change_k = conduct(0);
-        if (!change_k.ok()) return change_k.status();
-        // Changes fall by the same factor from round to round.
-        const double falls = rounds_ == 1 ? 0.5 : std::min(*change_k / before_k, 0.95);
-        left_k_ = *change_k * falls / (1 - falls);
-        before_k = *change_k;
-        if (rounds_ < kMostRounds && left_k_ > 0.5 * request_.exchange_tolerance_k) continue;
-        exchange();
-      }
       return conduct(kMostLevels).status();
     }
+    // Until the exchange is settled, once over all is enough. Changes fall by the same factor from
+    // round to round, which takes three to be seen.
+    double before_k = INFINITY, falls = 1;
+    for (rounds_ = 1; rounds_ < kMostRounds; ++rounds_) {
+      exchange();
+      const auto change_k = conduct(0);
+      if (!change_k.ok()) return change_k.status();
+      falls = std::min(*change_k / before_k, kSlowest);
+      left_k_ = *change_k * falls / (1 - falls);
+      before_k = *change_k;
+      if (rounds_ >= 3 && left_k_ <= 0.5 * request_.exchange_tolerance_k) break;
+    }
+    exchange();
+    const auto change_k = conduct(kMostLevels);
+    if (!change_k.ok()) return change_k.status();
+    // What finer steps have changed goes round, too.
+    left_k_ = std::max(left_k_, *change_k * falls / (1 - falls));
+    return absl::OkStatus();
   }
 
   [[nodiscard]] float kelvin(std::size_t k, std::uint32_t face) const {
@@ -94,10 +118,49 @@ class Computation {
   [[nodiscard]] const HeatPart& part_of(std::uint32_t face) const {
     return request_.part[target_.facet[faces_.facet[face]].part];
   }
+  // How much places of a facet differ from its temperature because the sun does not reach all of
+  // them, root mean square, at every knot: what their sunlight differs by warms as much of the wall
+  // as an hour reaches, or as a day does, whichever says more, against convection and radiation of
+  // its face alone. An estimate from above. [knot]
+  [[nodiscard]] std::vector<double> uneven_k(std::uint32_t facet) const {
+    std::vector<double> out(count(), 0.0);
+    const std::uint32_t back = faces_.back_of_facet[facet];
+    const auto heat_w_m2 = [&](std::size_t k) {
+      const auto of = [&](std::uint32_t face) {
+        return static_cast<double>(uneven_[k * faces_.size() + face]);
+      };
+      return std::max(weather(k).before.direct_normal_w_m2, weather(k).after.direct_normal_w_m2) *
+             (of(facet) + (back == ThermalFaces::kNone ? 0 : of(back)));
+    };
+    bool any = false;
+    for (std::size_t k = 0; k < count(); ++k) any |= heat_w_m2(k) > 0;
+    if (!any) return out;
+    const WallBuildUp& wall = request_.build_up[*part_of(facet).build_up];
+    for (const double reach_s : {3600.0, 86400.0}) {
+      const double stored_j_m2_k = heat_capacity_reached(wall.layers, reach_s);
+      double now_k = 0;
+      const auto go_on = [&](std::size_t k) {
+        const double t = static_cast<double>(kelvin(k, facet)),
+                     loss_w_m2_k = std::max(
+                         1.0, std::min(windward_w_m2_k_[k], leeward_w_m2_k_[k]) +
+                                  4 * emissivity_[facet] * kStefanBoltzmannWM2K4 * t * t * t);
+        const double fades = std::exp(-(knot_s_[k] - knot_s_[k - 1]) * loss_w_m2_k / stored_j_m2_k);
+        now_k =
+            fades * now_k + (1 - fades) * std::max(heat_w_m2(k), heat_w_m2(k - 1)) / loss_w_m2_k;
+      };
+      // A day that has repeated for ever, by its second time.
+      for (std::size_t k = 1; k <= knots_.day_intervals; ++k) go_on(k);
+      out[0] = std::max(out[0], now_k);
+      for (std::size_t k = 1; k < count(); ++k) {
+        go_on(k);
+        out[k] = std::max(out[k], now_k);
+      }
+    }
+    return out;
+  }
   [[nodiscard]] int rounds() const { return rounds_; }
   [[nodiscard]] double left_k() const { return left_k_; }
   [[nodiscard]] double closure_w_m2() const { return closure_w_m2_; }
-  [[nodiscard]] std::uint64_t rays() const { return rays_; }
 
  private:
   [[nodiscard]] std::size_t count() const { return knots_.of_request.size(); }
@@ -113,6 +176,7 @@ class Computation {
   void light() {
     const std::size_t faces = faces_.size();
     direct_.assign(count() * faces, 0.0f);
+    uneven_.assign(count() * faces, 0.0f);
     std::vector<float> lit(faces);
     std::vector<double> own(faces), total(faces), kept(faces);
     for (std::uint32_t i = 0; i < faces; ++i) kept[i] = part_of(i).solar_absorptance;
@@ -143,11 +207,25 @@ class Computation {
                       .seed = mix(knots_.seed, knot(k)),
                       .surface_z_m = request_.beneath.surface_z_m + touching_m()},
                      lit);
-      rays_ += static_cast<std::uint64_t>(knots_.sun_points) * faces / 2;
-      for (std::size_t i = 0; i < faces; ++i)
+      for (std::size_t i = 0; i < faces; ++i) {
         own[i] = covered_[i] ? 0 : of_exposed(i) - w.sun.z * from_below(i);
+        if (lit[i] > 0 && !covered_[i])
+          uneven_[k * faces + i] = static_cast<float>(
+              kept[i] *
+              root_of_parts(of_exposed(i), cosine_to(w.sun, static_cast<std::uint32_t>(i))));
+      }
       gathered([&](std::size_t i, float value) { direct_[k * faces + i] = value; });
     }
+  }
+
+  [[nodiscard]] double cosine_to(Vec<Body> direction, std::uint32_t face) const {
+    const FaceNormal n = normal_of(target_, faces_, face);
+    return static_cast<double>(n.x) * direction.x + static_cast<double>(n.y) * direction.y +
+           static_cast<double>(n.z) * direction.z;
+  }
+  // Of a face of which some places have all and the others nothing.
+  static double root_of_parts(double mean, double all) {
+    return std::sqrt(std::max(0.0, mean * (all - mean)));
   }
 
   // Long-wave irradiance of every face at every knot, from the temperatures of the last round.
@@ -361,12 +439,18 @@ class Computation {
   std::vector<double> emissivity_;                                 // [face]
   ExchangeFactors factors_;
   std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
+  // [knot x faces + face] Of direct_: the root mean square over the face of what a place differs
+  // by.
+  std::vector<float> uneven_;
   std::vector<float> incoming_, kelvin_, error_k_;
   std::vector<std::vector<double>> begin_k_;  // [build-up] HeatResult::begin_k of the last round
   int rounds_ = 0;
   double left_k_ = 0, closure_w_m2_ = 0;
-  std::uint64_t rays_ = 0;
 };
+
+// Of a slope's step from a facet's middle to its neighbour's: its root mean square over the facet.
+// Of the two halves of a square, along a side; less in other directions and shapes.
+constexpr double kOfStep = 0.7072;
 
 // [facet] The largest difference to a neighbour over an edge in the same plane and part.
 class PlaneNeighbours {
@@ -402,6 +486,9 @@ class PlaneNeighbours {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_;
 };
 
+// Of one computation; two are held at once. Some 50 bytes each.
+constexpr std::size_t kMostFaceKnots = 120'000'000;
+
 absl::Status check(const Target& target, const SceneHeatRequest& request) {
   const auto wrong = [](const std::string& what) { return absl::InvalidArgumentError(what); };
   if (request.part.size() != target.part.size())
@@ -436,6 +523,12 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                  const SceneHeatRequest& request) {
   if (const absl::Status status = check(target, request); !status.ok()) return status;
   const ThermalFaces faces = make_thermal_faces(target);
+  if (faces.size() > kMostFaceKnots / request.knot_s.size())
+    return absl::InvalidArgumentError(absl::StrCat(
+        faces.size(), " faces at ", request.knot_s.size(), " times are more than ", kMostFaceKnots,
+        " together, which do not fit into memory: expected a coarser mesh or larger "
+        "element_size_m, "
+        "a longer step_minutes or fewer history_days"));
   Knots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
   Knots half{{},
              request.day_knots / 2,
@@ -455,7 +548,6 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.exchange_rounds = fine.rounds();
   out.exchange_left_k = fine.left_k();
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
-  out.rays = fine.rays() + coarse.rays();
   // What the two computations differ by, at a time or in the root mean square of the hours around
   // it: at one time they may agree by luck.
   const auto difference_k = [&](std::uint32_t f, std::size_t at) {
@@ -472,19 +564,26 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   };
   const PlaneNeighbours neighbours(target);
   const auto facets = static_cast<std::uint32_t>(faces.fronts);
-  for (const std::size_t k : request.output_knot) {
-    std::vector<float>& kelvin = out.kelvin.emplace_back(facets, NAN);
-    std::vector<float>& error_k = out.error_k.emplace_back(facets, NAN);
+  const std::size_t outputs = request.output_knot.size();
+  out.kelvin.assign(outputs, std::vector<float>(facets, NAN));
+  out.error_k.assign(outputs, std::vector<float>(facets, NAN));
+  std::vector<std::vector<float>> step_k;
+  for (std::size_t o = 0; o < outputs; ++o) {
     for (std::uint32_t f = 0; f < facets; ++f)
-      if (fine.part_of(f).build_up && faces.area_m2[f] > 0) kelvin[f] = fine.kelvin(k, f);
-    const std::vector<float> steps = neighbours.largest_difference(kelvin);
-    for (std::uint32_t f = 0; f < facets; ++f) {
-      if (std::isnan(kelvin[f])) continue;
+      if (fine.part_of(f).build_up && faces.area_m2[f] > 0)
+        out.kelvin[o][f] = fine.kelvin(request.output_knot[o], f);
+    step_k.push_back(neighbours.largest_difference(out.kelvin[o]));
+  }
+  for (std::uint32_t f = 0; f < facets; ++f) {
+    if (!fine.part_of(f).build_up || faces.area_m2[f] <= 0) continue;
+    const std::vector<double> uneven_k = fine.uneven_k(f);
+    for (std::size_t o = 0; o < outputs; ++o) {
+      const std::size_t k = request.output_knot[o];
       double error = static_cast<double>(fine.error_k(k, f)) + fine.left_k() + difference_k(f, k) +
-                     static_cast<double>(steps[f]) / std::sqrt(12.0);
+                     std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f]));
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
-        error += 0.5 * std::abs(static_cast<double>(kelvin[f] - fine.kelvin(k, back)));
-      error_k[f] = static_cast<float>(error);
+        error += 0.5 * std::abs(static_cast<double>(out.kelvin[o][f] - fine.kelvin(k, back)));
+      out.error_k[o][f] = static_cast<float>(error);
     }
   }
   return out;

@@ -81,15 +81,18 @@ struct SceneHeatResult {
   int exchange_rounds = 0;
   double exchange_left_k = 0;  // what another round would change at most
   double closure_w_m2 = 0;     // of all walls (HeatResult)
-  std::uint64_t rays = 0;
 };
 
 // Two computations: of all knots, and of every second one with half the rays and other points.
-// error_k has what conduction is not sure of, what another round of exchange would change, the
-// difference of the two computations (or the root mean square of the differences of the three hours
-// around, if larger: one difference may be small by luck), how much the neighbours in the same
-// plane differ (their temperature is not the facet's over all of it: difference / sqrt(12)), and,
-// of sheets, half of what their two faces differ. An estimate; of the stated model alone.
+// error_k is the sum of what conduction is not sure of; what further rounds of exchange would
+// change; the difference of the two computations (or its root mean square over the three hours
+// around, if larger: one difference may be small by luck); how much places of a facet differ that
+// the sun does not reach alike, and the neighbours in its plane (difference / sqrt(2)): its
+// temperature is not that of all of it; and, of sheets, half of what their two faces differ. An
+// estimate; of the stated model alone.
+//
+// INVALID_ARGUMENT: what is wrong in the request or in a build-up, by name; more faces x knots than
+// fit into memory.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
 
