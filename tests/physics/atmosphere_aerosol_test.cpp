@@ -80,5 +80,22 @@ TEST(AtmosphereAerosol, DirectSunInTheWindows) {
   }
 }
 
+// 0.158 per km at the ground (3.912 / 23 km less clean air) and a scale height of 1.2 to 2 km, as
+// hazy air has it, are 0.2 to 0.35.
+TEST(AtmosphereAerosol, VerticalDepthInTheVisible) {
+  const auto depth = [](AerosolKind kind, double visibility_m) {
+    AerosolSpec spec;
+    spec.kind = kind;
+    spec.visibility_m = visibility_m;
+    return aerosol_depth_550(spec, 70);
+  };
+  EXPECT_EQ(depth(AerosolKind::kNone, 0), 0);
+  EXPECT_GT(depth(AerosolKind::kRural, 23e3), 0.22);
+  EXPECT_LT(depth(AerosolKind::kRural, 23e3), 0.38);
+  EXPECT_EQ(depth(AerosolKind::kRural, 23e3), depth(AerosolKind::kMaritime, 23e3));
+  EXPECT_GT(depth(AerosolKind::kRural, 5e3), 2.2 * depth(AerosolKind::kRural, 23e3));
+  EXPECT_LT(depth(AerosolKind::kRural, 50e3), depth(AerosolKind::kRural, 23e3));
+}
+
 }  // namespace
 }  // namespace irsig
