@@ -11,107 +11,10 @@
 #include "core/thermal/scene/exchange_factors.h"
 #include "core/thermal/scene/sun_visibility.h"
 #include "core/thermal/weather_course.h"
+#include "heat_scene.h"
 
 namespace irsig {
 namespace {
-
-Mesh generated(const std::string& kind, std::uint64_t triangles, double radius_m = 0,
-               double length_m = 0, double width_m = 0, double height_m = 0) {
-  auto mesh = generate_mesh({kind, triangles, radius_m, length_m, width_m, height_m});
-  EXPECT_TRUE(mesh.ok()) << mesh.status();
-  return *std::move(mesh);
-}
-
-void append(Mesh& a, const Mesh& b) {
-  const auto base = static_cast<std::uint32_t>(a.vertex.size());
-  const auto groups = static_cast<std::uint32_t>(a.group.size());
-  a.vertex.insert(a.vertex.end(), b.vertex.begin(), b.vertex.end());
-  for (const auto& t : b.triangle) a.triangle.push_back({base + t[0], base + t[1], base + t[2]});
-  for (const auto g : b.triangle_group) a.triangle_group.push_back(groups + g);
-  a.group.insert(a.group.end(), b.group.begin(), b.group.end());
-}
-
-// A rectangle of n x m squares cut in two, spanned by u and v from a corner; its front is where
-// u x v points.
-Mesh plate(const std::string& name, Vec<Body> corner, Vec<Body> u, Vec<Body> v, int n) {
-  Mesh out;
-  out.group = {name};
-  for (int i = 0; i <= n; ++i)
-    for (int j = 0; j <= n; ++j)
-      out.vertex.push_back(corner + (static_cast<double>(i) / n) * u +
-                           (static_cast<double>(j) / n) * v);
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i * (n + 1) + j); };
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) {
-      out.triangle.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      out.triangle.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  out.triangle_group.assign(out.triangle.size(), 0);
-  return out;
-}
-
-Target target_of(const Mesh& mesh, std::vector<PartSpec> parts) {
-  auto target = make_target(mesh, std::move(parts), widest_isa());
-  EXPECT_TRUE(target.ok()) << target.status();
-  return *std::move(target);
-}
-PartSpec part(const std::string& name, bool two_sided = false) {
-  PartSpec out;
-  out.name = name;
-  out.two_sided = two_sided;
-  return out;
-}
-
-// Share of what part a sends that arrives at part b.
-double between(const Target& target, std::uint32_t a, std::uint32_t b, std::uint32_t rays,
-               std::uint64_t seed = 1) {
-  const ThermalFaces faces = make_thermal_faces(target);
-  const ExchangeFactors f =
-      exchange_factors(target, faces, {.rays = rays, .seed = seed, .surface_z_m = INFINITY});
-  double sum = 0, area = 0;
-  for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    if (target.facet[faces.facet[i]].part != a) continue;
-    area += faces.area_m2[i];
-    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k)
-      if (target.facet[faces.facet[f.to[k]]].part == b)
-        sum += faces.area_m2[i] * static_cast<double>(f.share[k]);
-  }
-  return sum / area;
-}
-
-TEST(ExchangeFactors, ClosedForms) {
-  struct Case {
-    const char* what;
-    Mesh a, b;
-    double expected;
-  };
-  const Vec<Body> x{1, 0, 0}, y{0, 1, 0}, up{0, 0, -1};
-  std::vector<Case> cases;
-  // z is down: x cross y points down.
-  cases.push_back({"equal squares, gap 1", plate("a", {0, 0, 0}, x, y, 8),
-                   plate("b", {0, 0, 1}, y, x, 8), 0.19982489569838738});
-  cases.push_back({"equal squares, gap 0.1", plate("a", {0, 0, 0}, x, y, 8),
-                   plate("b", {0, 0, 0.1}, y, x, 8), 0.82699452239725658});
-  cases.push_back({"squares with a common edge", plate("a", {0, 0, 0}, y, x, 8),
-                   plate("b", {0, 0, 0}, up, y, 8), 0.20004377607540315});
-  for (const Case& c : cases) {
-    Mesh mesh = c.a;
-    append(mesh, c.b);
-    const Target target = target_of(mesh, {part("a"), part("b")});
-    double sum = 0, square = 0;
-    constexpr int kSeeds = 8;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
-      const double f = between(target, 0, 1, 1024, static_cast<std::uint64_t>(seed));
-      sum += f;
-      square += f * f;
-    }
-    const double mean = sum / kSeeds,
-                 stderr_ = std::sqrt(std::max(0.0, square / kSeeds - mean * mean) / (kSeeds - 1));
-    std::printf("%-32s %.6f +- %.6f expected %.6f\n", c.what, mean, stderr_, c.expected);
-    EXPECT_NEAR(mean, c.expected, std::max(4.5 * stderr_, 1e-4)) << c.what;
-    EXPECT_LT(stderr_, 1e-3 * c.expected) << c.what;
-  }
-}
 
 TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
   // A large ground below a small box: one facet of the ground meets the box with a few rays.
