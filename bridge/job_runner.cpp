@@ -26,6 +26,14 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// Of what the heat jobs leave: a temperature and its error, of each facet at each time.
+std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t facets) {
+  std::size_t times = 0;
+  for (const schema::HeatRun& run : sweep.heat())
+    times += static_cast<std::size_t>(run.time_utc_size());
+  return 2 * sizeof(float) * facets * times;
+}
+
 class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
@@ -60,6 +68,10 @@ class CoreJobRunner final : public JobRunner {
                       temperatures_.emitters ? temperatures_.emitters->part.size()
                                              : temperatures_.awaited_emitters,
                       field_bytes_);
+  }
+
+  [[nodiscard]] std::size_t heat_bytes() const override {
+    return bytes_left_by_heat(sweep_, simulator_->target().facet.size());
   }
 
  private:
@@ -146,14 +158,6 @@ class CoreJobRunner final : public JobRunner {
 // 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
 constexpr double kMostRangeInSizes = 1e9;
 
-// Of what the heat jobs leave: a temperature and its error, of each facet at each time.
-std::size_t heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
-  std::size_t times = 0;
-  for (const schema::HeatRun& run : sweep.heat())
-    times += static_cast<std::size_t>(run.time_utc_size());
-  return 2 * sizeof(float) * facets * times;
-}
-
 std::string cpu_vendor() {
   if (__builtin_cpu_is("amd")) return "amd";
   if (__builtin_cpu_is("intel")) return "intel";
@@ -196,7 +200,7 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
       sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
       sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
-          heat_bytes(sweep, scene->mesh.triangle.size()),
+          bytes_left_by_heat(sweep, scene->mesh.triangle.size()),
       std::move(encoder), model_warnings(sweep, *scene));
 }
 

@@ -41,6 +41,8 @@ class JobRunner {
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
   // Of a worker with this runner; nothing for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }
+  // What the sweep's heat jobs leave, all together.
+  [[nodiscard]] virtual std::size_t heat_bytes() const { return 0; }
 };
 
 // build id, CPU vendor, the ray tracer's instruction set, libc, and a fingerprint of what libm and

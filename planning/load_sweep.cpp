@@ -153,6 +153,10 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   const auto runner = JobRunner::create(loaded.resolved, loaded.assets, {});
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
+  // How many facets have temperatures is known only now.
+  loaded.size.database_bytes += static_cast<double>((*runner)->heat_bytes());
+  if (!asked.any_size)
+    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   for (const std::string& warning : (*runner)->warnings())
     loaded.warnings.push_back(absl::StrCat(
         loaded.file.location(warning.substr(0, warning.find(':'))), ": warning: ", warning));

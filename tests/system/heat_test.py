@@ -106,6 +106,13 @@ class Heat(unittest.TestCase):
         column = {name.split(" ")[0]: name for name in rows[0]}
         return [tuple(float(row[column[key]]) for key in ("coldest_k", "hottest_k", "error_k")) for row in rows]
 
+    def test_the_predicted_size_has_the_temperatures(self):
+        times = ", ".join(f'"{h:02}:{m:02}Z"' for h in range(24) for m in (0, 15, 30, 45))
+        said = self.run_it(sweep(TIME=f"[{times}]", MODEL='generate = "box"\ntriangles = 1200\ndraft_m = 0',
+                                 HEAT='rays = 32\nstep_minutes = 15'))
+        about = float(said.split("database about ")[1].split(" MB")[0])
+        self.assertLess(abs(about * 1e6 / (self.path / "a.sigdb").stat().st_size - 1), 0.3, said)
+
     def refused(self, text, *expected):
         (self.path / "wrong.toml").write_text(text)
         done = self.irsig("run", "wrong.toml", "--db", "wrong.sigdb")
