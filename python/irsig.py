@@ -1,0 +1,273 @@
+"""Signature databases in Python: one file, on sqlite3 and numpy; xarray where it is there.
+
+    import irsig
+    with irsig.open("out.sigdb") as db:
+        cube = db.query(band="lwir").to_xarray()
+        cube.intensity_w_sr.sel(season="summer").plot()
+
+Names, units and errors are those of the database: each number's name ends in its unit, docs/methods.md says what it is. Reads only;
+also while a sweep is being computed (then rows are missing, not wrong). Numbers are those of `irsig query`: nothing is computed here
+but what a docstring says.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import sqlite3
+import urllib.parse
+
+import numpy
+
+APPLICATION_ID = 0x49525347  # "IRSG"
+FORMATS = range(1, 13)  # that this file knows
+
+_AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
+         "condition": ("season", "time_utc"),
+         "band": ("band", "lambda_min_um", "lambda_max_um")}
+# Of signature_view: what is no number of a row's own.
+_NO_VALUE = {"signature_id", "row", "sweep", "superseded", *(n for axis in _AXES.values() for n in axis)}
+_UNITS = (("_w_m2_sr_um", "W m-2 sr-1 um-1"), ("_w_sr_um", "W sr-1 um-1"), ("_w_m2_sr", "W m-2 sr-1"), ("_w_sr", "W sr-1"),
+          ("_w_m2", "W m-2"), ("_m2", "m2"), ("_deg", "degree"), ("_um", "um"), ("_k", "K"), ("_m", "m"), ("_s", "s"))
+
+
+class Error(Exception):
+    """What is wrong with a database or a question, in words."""
+
+
+def unit(name: str) -> str:
+    """Unit of a quantity, from its name's ending; "1" if it has none."""
+    return next((said for ending, said in _UNITS if name.endswith(ending)), "1")
+
+
+def open(path: str | os.PathLike) -> "Database":  # noqa: A001: irsig.open is what it is called
+    """A signature database, for reading. Error: no such file, no such database, one of a newer irsig."""
+    return Database(path)
+
+
+class Database:
+    def __init__(self, path):
+        self.path = pathlib.Path(path)
+        if not self.path.is_file():
+            raise Error(f"{path}: there is no such file")
+        self._sql = sqlite3.connect(f"file:{urllib.parse.quote(str(self.path.absolute()))}?mode=ro", uri=True)
+        try:
+            (application,) = self._sql.execute("PRAGMA application_id").fetchone()
+            (self.format,) = self._sql.execute("PRAGMA user_version").fetchone()
+        except sqlite3.DatabaseError as error:
+            self._sql.close()
+            raise Error(f"{path}: {error}") from error
+        if application != APPLICATION_ID or self.format not in FORMATS:
+            self._sql.close()
+            raise Error(f"{path}: this is no signature database" if application != APPLICATION_ID else
+                        f"{path}: its format is {self.format}, this irsig.py knows 1 to {FORMATS[-1]}")
+        self._sql.row_factory = sqlite3.Row
+
+    def close(self):
+        self._sql.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def sql(self, statement: str, *values) -> list[dict]:
+        """Rows of any SELECT, as dicts. The tables and views: schema/README.md."""
+        return [dict(row) for row in self._sql.execute(statement, values)]
+
+    def _names(self, column: str, table: str) -> list[str]:
+        return [row[0] for row in self._sql.execute(f"SELECT DISTINCT {column} FROM {table} ORDER BY 1")]
+
+    @property
+    def sweeps(self) -> list[str]:
+        return self._names("name", "sweep")
+
+    @property
+    def seasons(self) -> list[str]:
+        return self._names("season", "condition WHERE superseded = 0")
+
+    @property
+    def times_utc(self) -> list[str]:
+        return self._names("time_utc", "condition WHERE superseded = 0")
+
+    @property
+    def bands(self) -> list[str]:
+        return self._names("name", "band WHERE superseded = 0")
+
+    def query(self, *, sweep=None, season=None, time_utc=None, band=None, aspect=None, range_m=None) -> "Rows":
+        """Stored signatures. Names are exact; a list of them means any of these.
+
+        aspect   (azimuth, elevation) [deg]: of the viewpoint nearest to it (great circle); its distance is Rows.distance_deg
+        range_m  of the viewpoints at this range only
+
+        Error: a name that the database does not have; nothing stored for it.
+        """
+        if sweep is None and len(self.sweeps) > 1:
+            raise Error(f"there are several sweeps, expected sweep= one of {', '.join(self.sweeps)}")
+        where, values = ["superseded = 0"], []
+        for column, asked, known in (("sweep", sweep, self.sweeps), ("season", season, self.seasons),
+                                     ("time_utc", time_utc, self.times_utc), ("band", band, self.bands)):
+            if asked is None:
+                continue
+            asked = [asked] if isinstance(asked, str) else list(asked)
+            for name in asked:
+                if name not in known:
+                    raise Error(f'{column}: there is no "{name}", expected {", ".join(known)}')
+            where.append(f"{column} IN ({', '.join('?' * len(asked))})")
+            values += asked
+        if range_m is not None:
+            where.append("range_m = ?")
+            values.append(float(range_m))
+        distance = None
+        if aspect is not None:
+            nearest, distance = self._nearest(*aspect, where, values)
+            where.append("aspect_azimuth_deg = ? AND aspect_elevation_deg = ?")
+            values += nearest
+        rows = self.sql(f"SELECT * FROM signature_view WHERE {' AND '.join(where)} ORDER BY sweep, row", *values)
+        if not rows:
+            raise Error("nothing is stored for this")
+        return Rows(self, rows, distance)
+
+    def _nearest(self, azimuth_deg, elevation_deg, where, values):
+        views = self._sql.execute("SELECT DISTINCT aspect_azimuth_deg, aspect_elevation_deg FROM signature_view WHERE "
+                                  + " AND ".join(where), values).fetchall()
+        if not views:
+            raise Error("nothing is stored for this")
+        view = numpy.array([tuple(v) for v in views])
+        chord = numpy.linalg.norm(_direction(view[:, 0], view[:, 1]) - _direction(azimuth_deg, elevation_deg), axis=-1)
+        at = int(numpy.argmin(chord))
+        return [float(x) for x in view[at]], float(numpy.degrees(2 * numpy.arcsin(min(1.0, chord[at] / 2))))
+
+    def temperatures(self) -> list[dict]:
+        """Computed temperatures: of each part, season and time mean_k, coldest_k, hottest_k, error_k."""
+        return self.sql("SELECT season, time_utc, part, mean_k, coldest_k, hottest_k, error_k FROM computed_temperature_view "
+                        "WHERE superseded = 0 ORDER BY season, time_utc, part_index")
+
+
+def _direction(azimuth_deg, elevation_deg):
+    azimuth, elevation = numpy.radians(azimuth_deg), numpy.radians(elevation_deg)
+    return numpy.stack([numpy.cos(elevation) * numpy.cos(azimuth), numpy.cos(elevation) * numpy.sin(azimuth),
+                        numpy.sin(elevation)], axis=-1)
+
+
+class Rows:
+    """Signatures: rows[name] is an array of one quantity, in the order of the database.
+
+    distance_deg  with aspect=: how far the viewpoint is from what was asked
+    """
+
+    def __init__(self, database: Database, rows: list[dict], distance_deg=None):
+        self._database, self._rows, self.distance_deg = database, rows, distance_deg
+
+    def __len__(self):
+        return len(self._rows)
+
+    @property
+    def names(self) -> list[str]:
+        return list(self._rows[0])
+
+    def __getitem__(self, name: str) -> numpy.ndarray:
+        """Numbers as float64 (NaN: not known), text as objects."""
+        if name not in self._rows[0]:
+            raise Error(f'there is no quantity "{name}", expected one of {", ".join(self.names)}')
+        column = [row[name] for row in self._rows]
+        if any(isinstance(value, str) for value in column):
+            return numpy.array(column, dtype=object)
+        return numpy.array([numpy.nan if value is None else value for value in column], dtype=float)
+
+    def _ids(self):
+        return [row["signature_id"] for row in self._rows]
+
+    def spectra(self, name: str = "spectral_intensity_w_sr_um") -> list[tuple[numpy.ndarray, numpy.ndarray]]:
+        """(wavelengths [um], values) of each row: means over bins; empty where the row has none.
+
+        Errors of two wavelengths are not independent (both have the same paths): do not add them up as if they were.
+        """
+        columns = [r["name"] for r in self._database.sql("SELECT name FROM pragma_table_info('spectrum')")][1:]
+        if name not in columns:
+            raise Error(f'there is no spectrum "{name}", expected one of {", ".join(columns)}')
+        out = []
+        for row in self._ids():
+            blobs = self._database._sql.execute(
+                f"SELECT b.lambda_um, s.{name} FROM signature JOIN band b USING (band_id) LEFT JOIN spectrum s "
+                "USING (signature_id) WHERE signature_id = ?", (row,)).fetchone()
+            values = numpy.frombuffer(blobs[1] or b"", "<f4").astype(float)
+            lambda_um = numpy.frombuffer(blobs[0] or b"", "<f8")
+            if len(values) not in (0, len(lambda_um)):
+                raise Error(f"the spectrum of signature {row} has {len(values)} values at {len(lambda_um)} wavelengths: "
+                            "the database is damaged")
+            out.append((lambda_um if len(values) else lambda_um[:0], values))
+        return out
+
+    def parts(self) -> list[dict]:
+        """Of each row {part: (intensity_w_sr, intensity_stderr_w_sr)}."""
+        return [{r["part"]: (r["intensity_w_sr"], r["intensity_stderr_w_sr"]) for r in self._database.sql(
+            "SELECT part, intensity_w_sr, intensity_stderr_w_sr FROM part_intensity_view WHERE signature_id = ?", row)}
+            for row in self._ids()]
+
+    def ledger(self) -> list[list[dict]]:
+        """Of each row: which effects were simulated, why others were not, and how much they could have changed."""
+        return [self._database.sql("SELECT effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, share_w_sr "
+                                   "FROM ledger_view WHERE signature_id = ?", row) for row in self._ids()]
+
+    def thumbnails(self) -> list[bytes | None]:
+        """PNG of each row (black to white over 0 to its largest pixel); None: it has none."""
+        return [(self._database._sql.execute("SELECT png FROM thumbnail WHERE signature_id = ?", (row,)).fetchone() or [None])[0]
+                for row in self._ids()]
+
+    def to_xarray(self, spectra=("spectral_intensity_w_sr_um", "spectral_intensity_stderr_w_sr_um")):
+        """xarray.Dataset of season x time_of_day x band x viewpoint, NaN where nothing is stored.
+
+        .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"; date and time where a season has several dates),
+        the instants are the coordinate time_utc(season, time_of_day); aspect and range are coordinates of `viewpoint`. Spectra have
+        the dimension lambda_um, increasing, over the wavelengths of all bands that are in it, NaN outside a row's own; spectra=()
+        leaves them out.
+        """
+        import xarray
+
+        if len({row["sweep"] for row in self._rows}) > 1:
+            raise Error("rows of several sweeps do not make one cube, expected sweep= in the query")
+
+        def places(of):
+            return {key: i for i, key in enumerate(dict.fromkeys(of))}
+
+        views = [tuple(row[name] for name in _AXES["viewpoint"]) for row in self._rows]
+        times = [row["time_utc"] for row in self._rows]
+        clock = [time.partition("T")[2] for time in times]
+        if len(set(zip(self["season"], clock))) < len(set(zip(self["season"], times))):
+            clock = times
+        keys = list(zip(self["season"], clock, self["band"], views))
+        axes = [places(row[0] for row in keys), places(sorted(clock)), places(row[2] for row in keys), places(views)]
+        at = tuple(numpy.array([axis[row[i]] for row in keys]) for i, axis in enumerate(axes))
+        dims = ("season", "time_of_day", "band", "viewpoint")
+        shape = tuple(len(axis) for axis in axes)
+        out = xarray.Dataset(coords={name: list(axis) for name, axis in zip(dims[:3], axes)})
+        instants = numpy.full(shape[:2], numpy.datetime64("NaT", "ns"))
+        instants[at[:2]] = [numpy.datetime64(time.rstrip("Z"), "ns") for time in times]
+        out.coords["time_utc"] = (dims[:2], instants)
+        for i, name in enumerate(_AXES["viewpoint"]):
+            out.coords[name] = ("viewpoint", [view[i] for view in axes[3]], {"units": unit(name)})
+        for name in ("lambda_min_um", "lambda_max_um"):
+            limits = {row["band"]: row[name] for row in self._rows}
+            out.coords[name] = ("band", [limits[band] for band in axes[2]], {"units": "um"})
+        for name in self.names:
+            if name in _NO_VALUE:
+                continue
+            column = self[name]
+            cube = numpy.full(shape, numpy.nan if column.dtype == float else "", dtype=column.dtype)
+            cube[at] = column
+            out[name] = (dims, cube, {"units": unit(name)} if column.dtype == float else {})
+        for name in spectra:
+            of_row = self.spectra(name)
+            grid = numpy.unique(numpy.concatenate([lambda_um for lambda_um, _ in of_row]))
+            cube = numpy.full(shape + (len(grid),), numpy.nan)
+            for *place, (lambda_um, values) in zip(*at, of_row):
+                cube[tuple(place)][numpy.searchsorted(grid, lambda_um)] = values
+            out.coords["lambda_um"] = ("lambda_um", grid, {"units": "um"})
+            out[name] = ((*dims, "lambda_um"), cube, {"units": unit(name)})
+        out.attrs = {"title": f"infrared signatures: {self._rows[0]['sweep']}", "source": "irsig",
+                     "provenance": json.dumps({key: sorted({str(row[key]) for row in self._rows})
+                                               for key in ("physics_version", "determinism_class", "build_id")})}
+        return out

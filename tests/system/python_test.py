@@ -1,0 +1,143 @@
+"""irsig.py against `irsig query` on the same database; the examples of docs/python.md; what is refused.
+
+usage: python_test.py <irsig> <repository>
+"""
+import csv, doctest, io, os, pathlib, shutil, sqlite3, subprocess, sys, tempfile, unittest
+
+IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
+sys.path.insert(0, str(ROOT / "python"))
+import irsig  # noqa: E402
+
+
+def run(*arguments, cwd=None):
+    done = subprocess.run([IRSIG, *arguments], cwd=cwd, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+class Python(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        cls.file = cls.path / "quickstart.sigdb"
+        run("run", ROOT / "jobs/examples/quickstart.toml", "--db", cls.file)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def table(self, *arguments):
+        rows = list(csv.DictReader(io.StringIO(run("query", self.file, "--csv", *arguments))))
+        return [{name.split(" ")[0]: value for name, value in row.items()} for row in rows]
+
+    def change(self, *statements):
+        copy = self.path / "changed.sigdb"
+        shutil.copy(self.file, copy)
+        db = sqlite3.connect(copy)
+        for statement in statements:
+            db.execute(statement)
+        db.commit()
+        db.close()
+        return copy
+
+    def test_numbers_are_those_of_query(self):
+        with irsig.open(self.file) as db:
+            ours, theirs = db.query(), self.table()
+            self.assertEqual(len(ours), len(theirs))
+            for name in ("intensity_w_sr", "numerical_error_w_sr", "contrast_intensity_w_sr", "projected_area_m2", "range_m"):
+                for value, row in zip(ours[name], theirs):
+                    self.assertAlmostEqual(value, float(row[name]), delta=1e-5 * abs(value))
+
+    def test_nearest_viewpoint_is_that_of_query(self):
+        with irsig.open(self.file) as db:
+            for azimuth, elevation in ((0, 0), (90, 10), (200, 45), (359, 89), (-30, 20)):
+                ours = db.query(aspect=(azimuth, elevation), band="mwir", season="summer")
+                theirs = self.table("--aspect", f"{azimuth % 360},{elevation}", "--nearest", "1", "--band", "mwir", "--season", "summer")
+                self.assertEqual(len(ours), 1)
+                self.assertAlmostEqual(ours["aspect_azimuth_deg"][0], float(theirs[0]["aspect_azimuth_deg"]), places=3)
+
+    def test_a_cube_has_every_row_in_its_place(self):
+        with irsig.open(self.file) as db:
+            rows = db.query()
+            cube = rows.to_xarray()
+            spectra = rows.spectra()
+            for i in range(0, len(rows), 7):
+                at = cube.sel(season=rows["season"][i], band=rows["band"][i]).isel(time_of_day=0)
+                at = at.isel(viewpoint=int(((at.aspect_azimuth_deg == rows["aspect_azimuth_deg"][i])
+                                            & (at.aspect_elevation_deg == rows["aspect_elevation_deg"][i])).values.argmax()))
+                self.assertEqual(float(at.intensity_w_sr), rows["intensity_w_sr"][i])
+                self.assertEqual(str(at.time_utc.values)[:19] + "Z", rows["time_utc"][i])
+                spectrum = at.spectral_intensity_w_sr_um.dropna("lambda_um")
+                self.assertEqual(list(spectrum.lambda_um.values), list(spectra[i][0]))
+                self.assertEqual(list(spectrum.values), list(spectra[i][1]))
+
+    def test_spectra_add_up_to_what_is_in_the_band(self):
+        with irsig.open(self.file) as db:
+            rows = db.query(band="lwir")
+            for (lambda_um, values), total in zip(rows.spectra(), rows["intensity_w_sr"]):
+                width = lambda_um[1] - lambda_um[0]
+                self.assertAlmostEqual(sum(values) * width / total, 1, delta=0.03)  # half bins stick out on both sides
+
+    def test_rows_that_are_being_replaced_are_left_out(self):
+        whole = len(irsig.open(self.file).query())
+        changed = self.change("UPDATE condition SET superseded = 1 WHERE season = 'summer'")
+        with irsig.open(changed) as db:
+            self.assertNotIn("summer", db.seasons)
+            superseded = sum(row["superseded"] for row in db.sql("SELECT superseded FROM signature_view"))
+            self.assertEqual(len(db.query()), whole - superseded)
+            self.assertEqual(superseded, whole / 3)
+
+    def test_what_is_missing_is_not_a_number(self):
+        changed = self.change("DELETE FROM spectrum WHERE signature_id = 1", "UPDATE signature SET contrast_intensity_w_sr = NULL, "
+                              "contrast_intensity_stderr_w_sr = NULL, contrast_numerical_error_w_sr = NULL WHERE signature_id = 1",
+                              "DELETE FROM thumbnail WHERE signature_id = 1")
+        with irsig.open(changed) as db:
+            rows = db.query()
+            first = list(rows["signature_id"]).index(1)
+            self.assertNotEqual(rows["contrast_intensity_w_sr"][first], rows["contrast_intensity_w_sr"][first])
+            self.assertEqual([len(part) for part in rows.spectra()[first]], [0, 0])
+            self.assertIsNone(rows.thumbnails()[first])
+            rows.to_xarray()
+
+    def test_what_is_wrong_is_said(self):
+        text = self.path / "text.sigdb"
+        text.write_text("no database")
+        empty = self.path / "empty.sigdb"
+        sqlite3.connect(empty).execute("CREATE TABLE t (x)").connection.commit()
+        damaged = self.change("UPDATE spectrum SET spectral_intensity_w_sr_um = x'00000000' WHERE signature_id = 1")
+        newer = self.path / "newer.sigdb"
+        shutil.copy(self.file, newer)
+        connection = sqlite3.connect(newer)
+        connection.execute("PRAGMA user_version = 999")
+        connection.close()
+        with irsig.open(self.file) as db:
+            for call, expected in (
+                    (lambda: irsig.open(self.path / "none.sigdb"), "there is no such file"),
+                    (lambda: irsig.open(text), "not a database"),
+                    (lambda: irsig.open(empty), "this is no signature database"),
+                    (lambda: irsig.open(newer), "its format is 999"),
+                    (lambda: irsig.open(damaged).query().spectra(), "1 values at"),
+                    (lambda: db.query(season="autumn"), 'there is no "autumn", expected spring'),
+                    (lambda: db.query(range_m=1), "nothing is stored for this"),
+                    (lambda: db.query()["intensity"], 'there is no quantity "intensity"'),
+                    (lambda: db.query().spectra("intensity_w_sr"), "there is no spectrum")):
+                with self.assertRaisesRegex(irsig.Error, expected):
+                    call()
+
+    def test_it_knows_the_format_that_is_written(self):
+        self.assertEqual(irsig.open(self.file).format, irsig.FORMATS[-1])
+
+    def test_the_documentation_is_what_it_does(self):
+        before = pathlib.Path.cwd()
+        os.chdir(self.path)
+        try:
+            failed, tried = doctest.testfile(str(ROOT / "docs/python.md"), module_relative=False, optionflags=doctest.ELLIPSIS)
+        finally:
+            os.chdir(before)
+        self.assertEqual(failed, 0)
+        self.assertGreater(tried, 12)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
