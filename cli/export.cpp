@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
@@ -14,7 +15,7 @@ namespace {
 
 struct ExportCommand {
   explicit ExportCommand(CLI::App& command)
-      : filter(command), output(command, {"csv", "netcdf", "temperatures"}) {
+      : filter(command), output(command, {"csv", "netcdf", "envi", "temperatures"}) {
     output.out_option()->required();
   }
   FilterOptions filter;
@@ -34,7 +35,8 @@ struct ExportCommand {
       });
     if (output.out() != "-") return export_file(**reader, *query, *format, output.out());
     if (*format != "csv")
-      return absl::InvalidArgumentError("--out -: netcdf needs a file, only csv can be streamed");
+      return absl::InvalidArgumentError(
+          absl::StrCat("--out -: ", *format, " needs a file, only csv can be streamed"));
     return export_csv(**reader, *query, data_output());
   }
 };
@@ -45,8 +47,8 @@ void add_export(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "export",
       "Write signatures to a file: csv (one line each) or netcdf (netCDF-4 with CF "
-      "attributes: scalars, causes, parts and spectra); or, as csv, the temperatures of all "
-      "facets");
+      "attributes: scalars, causes, parts and spectra) or envi (spectral library of one --band, "
+      "with its .hdr); or, as csv, the temperatures of all facets");
   const auto options = std::make_shared<ExportCommand>(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

@@ -23,10 +23,11 @@ struct Ending {
 // What the end of a file's name promises; no format of irsig: a picture that it does not make.
 constexpr Ending kEndings[] = {
     {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
-    {".png", ""},     {".jpg", ""},    {".jpeg", ""},     {".pdf", ""},    {".gif", ""},
-    {".tif", ""},     {".tiff", ""},   {".eps", ""},      {".exr", ""},    {".obj", "obj"},
-    {".toml", ""},    {".sigdb", ""},  {".db", ""},       {".sqlite", ""}, {".stl", ""},
-    {".ply", ""},     {".gltf", ""},   {".glb", ""},      {".xlsx", ""},   {".html", ""}};
+    {".sli", "envi"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},   {".pdf", ""},
+    {".gif", ""},     {".tif", ""},    {".tiff", ""},     {".eps", ""},    {".exr", ""},
+    {".obj", "obj"},  {".toml", ""},   {".sigdb", ""},    {".db", ""},     {".sqlite", ""},
+    {".stl", ""},     {".ply", ""},    {".gltf", ""},     {".glb", ""},    {".xlsx", ""},
+    {".html", ""}};
 
 const Ending* ending_of(const std::string& name) {
   const std::string lower = absl::AsciiStrToLower(name);

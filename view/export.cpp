@@ -29,9 +29,9 @@ absl::Status export_csv(StoreReader& reader, const Query& query, std::ostream& o
 
 absl::Status export_file(StoreReader& reader, const Query& query, std::string_view format,
                          const std::string& path) {
-  if (format != "csv" && format != "netcdf") {
+  if (format != "csv" && format != "netcdf" && format != "envi") {
     return absl::InvalidArgumentError(
-        fmt::format("unknown format \"{}\": expected csv or netcdf", format));
+        fmt::format("unknown format \"{}\": expected csv, netcdf or envi", format));
   }
   const auto rows = rows_to_export(reader, query);
   if (!rows.ok()) return rows.status();
@@ -47,6 +47,7 @@ absl::Status export_file(StoreReader& reader, const Query& query, std::string_vi
           "a netcdf file holds one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
     }
   }
+  if (format == "envi") return write_envi(reader, *rows, query.quantity, path);
   return replace_file(path, [&](const std::string& beside) -> absl::Status {
     if (format == "netcdf") return write_netcdf(reader, *rows, beside);
     std::ofstream file(beside, std::ios::trunc);

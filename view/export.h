@@ -16,6 +16,8 @@ namespace irsig {
 //   band, part and one
 //            lambda axis per band; scalars, causes, parts and spectra. One sweep per file.
 //            Signatures that are not there (yet) are NaN.
+//   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
+//            one band's wavelengths, a spectrum and its name for each signature
 // NOT_FOUND: nothing matches.
 [[nodiscard]] absl::Status export_file(StoreReader& reader, const Query& query,
                                        std::string_view format, const std::string& path);
@@ -26,5 +28,11 @@ namespace irsig {
 // The netCDF writer: rows of one sweep, not interpolated, not empty.
 [[nodiscard]] absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
                                         const std::string& path);
+
+// The same for an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
+[[nodiscard]] absl::Status write_envi(StoreReader& reader, const std::vector<QueryRow>& rows,
+                                      SignatureQuantity quantity, const std::string& path);
+// Of "ship.sli": "ship.hdr".
+[[nodiscard]] std::string envi_header_of(const std::string& path);
 
 }  // namespace irsig

@@ -196,6 +196,23 @@ class Views(unittest.TestCase):
             self.assertFalse(numpy.isnan(d["spectral_intensity_w_sr_um_lwir"].values).any())
         irsig("export", self.db, "--format", "csv", "--out", self.path / "no" / "x.csv", expect=2)
 
+    def test_spectral_library(self):
+        import spectral.io.envi
+        sli = self.path / "ship.sli"
+        arguments = ["--band", "lwir", "--quantity", "apparent_intensity", "--season", "summer"]
+        irsig("export", self.db, *arguments, "--out", sli)
+        library = spectral.io.envi.open(str(self.path / "ship.hdr"), str(sli))
+        rows = self.rows(*arguments)
+        self.assertEqual(library.spectra.shape[0], len(rows))
+        for at in (0, len(rows) - 1):
+            self.assertTrue(library.names[at].startswith(f"row {rows[at]['row']} summer "), library.names[at])
+            stored = self.rows("--row", rows[at]["row"], "--spectrum")
+            self.assertEqual([float(r["lambda_um"]) for r in stored], [round(x, 12) for x in library.bands.centers])
+            for ours, row in zip(library.spectra[at], stored):
+                self.assertAlmostEqual(ours, float(row["apparent_spectral_intensity_w_sr_um"]), delta=1e-6 * abs(ours))
+        self.assertIn("expected --band", irsig("export", self.db, "--out", sli, expect=2).stderr)
+        self.assertIn("needs a file", irsig("export", self.db, "--envi", "--out", "-", expect=2).stderr)
+
     def test_plots_are_svg(self):
         for arguments in (["polar"], ["polar", "--elevation", 30, "--season", "summer"],
                           ["spectrum", "--aspect", "45,20"], ["map", "--band", "lwir"],
