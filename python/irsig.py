@@ -222,8 +222,7 @@ class Rows:
 
         .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"; date and time where a season has several dates),
         the instants are the coordinate time_utc(season, time_of_day); aspect and range are coordinates of `viewpoint`. Spectra have
-        the dimension lambda_um, increasing, over the wavelengths of all bands that are in it, NaN outside a row's own; spectra=()
-        leaves them out.
+        the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out.
         """
         import xarray
 
@@ -261,12 +260,13 @@ class Rows:
             out[name] = (dims, cube, {"units": unit(name)} if column.dtype == float else {})
         for name in spectra:
             of_row = self.spectra(name)
-            grid = numpy.unique(numpy.concatenate([lambda_um for lambda_um, _ in of_row]))
-            cube = numpy.full(shape + (len(grid),), numpy.nan)
+            bins = max(len(values) for _, values in of_row)
+            cube, grid = numpy.full((*shape, bins), numpy.nan), numpy.full((shape[2], bins), numpy.nan)
             for *place, (lambda_um, values) in zip(*at, of_row):
-                cube[tuple(place)][numpy.searchsorted(grid, lambda_um)] = values
-            out.coords["lambda_um"] = ("lambda_um", grid, {"units": "um"})
-            out[name] = ((*dims, "lambda_um"), cube, {"units": unit(name)})
+                cube[tuple(place)][:len(values)] = values
+                grid[place[2], :len(values)] = lambda_um
+            out.coords["lambda_um"] = (("band", "bin"), grid, {"units": "um"})
+            out[name] = ((*dims, "bin"), cube, {"units": unit(name)})
         out.attrs = {"title": f"infrared signatures: {self._rows[0]['sweep']}", "source": "irsig",
                      "provenance": json.dumps({key: sorted({str(row[key]) for row in self._rows})
                                                for key in ("physics_version", "determinism_class", "build_id")})}

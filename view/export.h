@@ -12,10 +12,10 @@ namespace irsig {
 
 // Writes what a query selects to a file, completely or not at all.
 //   csv      the columns of `irsig query --format csv --causes`, one line per signature
-//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, condition (season and time),
-//   band, part and one
-//            lambda axis per band; scalars, causes, parts and spectra. One sweep per file.
-//            Signatures that are not there (yet) are NaN.
+//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day, band,
+//            part, and bin (of the band's wavelengths, which are lambda_um(band, bin)); scalars,
+//            causes, parts, spectra with the bins' limits and weights; instant, sun, weather and
+//            warnings by condition. One sweep per file. What is not there (yet) is NaN.
 //   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
 //            one band's wavelengths, a spectrum and its name for each signature
 // NOT_FOUND: nothing matches.

@@ -1,10 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 
+#include "absl/strings/str_join.h"
+#include "bridge/environment/sweep_environment.h"
+#include "core/geo/sun.h"
+#include "core/spectral/band.h"
 #include "view/export.h"
 #include "view/netcdf_file.h"
 #include "view/progress.h"
@@ -39,38 +45,45 @@ std::vector<T> collected(const std::vector<const S*>& from, const Get& get) {
   return out;
 }
 
-// netCDF names that every reader can take: letters, digits and underscores.
-std::string plain_name(const std::string& name) {
-  std::string out;
-  for (char c : name) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-    out += plain ? c : '_';
-  }
-  return out;
-}
-
+// The cube that a file holds. A condition is a season at a time of day ("01:30:00Z"); where a
+// season has several dates, at an instant.
 struct Layout {
   Places<std::tuple<double, double, double>> viewpoint;
-  Places<std::pair<std::string, std::string>> condition;
-  Places<std::string> band;
+  Places<std::string> season, time, band;
   struct Cell {
-    std::size_t viewpoint, condition, band;
+    std::size_t viewpoint, season, time, band;
   };
   std::vector<Cell> cell;  // of each row
 
   explicit Layout(const std::vector<QueryRow>& rows) {
+    std::map<std::pair<std::string, std::string>, std::string> instant;
+    const auto clock = [](const S& s) { return s.time_utc.substr(s.time_utc.find('T') + 1); };
+    bool dated = false;
+    for (const QueryRow& r : rows) {
+      const S& s = r.signature;
+      dated |= instant.try_emplace({s.season, clock(s)}, s.time_utc).first->second != s.time_utc;
+    }
+    std::set<std::string> times;  // in their order
+    for (const QueryRow& r : rows) times.insert(dated ? r.signature.time_utc : clock(r.signature));
+    for (const std::string& t : times) time.place(t, rows.front().signature);
     for (const QueryRow& r : rows) {
       const S& s = r.signature;
       cell.push_back({viewpoint.place({s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m}, s),
-                      condition.place({s.season, s.time_utc}, s), band.place(s.band, s)});
+                      season.place(s.season, s), time.place(dated ? s.time_utc : clock(s), s),
+                      band.place(s.band, s)});
     }
+    time_name.assign(times.begin(), times.end());
   }
+  std::vector<std::string> time_name;
+
+  [[nodiscard]] std::size_t condition(const Cell& c) const {
+    return c.season * time.size() + c.time;
+  }
+  [[nodiscard]] std::size_t conditions() const { return season.size() * time.size(); }
   [[nodiscard]] std::size_t index(const Cell& c) const {
-    return (c.viewpoint * condition.size() + c.condition) * band.size() + c.band;
+    return (c.viewpoint * conditions() + condition(c)) * band.size() + c.band;
   }
-  [[nodiscard]] std::size_t size() const {
-    return viewpoint.size() * condition.size() * band.size();
-  }
+  [[nodiscard]] std::size_t size() const { return viewpoint.size() * conditions() * band.size(); }
 };
 
 using Sp = schema::Spectrum;
@@ -101,9 +114,71 @@ constexpr SpectralColumn kSpectra[] = {
     {"path_radiance_w_m2_sr_um", &Sp::path_radiance_w_m2_sr_um},
 };
 
+using Dimension = NetcdfFile::Dimension;
 struct Dimensions {
-  NetcdfFile::Dimension viewpoint, condition, band;
+  Dimension viewpoint, season, time, band;
+  [[nodiscard]] std::vector<Dimension> cube() const { return {viewpoint, season, time, band}; }
 };
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kCoordinates = "aspect_azimuth_deg aspect_elevation_deg range_m time";
+
+// What is known of each condition: when it is, the sun, the weather. [season][time]
+void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
+                      const schema::ResolvedSweep& sweep, const Layout& layout,
+                      const Dimensions& d) {
+  std::vector<const S*> any(layout.conditions());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    any[layout.condition(layout.cell[i])] = &rows[i].signature;
+  const auto each = [&](const auto& get) {
+    std::vector<double> out;
+    for (const S* s : any) out.push_back(s == nullptr ? kNan : get(*s));
+    return out;
+  };
+  const std::vector<Dimension> plane{d.season, d.time};
+  file.times({"time", "instant of the condition", ""}, plane, each([](const S& s) {
+               const auto t = parse_rfc3339(s.time_utc);
+               return t.ok() ? unix_seconds(*t) : kNan;
+             }));
+  file.doubles(
+      {"sun_azimuth_deg", "azimuth of the sun seen from the target, clockwise from north", ""},
+      plane, each([](const S& s) { return s.sun_azimuth_deg; }));
+  file.doubles({"sun_zenith_deg", "zenith angle of the sun seen from the target", ""}, plane,
+               each([](const S& s) { return s.sun_zenith_deg; }));
+  const auto condition_of = [&](const S& s) -> const schema::Condition* {
+    for (const schema::Condition& c : sweep.condition())
+      if (c.season() == s.season && c.time_utc() == s.time_utc) return &c;
+    return nullptr;  // of an earlier version of the sweep
+  };
+  // 0: the sweep does not say.
+  const auto stated = [&](const char* name, const auto& get) {
+    auto values = each([&](const S& s) {
+      const schema::Condition* c = condition_of(s);
+      return c == nullptr || get(*c) == 0 ? kNan : get(*c);
+    });
+    if (std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+      file.doubles({name, "", ""}, plane, values);
+  };
+  using C = schema::Condition;
+  stated("air_temperature_k", [](const C& c) {
+    return c.weather().surface_stated() ? c.weather().air_temperature_k() : c.air_temperature_k();
+  });
+  stated("relative_humidity_percent",
+         [](const C& c) { return c.weather().relative_humidity_percent(); });
+  stated("pressure_pa", [](const C& c) { return c.weather().pressure_pa(); });
+  stated("wind_speed_m_s", [](const C& c) { return c.weather().wind_speed_m_s(); });
+  stated("visibility_m", [](const C& c) { return c.weather().visibility_m(); });
+  stated("sea_temperature_k", [](const C& c) { return c.surroundings().sea_temperature_k(); });
+  stated("ground_temperature_k",
+         [](const C& c) { return c.surroundings().ground_temperature_k(); });
+  stated("sun_irradiance_w_m2", [](const C& c) { return c.sun_irradiance_w_m2(); });
+  std::vector<std::string> warning;
+  for (const S* s : any) {
+    const schema::Condition* c = s == nullptr ? nullptr : condition_of(*s);
+    warning.push_back(c == nullptr ? "" : absl::StrJoin(c->warning(), "\n"));
+  }
+  file.strings({"warning", "what is odd about the condition, one line each", ""}, plane, warning);
+}
 
 void write_axes(NetcdfFile& file, const Layout& layout, const Dimensions& d) {
   const auto& views = layout.viewpoint.first();
@@ -116,17 +191,11 @@ void write_axes(NetcdfFile& file, const Layout& layout, const Dimensions& d) {
                collected<double>(views, [](const S& s) { return s.aspect_elevation_deg; }));
   file.doubles({"range_m", "slant range from the target's reference point to the aperture", ""},
                {d.viewpoint}, collected<double>(views, [](const S& s) { return s.range_m; }));
-  const auto& conditions = layout.condition.first();
-  file.strings({"season", "", ""}, {d.condition},
-               collected<std::string>(conditions, [](const S& s) { return s.season; }));
-  file.strings({"time_utc", "time, RFC 3339", ""}, {d.condition},
-               collected<std::string>(conditions, [](const S& s) { return s.time_utc; }));
-  file.doubles(
-      {"sun_azimuth_deg", "azimuth of the sun seen from the target, clockwise from north", ""},
-      {d.condition}, collected<double>(conditions, [](const S& s) { return s.sun_azimuth_deg; }));
-  file.doubles({"sun_zenith_deg", "zenith angle of the sun seen from the target", ""},
-               {d.condition},
-               collected<double>(conditions, [](const S& s) { return s.sun_zenith_deg; }));
+  file.strings({"season", "", ""}, {d.season},
+               collected<std::string>(layout.season.first(), [](const S& s) { return s.season; }));
+  file.strings(
+      {"time_of_day", "time of day, UTC; date and time where a season has several dates", ""},
+      {d.time}, layout.time_name);
   const auto& bands = layout.band.first();
   file.strings({"band", "", ""}, {d.band},
                collected<std::string>(bands, [](const S& s) { return s.band; }));
@@ -136,29 +205,26 @@ void write_axes(NetcdfFile& file, const Layout& layout, const Dimensions& d) {
                collected<double>(bands, [](const S& s) { return s.lambda_max_um; }));
 }
 
-constexpr const char* kCoordinates =
-    "aspect_azimuth_deg aspect_elevation_deg range_m season time_utc";
-
 void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const Layout& layout,
                    const Dimensions& d) {
-  const std::vector<NetcdfFile::Dimension> cube{d.viewpoint, d.condition, d.band};
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-    std::vector<double> values(layout.size(), std::numeric_limits<double>::quiet_NaN());
+    std::vector<double> values(layout.size(), kNan);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double v = rows[i].signature.*kQuantityMember[q];
       // 0 K stands for "no projected area": there is no such temperature.
       if (kQuantityMember[q] == &S::apparent_temperature_k && v == 0) continue;
       values[layout.index(layout.cell[i])] = v;
     }
-    file.doubles({kQuantities[q].name.data(), "", "", kCoordinates}, cube, values);
+    file.doubles({kQuantities[q].name.data(), "", "", kCoordinates}, d.cube(), values);
   }
   std::vector<long long> row(layout.size(), -1), samples = row;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     row[layout.index(layout.cell[i])] = static_cast<long long>(rows[i].signature.row);
     samples[layout.index(layout.cell[i])] = static_cast<long long>(rows[i].signature.samples);
   }
-  file.counts({"row", "place in the sweep, -1: not computed", ""}, cube, row);
-  file.counts({"samples", "primary rays of all replicates, -1: not computed", ""}, cube, samples);
+  file.counts({"row", "place in the sweep, -1: not computed", ""}, d.cube(), row);
+  file.counts({"samples", "primary rays of all replicates, -1: not computed", ""}, d.cube(),
+              samples);
 }
 
 absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
@@ -178,8 +244,7 @@ absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vecto
     parts_of_row.push_back(std::move(*parts));
   }
   if (names.empty()) return absl::OkStatus();
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<double> value(layout.size() * names.size(), nan), value_stderr = value;
+  std::vector<double> value(layout.size() * names.size(), kNan), value_stderr = value;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (const RowPart& p : parts_of_row[i]) {
       const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), p.part.part) -
@@ -191,61 +256,127 @@ absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vecto
   }
   const auto part = file.dimension("part", names.size());
   file.strings({"part", "part of the target", ""}, {part}, names);
-  const std::vector<NetcdfFile::Dimension> cube{d.viewpoint, d.condition, d.band, part};
+  std::vector<Dimension> cube = d.cube();
+  cube.push_back(part);
   file.doubles({"part_intensity_w_sr", "", "", kCoordinates}, cube, value);
   file.doubles({"part_intensity_stderr_w_sr", "", "", kCoordinates}, cube, value_stderr);
   return absl::OkStatus();
 }
 
-// One band: its wavelength axis and a (viewpoint, condition, lambda) cube for each spectral
-// quantity.
-absl::Status write_band_spectra(StoreReader& reader, NetcdfFile& file,
-                                const std::vector<QueryRow>& rows, const Layout& layout,
-                                const Dimensions& d, std::size_t band) {
-  const std::string band_name = layout.band.first()[band]->band;
-  std::string suffix = plain_name(band_name);
-  for (std::size_t other = 0; other < band; ++other) {
-    if (plain_name(layout.band.first()[other]->band) == suffix) suffix += fmt::format("_{}", band);
+// What each bin of a band adds to the in-band integral of a spectrum of bin means, response
+// included: exact where the spectrum is a straight line. (Only half of the first and last bin lies
+// inside the band; its mean is not that of the half.)
+std::vector<double> bin_weights(const BandGrid& grid) {
+  const std::size_t bins = grid.lambda_um.size();
+  std::vector<double> weight(bins, 0.0);
+  for (std::size_t k = 0; k < bins; ++k) {
+    double moment = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
+      weight[k] += grid.band_weight[i];
+      moment += grid.band_weight[i] * (grid.node_um[i] - grid.lambda_um[k]);
+    }
+    // Times the slope, from the bins beside it.
+    const std::size_t below = k == 0 ? 0 : k - 1, above = std::min(k + 1, bins - 1);
+    if (above == below) continue;
+    const double per_mean = moment / (grid.lambda_um[above] - grid.lambda_um[below]);
+    weight[above] += per_mean;
+    weight[below] -= per_mean;
   }
-  std::vector<double> lambda_um;
-  std::vector<std::vector<float>> cubes(std::size(kSpectra));
-  LoopProgress progress(fmt::format("spectra of {} read, rows", band_name), rows.size());
+  return weight;
+}
+
+// The bins of a band's stored wavelengths: their limits and weights.
+absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep, const Layout& layout,
+                        const std::vector<std::vector<double>>& lambda_um, Dimension band,
+                        Dimension bin, std::size_t bins) {
+  std::vector<double> axis(layout.band.size() * bins, kNan), weight = axis,
+                                                             bounds(2 * axis.size(), kNan);
+  for (std::size_t b = 0; b < layout.band.size(); ++b) {
+    for (std::size_t k = 0; k < lambda_um[b].size(); ++k) axis[b * bins + k] = lambda_um[b][k];
+    const auto& bands = sweep.sweep().band();
+    const auto of = std::find_if(bands.begin(), bands.end(), [&](const schema::Band& message) {
+      return message.name() == layout.band.first()[b]->band;
+    });
+    if (of == bands.end()) continue;
+    Band stated{of->name(), of->lambda_min_um(), of->lambda_max_um(), of->step_um(), {}};
+    for (const schema::SpectralPoint& p : of->response())
+      stated.response.push_back({p.lambda_um(), p.value()});
+    const auto grid = make_band_grid(stated, spectral_breaks_um(sweep));
+    if (!grid.ok()) return grid.status();
+    if (grid->lambda_um.size() != lambda_um[b].size()) continue;  // of an earlier version
+    const std::vector<double> of_bin = bin_weights(*grid);
+    for (std::size_t k = 0; k < of_bin.size(); ++k) {
+      bounds[2 * (b * bins + k)] = grid->lambda_um[k] - grid->step_um / 2;
+      bounds[2 * (b * bins + k) + 1] = grid->lambda_um[k] + grid->step_um / 2;
+      weight[b * bins + k] = of_bin[k];
+    }
+  }
+  file.doubles({"lambda_um", "wavelength in vacuum, middle of the bin", ""}, {band, bin}, axis);
+  file.doubles({"lambda_bounds_um", "limits of the bin, over which spectra are means", ""},
+               {band, bin, file.dimension("edge", 2)}, bounds);
+  file.doubles({"in_band_weight_um",
+                "response x width inside the band: sums of these times a spectrum are in-band", ""},
+               {band, bin}, weight);
+  return absl::OkStatus();
+}
+
+// A viewpoint at a time, so that memory does not grow with the number of rows.
+absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
+                           const schema::ResolvedSweep& sweep, const std::vector<QueryRow>& rows,
+                           const Layout& layout, const Dimensions& d) {
+  std::vector<std::vector<double>> lambda_um(layout.band.size());
+  std::vector<std::vector<std::size_t>> of_viewpoint(layout.viewpoint.size());
+  std::size_t bins = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    progress.step();
-    if (layout.cell[i].band != band) continue;
-    auto got = spectrum_of(reader, rows[i]);
-    if (!got.ok()) return got.status();
-    const Sp& spectrum = got->spectrum;
-    const std::vector<double> axis(spectrum.lambda_um().begin(), spectrum.lambda_um().end());
-    if (lambda_um.empty()) {
-      lambda_um = axis;
-      for (auto& cube : cubes) {
-        cube.assign(layout.viewpoint.size() * layout.condition.size() * axis.size(),
-                    std::numeric_limits<float>::quiet_NaN());
-      }
-    } else if (axis != lambda_um) {
-      return absl::InternalError(
-          fmt::format("row {}: other wavelengths than the first row of band \"{}\"",
-                      rows[i].signature.row, band_name));
-    }
-    const std::size_t to =
-        (layout.cell[i].viewpoint * layout.condition.size() + layout.cell[i].condition) *
-        lambda_um.size();
-    for (std::size_t c = 0; c < cubes.size(); ++c) {
-      const auto& values = (spectrum.*kSpectra[c].values)();
-      std::copy_n(values.begin(), std::min<std::ptrdiff_t>(values.size(), std::ssize(lambda_um)),
-                  cubes[c].begin() + static_cast<std::ptrdiff_t>(to));
-    }
+    of_viewpoint[layout.cell[i].viewpoint].push_back(i);
+    std::vector<double>& axis = lambda_um[layout.cell[i].band];
+    if (!axis.empty()) continue;
+    const auto first = spectrum_of(reader, rows[i]);
+    if (!first.ok()) return first.status();
+    axis.assign(first->spectrum.lambda_um().begin(), first->spectrum.lambda_um().end());
+    bins = std::max(bins, axis.size());
   }
-  if (lambda_um.empty()) return absl::OkStatus();
-  const std::string axis_name = "lambda_um_" + suffix;
-  const auto lambda = file.dimension(axis_name, lambda_um.size());
-  file.doubles({axis_name, fmt::format("wavelength in vacuum, band {}", band_name), "lambda_um"},
-               {lambda}, lambda_um);
-  for (std::size_t c = 0; c < cubes.size(); ++c) {
-    const std::string name = kSpectra[c].name;
-    file.floats({name + "_" + suffix, "", name, kCoordinates}, {d.viewpoint, d.condition, lambda},
-                cubes[c]);
+  if (bins == 0) return absl::OkStatus();
+  const Dimension bin = file.dimension("bin", bins);
+  if (absl::Status s = write_bins(file, sweep, layout, lambda_um, d.band, bin, bins); !s.ok())
+    return s;
+  std::vector<Dimension> cube = d.cube();
+  cube.push_back(bin);
+  std::vector<NetcdfFile::Variable> variable;
+  for (const SpectralColumn& column : kSpectra) {
+    // A name of its own where it is also that of an in-band quantity.
+    const std::string name = column.name;
+    const bool taken = std::any_of(kQuantities.begin(), kQuantities.end(),
+                                   [&](const QuantityInfo& q) { return q.name == name; });
+    variable.push_back(file.slabs(
+        {taken ? "spectral_" + name : name, "", name, fmt::format("{} lambda_um", kCoordinates)},
+        cube));
+  }
+  const std::size_t slab = layout.conditions() * layout.band.size() * bins;
+  std::vector<std::vector<float>> values(std::size(kSpectra));
+  LoopProgress progress("spectra written, viewpoints", of_viewpoint.size());
+  for (std::size_t v = 0; v < of_viewpoint.size(); ++v) {
+    progress.step();
+    for (auto& column : values) column.assign(slab, std::numeric_limits<float>::quiet_NaN());
+    for (const std::size_t i : of_viewpoint[v]) {
+      const Layout::Cell& cell = layout.cell[i];
+      const auto got = spectrum_of(reader, rows[i]);
+      if (!got.ok()) return got.status();
+      const auto& axis = got->spectrum.lambda_um();
+      if (!std::equal(axis.begin(), axis.end(), lambda_um[cell.band].begin(),
+                      lambda_um[cell.band].end()))
+        return absl::InternalError(
+            fmt::format("row {}: other wavelengths than the first row of band \"{}\"",
+                        rows[i].signature.row, rows[i].signature.band));
+      const std::size_t to = (layout.condition(cell) * layout.band.size() + cell.band) * bins;
+      for (std::size_t c = 0; c < values.size(); ++c) {
+        const auto& of_row = (got->spectrum.*kSpectra[c].values)();
+        std::copy_n(of_row.begin(),
+                    std::min<std::size_t>(static_cast<std::size_t>(of_row.size()), bins),
+                    values[c].begin() + static_cast<std::ptrdiff_t>(to));
+      }
+    }
+    for (std::size_t c = 0; c < values.size(); ++c) file.put(variable[c], v, values[c]);
   }
   return absl::OkStatus();
 }
@@ -254,8 +385,10 @@ absl::Status write_band_spectra(StoreReader& reader, NetcdfFile& file,
 
 absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
                           const std::string& path) {
-  const Layout layout(rows);
   const S& any = rows.front().signature;
+  const auto sweep = reader.sweep(any.sweep);
+  if (!sweep.ok()) return sweep.status();
+  const Layout layout(rows);
   NetcdfFile file(path);
   file.attribute("Conventions", "CF-1.10");
   file.attribute("title", "Infrared signatures of sweep " + any.sweep);
@@ -264,23 +397,19 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
   file.attribute("determinism_class", any.determinism_class);
   file.attribute("comment",
                  "Intensities are at the target unless a name starts with apparent or contrast (at "
-                 "the sensor's "
-                 "aperture; contrast is the target less its background). Standard errors, "
-                 "numerical errors and "
-                 "model errors are one sigma. NaN: not computed.");
-  Dimensions d{};
-  d.viewpoint = file.dimension("viewpoint", layout.viewpoint.size());
-  d.condition = file.dimension("condition", layout.condition.size());
-  d.band = file.dimension("band", layout.band.size());
+                 "the sensor's aperture; contrast is the target less its background). Standard "
+                 "errors, numerical errors and model errors are one sigma. NaN: not computed.");
+  const Dimensions d{file.dimension("viewpoint", layout.viewpoint.size()),
+                     file.dimension("season", layout.season.size()),
+                     file.dimension("time_of_day", layout.time.size()),
+                     file.dimension("band", layout.band.size())};
   write_axes(file, layout, d);
+  write_conditions(file, rows, sweep->resolved, layout, d);
   write_scalars(file, rows, layout, d);
   if (absl::Status status = write_parts(reader, file, rows, layout, d); !status.ok()) return status;
-  for (std::size_t band = 0; band < layout.band.size(); ++band) {
-    if (absl::Status status = write_band_spectra(reader, file, rows, layout, d, band);
-        !status.ok()) {
-      return status;
-    }
-  }
+  if (absl::Status status = write_spectra(reader, file, sweep->resolved, rows, layout, d);
+      !status.ok())
+    return status;
   return file.close();
 }
 

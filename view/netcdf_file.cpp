@@ -4,6 +4,7 @@
 #include <netcdf.h>
 
 #include <limits>
+#include <utility>
 
 #include "view/quantity.h"
 
@@ -68,10 +69,39 @@ void NetcdfFile::doubles(const Quantity& what, const std::vector<Dimension>& dim
   if (status_.ok()) check(nc_put_var_double(file_, id, values.data()), what.name);
 }
 
-void NetcdfFile::floats(const Quantity& what, const std::vector<Dimension>& dimensions,
-                        const std::vector<float>& values) {
+void NetcdfFile::times(const Quantity& what, const std::vector<Dimension>& dimensions,
+                       const std::vector<double>& unix_s) {
+  const int id = define(what, NC_DOUBLE, dimensions);
+  for (const auto& [name, value] :
+       {std::pair<const char*, std::string_view>{"units", "seconds since 1970-01-01 00:00:00"},
+        {"calendar", "standard"}})
+    if (status_.ok())
+      check(nc_put_att_text(file_, id, name, value.size(), value.data()), what.name);
+  if (status_.ok()) check(nc_put_var_double(file_, id, unix_s.data()), what.name);
+}
+
+NetcdfFile::Variable NetcdfFile::slabs(const Quantity& what,
+                                       const std::vector<Dimension>& dimensions) {
   const int id = define(what, NC_FLOAT, dimensions);
-  if (status_.ok()) check(nc_put_var_float(file_, id, values.data()), what.name);
+  std::vector<std::size_t> chunk;
+  for (const Dimension d : dimensions) {
+    std::size_t length = 0;
+    if (status_.ok()) check(nc_inq_dimlen(file_, d, &length), what.name);
+    chunk.push_back(chunk.empty() ? 1 : length);
+  }
+  if (status_.ok()) check(nc_def_var_chunking(file_, id, NC_CHUNKED, chunk.data()), what.name);
+  return {id, dimensions.size()};
+}
+
+void NetcdfFile::put(const Variable& to, std::size_t first, const std::vector<float>& values) {
+  if (!status_.ok()) return;
+  std::vector<std::size_t> start(to.dimensions, 0), count(to.dimensions, 1);
+  std::vector<int> dimension(to.dimensions);
+  check(nc_inq_vardimid(file_, to.id, dimension.data()), "put");
+  for (std::size_t i = 1; i < to.dimensions; ++i)
+    check(nc_inq_dimlen(file_, dimension[i], &count[i]), "put");
+  start[0] = first;
+  check(nc_put_vara_float(file_, to.id, start.data(), count.data(), values.data()), "put");
 }
 
 void NetcdfFile::counts(const Quantity& what, const std::vector<Dimension>& dimensions,

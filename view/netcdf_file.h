@@ -33,8 +33,17 @@ class NetcdfFile {
   // doubles and floats.
   void doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
                const std::vector<double>& values);
-  void floats(const Quantity& what, const std::vector<Dimension>& dimensions,
-              const std::vector<float>& values);
+  // Instants as seconds since 1970, which readers of CF turn into dates; NaN: none.
+  void times(const Quantity& what, const std::vector<Dimension>& dimensions,
+             const std::vector<double>& unix_s);
+  // Floats that are written piece by piece: put() has all values of one place of the first
+  // dimension.
+  struct Variable {
+    int id;
+    std::size_t dimensions;
+  };
+  [[nodiscard]] Variable slabs(const Quantity& what, const std::vector<Dimension>& dimensions);
+  void put(const Variable& to, std::size_t first, const std::vector<float>& values);
   void counts(const Quantity& what, const std::vector<Dimension>& dimensions,
               const std::vector<long long>& values);
   void strings(const Quantity& what, const std::vector<Dimension>& dimensions,

@@ -190,10 +190,11 @@ class Views(unittest.TestCase):
         irsig("export", self.db, "--format", "csv", "--out", text)
         with xarray.open_dataset(nc) as d, open(text) as f:
             values = d["intensity_w_sr"].values
-            self.assertEqual(values.shape, (40, 2, 2))
+            self.assertEqual(values.shape, (40, 2, 1, 2))
             rows = list(csv.DictReader(f))
             self.assertEqual([float(r["intensity_w_sr"]) for r in rows], values.ravel().tolist())
-            self.assertFalse(numpy.isnan(d["spectral_intensity_w_sr_um_lwir"].values).any())
+            spectrum = d["spectral_intensity_w_sr_um"] * d["in_band_weight_um"]
+            self.assertLess(float(abs(spectrum.sum("bin") / d["intensity_w_sr"] - 1).max()), 2e-3)
         irsig("export", self.db, "--format", "csv", "--out", self.path / "no" / "x.csv", expect=2)
 
     def test_spectral_library(self):

@@ -68,7 +68,7 @@ class Python(unittest.TestCase):
                                             & (at.aspect_elevation_deg == rows["aspect_elevation_deg"][i])).values.argmax()))
                 self.assertEqual(float(at.intensity_w_sr), rows["intensity_w_sr"][i])
                 self.assertEqual(str(at.time_utc.values)[:19] + "Z", rows["time_utc"][i])
-                spectrum = at.spectral_intensity_w_sr_um.dropna("lambda_um")
+                spectrum = at.spectral_intensity_w_sr_um.dropna("bin")
                 self.assertEqual(list(spectrum.lambda_um.values), list(spectra[i][0]))
                 self.assertEqual(list(spectrum.values), list(spectra[i][1]))
 

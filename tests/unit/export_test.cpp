@@ -58,32 +58,43 @@ TEST_F(Export, NetcdfOpensInXarray) {
 import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1])
 assert d.attrs["Conventions"] == "CF-1.10", d.attrs
-assert dict(d.sizes) == {"viewpoint": 191, "condition": 3, "band": 2, "part": 2,
-                         "lambda_um_mwir": 5, "lambda_um_lwir": 9}, d.sizes
+assert dict(d.sizes) == {"viewpoint": 191, "season": 3, "time_of_day": 1, "band": 2, "part": 2,
+                         "bin": 9, "edge": 2}, d.sizes
 assert list(d["season"].values) == ["winter", "spring", "summer"]
 assert list(d["band"].values) == ["mwir", "lwir"]
 i = d["intensity_w_sr"]
-assert i.dims == ("viewpoint", "condition", "band") and i.attrs["units"] == "W sr-1"
+assert i.dims == ("viewpoint", "season", "time_of_day", "band") and i.attrs["units"] == "W sr-1"
 assert i.attrs["long_name"] == "intensity"
 assert not np.isnan(i.values).any()
-assert d["row"].values[10, 2, 1] == )"
-         << s.row << "\nassert i.values[10, 2, 1] == " << s.intensity_w_sr
+assert d["row"].values[10, 2, 0, 1] == )"
+         << s.row << "\nassert i.values[10, 2, 0, 1] == " << s.intensity_w_sr
          << "\nassert d['aspect_azimuth_deg'].values[10] == " << s.aspect_azimuth_deg << R"(
-spectrum = d["spectral_intensity_w_sr_um_lwir"]
-assert spectrum.dims == ("viewpoint", "condition", "lambda_um_lwir")
+lwir = d.sel(band="lwir")
+spectrum = lwir["spectral_intensity_w_sr_um"]
+assert spectrum.dims == ("viewpoint", "season", "time_of_day", "bin")
 assert spectrum.attrs["units"] == "W sr-1 um-1"
-band = spectrum.integrate("lambda_um_lwir").values
-assert np.allclose(band, i.sel(band="lwir").values, rtol=1e-6)
+band = (spectrum * lwir["in_band_weight_um"]).sum("bin").values
+assert np.allclose(band, lwir["intensity_w_sr"].values, rtol=1e-6)
+mwir = d.sel(band="mwir")
+assert np.isfinite(mwir["lambda_um"].values).sum() == 5 and np.isnan(mwir["lambda_um"].values[5:]).all()
+assert np.isnan(mwir["spectral_intensity_w_sr_um"].values[..., 5:]).all()
+assert not np.isnan(mwir["spectral_intensity_w_sr_um"].values[..., :5]).any()
+bounds = lwir["lambda_bounds_um"].values
+assert (bounds[1:, 0] == bounds[:-1, 1]).all() and (bounds.mean(axis=1) == lwir["lambda_um"].values).all()
+summer = d.sel(season="summer", time_of_day="01:30:00Z")
+assert str(summer["time"].values)[:16] == "2025-06-21T01:30", summer["time"]
+assert float(summer["air_temperature_k"]) == 301.5 and float(d.sel(season="winter")["air_temperature_k"].values) == 280.5
+assert "wind_speed_m_s" not in d and str(summer["warning"].values) == "odd\nodder"
 assert np.allclose(d["part_intensity_w_sr"].sum("part"), i)
 c = d["contrast_intensity_w_sr"]
 assert c.values.min() < 0 < c.values.max() and c.attrs["units"] == "W sr-1"
 assert d["background_radiance_w_m2_sr"].attrs["units"] == "W m-2 sr-1"
-cs = d["contrast_spectral_intensity_w_sr_um_lwir"]
+cs = lwir["contrast_spectral_intensity_w_sr_um"]
 assert cs.attrs["units"] == "W sr-1 um-1"
-assert np.allclose(cs.integrate("lambda_um_lwir").values, c.sel(band="lwir").values, rtol=1e-5)
-assert np.allclose(d["path_transmittance_lwir"], 0.8) and np.allclose(d["path_transmittance"], 0.8)
-assert d["path_radiance_w_m2_sr_um_mwir"].attrs["units"] == "W m-2 sr-1 um-1"
-assert d["lambda_um_lwir"].attrs["units"] == "um"
+assert np.allclose((cs * lwir["in_band_weight_um"]).sum("bin"), lwir["contrast_intensity_w_sr"], rtol=1e-5)
+assert np.allclose(lwir["spectral_path_transmittance"], 0.8) and np.allclose(d["path_transmittance"], 0.8)
+assert d["path_radiance_w_m2_sr_um"].attrs["units"] == "W m-2 sr-1 um-1"
+assert d["lambda_um"].attrs["units"] == "um"
 for name, v in d.variables.items():
     assert "long_name" in v.attrs and len(v.attrs["long_name"]) > 2, name
 )";
@@ -99,25 +110,33 @@ TEST_F(Export, NetcdfOfAnUnfinishedSweepHasNan) {
 import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1])
 assert np.isnan(d["intensity_w_sr"].values).sum() == 1
-assert np.isnan(d["intensity_w_sr"].values[1, 0, 1]) and d["row"].values[1, 0, 1] == -1
-assert np.isnan(d["spectral_intensity_w_sr_um_lwir"].values[1, 0]).all()
-assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0])
+assert np.isnan(d["intensity_w_sr"].values[1, 0, 0, 1]) and d["row"].values[1, 0, 0, 1] == -1
+assert np.isnan(d["spectral_intensity_w_sr_um"].values[1, 0, 0, 1]).all()
+assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0, 0])
 )",
                    path("part.nc")),
             0);
 }
 
-TEST_F(Export, NetcdfNamesOfBandsAreMadePlain) {
+// One time of day of each season is an axis; a season with several dates has instants.
+TEST_F(Export, NetcdfOfSeasonsWithSeveralDates) {
   FakeStoreReader db = fake_database();
-  for (auto& s : db.signatures) s.band = s.band == "lwir" ? "8-12 um" : "8/12 um";
-  ASSERT_TRUE(export_file(db, {}, "netcdf", path("bands.nc")).ok());
+  for (auto& s : db.signatures)
+    if (s.season == "spring") {
+      s.season = "summer";
+      s.time_utc = "2025-06-22T01:30:00Z";
+    }
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("dates.nc")).ok());
   EXPECT_EQ(python(R"(
-import sys, xarray as xr
+import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1])
-assert "spectral_intensity_w_sr_um_8_12_um" in d and "spectral_intensity_w_sr_um_8_12_um_1" in d
-assert list(d["band"].values) == ["8/12 um", "8-12 um"]
+assert d.sizes["season"] == 2 and d.sizes["time_of_day"] == 3, d.sizes
+i = d["intensity_w_sr"].sel(band="lwir").isel(viewpoint=0)
+assert np.isnan(i.values).sum() == 3
+assert not np.isnan(i.sel(season="summer", time_of_day="2025-06-22T01:30:00Z"))
+assert np.isnat(d["time"].sel(season="winter", time_of_day="2025-06-22T01:30:00Z").values)
 )",
-                   path("bands.nc")),
+                   path("dates.nc")),
             0);
 }
 

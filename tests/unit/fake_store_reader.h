@@ -151,6 +151,22 @@ inline double box_ship_w_sr(Vec<Body> d) {
 // "lwir").
 inline FakeStoreReader fake_database(const FakeSweep& sweep = {}) {
   FakeStoreReader out;
+  schema::ResolvedSweep& stored = out.sweeps["box ship"].resolved;
+  for (const bool lwir : {false, true}) {
+    schema::Band& band = *stored.mutable_sweep()->add_band();
+    band.set_name(lwir ? "lwir" : "mwir");
+    band.set_lambda_min_um(lwir ? 8 : 3);
+    band.set_lambda_max_um(lwir ? 12 : 5);
+    band.set_step_um(0.5);
+  }
+  for (const FakeSeason& season : sweep.season) {
+    schema::Condition& condition = *stored.add_condition();
+    condition.set_season(season.name);
+    condition.set_time_utc(season.time_utc);
+    condition.set_air_temperature_k(season.name == "summer" ? 301.5 : 280.5);
+    if (season.name == "summer")
+      for (const char* warning : {"odd", "odder"}) condition.add_warning(warning);
+  }
   std::uint64_t row = 0;
   for (const Viewpoint& v : sweep.viewpoint) {
     const Vec<Body> d = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
