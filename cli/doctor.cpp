@@ -1,0 +1,66 @@
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bridge/job_runner.h"
+#include "cli/commands.h"
+#include "cli/output_options.h"
+#include "schema/store/examine.h"
+#include "view/table.h"
+
+namespace irsig {
+namespace {
+
+const char* name_of(StoreFinding::Kind kind) {
+  switch (kind) {
+    case StoreFinding::Kind::kDamaged:
+      return "damaged";
+    case StoreFinding::Kind::kMissing:
+      return "missing";
+    case StoreFinding::Kind::kOld:
+      return "old";
+  }
+  return "";
+}
+
+struct DoctorCommand {
+  explicit DoctorCommand(CLI::App& command) : output(command, {"text", "csv", "json"}) {
+    command.add_option("DB", database, "the database")->required();
+  }
+  OutputOptions output;
+  std::string database;
+
+  [[nodiscard]] absl::Status run() const {
+    const auto findings = examine(database, physics_version());
+    if (!findings.ok()) return findings.status();
+    const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
+      if (format == "text" && findings->empty()) {
+        out << database << ": nothing is damaged, missing or old\n";
+        return absl::OkStatus();
+      }
+      auto writer = make_table_writer(format, {{"kind"}, {"finding"}}, out);
+      if (!writer.ok()) return writer.status();
+      for (const StoreFinding& f : *findings)
+        (*writer)->row({std::string(name_of(f.kind)), f.what});
+      return (*writer)->finish();
+    });
+    if (!written.ok()) return written;
+    for (const StoreFinding& f : *findings)
+      if (f.kind == StoreFinding::Kind::kDamaged)
+        return absl::DataLossError(database + " is damaged");
+    return absl::OkStatus();
+  }
+};
+
+}  // namespace
+
+void add_doctor(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "doctor",
+      "Read all of a database and say what is damaged, missing or old: the file, references, "
+      "hashes, numbers, spectra, images, jobs. Exit code 1: damaged");
+  const auto options = std::make_shared<DoctorCommand>(*command);
+  command->callback([options, &exit_code] { exit_code = report(options->run()); });
+}
+
+}  // namespace irsig

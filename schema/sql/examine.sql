@@ -1,0 +1,33 @@
+-- What is damaged, missing or old in a database (schema/store/examine.cpp).
+
+-- name: integrity_check
+PRAGMA integrity_check(10);
+
+-- name: foreign_key_check
+SELECT "table", count(*) FROM pragma_foreign_key_check GROUP BY "table";
+
+-- name: assets
+SELECT sha256, bytes FROM asset;
+
+-- Causes of an intensity add up to it: they were summed in another order.
+-- name: count_sums_of_causes
+SELECT count(*) FROM signature
+WHERE abs(emitted_w_sr + sun_reflected_w_sr + sky_reflected_w_sr + sea_reflected_w_sr + parts_reflected_w_sr - intensity_w_sr)
+      > 1e-9 * (abs(emitted_w_sr) + abs(sun_reflected_w_sr) + abs(sky_reflected_w_sr) + abs(sea_reflected_w_sr)
+                + abs(parts_reflected_w_sr) + abs(intensity_w_sr));
+
+-- name: signature_rows
+SELECT signature_id, f.sweep, f.row FROM signature_view f WHERE superseded = 0 ORDER BY signature_id;
+
+-- A sweep's jobs, and rows that its lists ask for and that are stored.
+-- name: coverage
+SELECT w.name, v.jobs, v.waiting + v.leased, v.quarantined, v.cancelled, w.viewpoints * w.conditions * w.bands,
+       (SELECT count(*) FROM signature s JOIN job j USING (job_id) JOIN condition c USING (condition_id) JOIN band b USING (band_id)
+        WHERE j.sweep_id = w.sweep_id AND j.superseded = 0 AND c.superseded = 0 AND b.superseded = 0),
+       (SELECT count(*) FROM job j WHERE j.sweep_id = w.sweep_id AND j.superseded = 1)
+FROM sweep w JOIN sweep_view v USING (sweep_id) ORDER BY w.name;
+
+-- name: physics_versions
+SELECT w.name, p.physics_version, count(*)
+FROM provenance p JOIN job j USING (job_id) JOIN sweep w USING (sweep_id)
+WHERE j.superseded = 0 GROUP BY w.name, p.physics_version ORDER BY w.name, p.physics_version;
