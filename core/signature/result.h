@@ -11,8 +11,8 @@
 namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
-// same request.
-inline constexpr int kPhysicsVersion = 9;
+// same request. 10: computed temperatures, whose exchange and repeated day are settled together.
+inline constexpr int kPhysicsVersion = 10;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {

@@ -10,8 +10,8 @@
 #include "core/base/constants.h"
 #include "core/thermal/conduction_grid.h"
 #include "core/thermal/heat_request_check.h"
-#include "core/thermal/heat_steps.h"
 #include "core/thermal/periodic_day.h"
+#include "core/thermal/wall_walk.h"
 
 namespace irsig {
 namespace {
@@ -19,51 +19,8 @@ namespace {
 // Elements that are computed together: their temperatures stay in the processor's cache, and the
 // elimination of a step, which is common to them, costs little of each.
 constexpr std::size_t kGroup = 512;
-// Steps of an interval at level 0: its length in units of this, the square root of it many, and the
-// first halved until it is no longer than the unit: what changes at a knot at once fades like the
-// square root of time.
-constexpr double kFirstStepS = 60;
 // Of rounding and of Newton's method, see kLastStepK.
 constexpr double kArithmeticErrorK = 1e-6;
-
-// Where nothing jumps, steps are equal and at most this.
-constexpr double kSmoothStepS = 300;
-
-std::vector<double> interval_steps(double length_s, bool smooth, int level) {
-  const double count =
-      std::ceil(smooth ? length_s / kSmoothStepS : std::sqrt(length_s / kFirstStepS));
-  std::vector<double> step(static_cast<std::size_t>(count), length_s / count);
-  while (!smooth && step.front() > kFirstStepS) {
-    step.front() /= 2;
-    step.insert(step.begin(), step.front());
-  }
-  for (int i = 0; i < level; ++i) {
-    std::vector<double> half;
-    for (const double s : step) half.insert(half.end(), 2, s / 2);
-    // The very first is cut further: what begins at once is not smooth there.
-    for (int k = 0; k < 2 && !smooth; ++k) {
-      half.front() /= 2;
-      half.insert(half.begin(), half.front());
-    }
-    step = std::move(half);
-  }
-  return step;
-}
-
-HeatInterval heat_interval(const ConductionGrid& grid, double length_s, bool smooth, int level) {
-  HeatInterval out;
-  double time_s = 0, last_s = 0;
-  for (const double step_s : interval_steps(length_s, smooth, level)) {
-    // Steps only grow, by factors of two: few lengths are different.
-    if (step_s != last_s) out.elimination.emplace_back(grid, step_s);
-    last_s = step_s;
-    const double end_s = time_s + step_s;
-    out.step.push_back({out.elimination.size() - 1, time_s / length_s,
-                        (time_s + kMiddleOfStep * step_s) / length_s, end_s / length_s});
-    time_s = end_s;
-  }
-  return out;
-}
 
 bool is_smooth(const HeatRequest& request, std::size_t knot) {
   return !request.smooth.empty() && request.smooth[knot];
@@ -71,95 +28,11 @@ bool is_smooth(const HeatRequest& request, std::size_t knot) {
 
 double shortest_step_s(const HeatRequest& request) {
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < request.knot_s.size(); ++i) {
-    shortest = std::min(shortest, interval_steps(request.knot_s[i + 1] - request.knot_s[i],
-                                                 is_smooth(request, i), 0)
-                                      .front());
-  }
+  for (std::size_t i = 0; i + 1 < request.knot_s.size(); ++i)
+    shortest = std::min(
+        shortest, first_step_s(request.knot_s[i + 1] - request.knot_s[i], is_smooth(request, i)));
   return shortest;
 }
-
-// An exposure's arrays, and what must stand in them.
-class ExposureTable {
- public:
-  ExposureTable(std::size_t elements, InnerSide inner)
-      : elements_(elements), inner_(inner), value_(kColumns * elements) {}
-
-  absl::Status fill(std::size_t interval, std::span<const std::uint32_t> element,
-                    const ExposureOf& exposure_of) {
-    std::ranges::fill(value_, std::numeric_limits<double>::quiet_NaN());
-    const auto face = [&](std::size_t k) {
-      return FaceExposure{column(k), column(k + 1), column(k + 2), column(k + 3)};
-    };
-    exposure_of(interval, element, {face(0), face(4), face(8), face(12)});
-    for (std::size_t k = 0; k < kColumns; ++k) {
-      if (k >= 8 && !uses(k % 4)) continue;
-      const auto& [name, low, high] = kRange[k % 4];
-      for (std::size_t e = 0; e < elements_; ++e) {
-        const double value = column(k)[e];
-        if (!(value >= low && value <= high)) {
-          return wrong_number(
-              absl::StrCat("interval ", interval, ", element ", element[e], ", ",
-                           k < 8 ? "outer " : "inner ", k / 4 % 2 == 0 ? "begin: " : "end: ", name),
-              value, absl::StrCat(low, " to ", high));
-        }
-      }
-    }
-    return absl::OkStatus();
-  }
-
-  // face 0: outer, 1: inner. Absent elements of the last lanes are the last element's copies.
-  void load(std::size_t face, std::size_t first, std::span<const double> emissivity,
-            HeatFace& out) {
-    for (std::size_t j = 0; j < kHeatLanes; ++j) {
-      const std::size_t e = std::min(first + j, elements_ - 1);
-      const auto at = [&](std::size_t end, std::size_t k) {
-        return face == 0 || uses(k) ? value_[(8 * face + 4 * end + k) * elements_ + e] : 0.0;
-      };
-      const auto vary = [&](HeatFace::Varying& varying, double begin, double end) {
-        varying.begin[j] = begin;
-        varying.change[j] = end - begin;
-      };
-      vary(out.gain_w_m2, at(0, 0) + emissivity[e] * at(0, 1), at(1, 0) + emissivity[e] * at(1, 1));
-      vary(out.fluid_k, at(0, 2), at(1, 2));
-      vary(out.forced_w_m2_k, at(0, 3), at(1, 3));
-    }
-  }
-
- private:
-  struct Range {
-    const char* name;
-    double low, high;
-  };
-  static constexpr std::array<Range, 4> kRange{{{"absorbed_w_m2", -1e9, 1e9},
-                                                {"incoming_w_m2", 0, 1e9},
-                                                {"fluid_k", 1e-9, 1e5},
-                                                {"forced_h_w_m2_k", 0, 1e9}}};
-  static constexpr std::size_t kColumns = 16;
-
-  [[nodiscard]] std::span<double> column(std::size_t k) {
-    return std::span(value_).subspan(k * elements_, elements_);
-  }
-  [[nodiscard]] bool uses(std::size_t k) const {  // by the inner face
-    switch (inner_) {
-      case InnerSide::kAdiabatic:
-        return false;
-      case InnerSide::kHeatFlux:
-        return k == 0;
-      case InnerSide::kAir:
-        return k >= 2;
-      case InnerSide::kFixedTemperature:
-        return k == 2;
-      case InnerSide::kOpen:
-        return true;
-    }
-    return true;
-  }
-
-  std::size_t elements_;
-  InnerSide inner_;
-  std::vector<double> value_;
-};
 
 // Temperatures of some elements at one level. [node x elements + element]
 struct Field {
@@ -202,6 +75,7 @@ class LevelRun {
   LevelRun(const HeatRequest& request, const ExposureOf& exposure_of, double shortest_s, int level)
       : request_(request),
         exposure_of_(exposure_of),
+        shortest_s_(shortest_s),
         level_(level),
         grid_(make_grid(request.layers, shortest_s, level)) {}
 
@@ -223,69 +97,42 @@ class LevelRun {
   }
 
   // From knot `first` to knot `last`; at every knot on the way, the first included, at_knot(knot,
-  // field). Adds to closure_w_m2, [element].
+  // walk). Adds to closure_w_m2, [element].
   template <typename AtKnot>
   absl::Status advance(std::span<const std::uint32_t> element, std::size_t first, std::size_t last,
                        Field& field, std::vector<double>& closure_w_m2, const AtKnot& at_knot) {
-    const std::size_t n = element.size();
-    ExposureTable table(n, request_.inner_side);
-    std::vector<double> outer_emissivity, inner_emissivity;
+    const std::size_t n = element.size(), nodes = field.nodes();
+    std::vector<FaceProperties> outer, inner;
     for (const std::uint32_t e : element) {
-      outer_emissivity.push_back(request_.outer[e].emissivity);
-      inner_emissivity.push_back(request_.inner.empty() ? 0 : request_.inner[e].emissivity);
+      outer.push_back(request_.outer[e]);
+      if (!request_.inner.empty()) inner.push_back(request_.inner[e]);
     }
-    HeatLanes lanes;
-    lanes.inner_fixed = request_.inner_side == InnerSide::kFixedTemperature;
-    lanes.t.resize(grid_.last() + 1);
-    lanes.t_other = lanes.inside = lanes.t;
-    at_knot(first, field);
+    WallWalk walk(request_.layers, request_.inner_side, shortest_s_, level_,
+                  {element.begin(), element.end()}, outer, inner);
+    for (std::size_t i = 0; i < nodes; ++i)
+      for (std::size_t e = 0; e < n; ++e) walk.kelvin(i, e) = field.t[i * n + e];
+    at_knot(first, walk);
     for (std::size_t k = first; k < last; ++k) {
-      if (absl::Status s = table.fill(k, element, exposure_of_); !s.ok()) return s;
-      const double length_s = request_.knot_s[k + 1] - request_.knot_s[k];
-      const bool smooth = is_smooth(request_, k);
-      if (length_s != interval_s_ || smooth != interval_smooth_) {
-        interval_ = heat_interval(grid_, length_s, smooth, level_);
-        interval_s_ = length_s;
-        interval_smooth_ = smooth;
-      }
-      for (std::size_t e = 0; e < n; e += kHeatLanes) {
-        const std::size_t count = std::min(kHeatLanes, n - e);
-        table.load(0, e, outer_emissivity, lanes.outer);
-        table.load(1, e, inner_emissivity, lanes.inner);
-        for (std::size_t j = 0; j < kHeatLanes; ++j) {
-          const std::size_t from = std::min(e + j, n - 1);
-          load_properties(request_.outer[element[from]], j, lanes.outer);
-          load_properties(request_.inner.empty() ? FaceProperties{} : request_.inner[element[from]],
-                          j, lanes.inner);
-          for (std::size_t i = 0; i < lanes.t.size(); ++i) lanes.t[i][j] = field.t[i * n + from];
-          lanes.closure_w_m2[j] = closure_w_m2[from];
-        }
-        irsig::advance(grid_, interval_, lanes);
-        for (std::size_t j = 0; j < count; ++j) {
-          for (std::size_t i = 0; i < lanes.t.size(); ++i) field.t[i * n + e + j] = lanes.t[i][j];
-          closure_w_m2[e + j] = lanes.closure_w_m2[j];
-        }
-      }
-      at_knot(k + 1, field);
+      exposure_of_(k, element, walk.exposure());
+      if (absl::Status s =
+              walk.advance(k, request_.knot_s[k + 1] - request_.knot_s[k], is_smooth(request_, k));
+          !s.ok())
+        return s;
+      at_knot(k + 1, walk);
     }
+    for (std::size_t i = 0; i < nodes; ++i)
+      for (std::size_t e = 0; e < n; ++e) field.t[i * n + e] = walk.kelvin(i, e);
+    for (std::size_t e = 0; e < n; ++e)
+      closure_w_m2[e] = std::max(closure_w_m2[e], walk.closure_w_m2(e));
     return absl::OkStatus();
   }
 
  private:
-  static void load_properties(const FaceProperties& face, std::size_t j, HeatFace& out) {
-    out.emission_w_m2_k4[j] = face.emissivity * kStefanBoltzmannWM2K4;
-    out.natural_warm[j] = face.convection.natural_warm;
-    out.natural_cold[j] = face.convection.natural_cold;
-    out.mixing[j] = face.convection.mixing;
-  }
-
   const HeatRequest& request_;
   const ExposureOf& exposure_of_;
+  double shortest_s_;
   int level_;
   ConductionGrid grid_;
-  double interval_s_ = 0;
-  bool interval_smooth_ = false;
-  HeatInterval interval_;
 };
 
 // Repeats the first day from `field` until it returns to where it began, for each element by
@@ -305,7 +152,7 @@ absl::Status repeat_day(LevelRun& run, const PeriodicStart& start,
     for (const std::size_t e : open) part_element.push_back(element[e]);
     std::vector<double> closure(open.size(), 0);
     if (absl::Status s = run.advance(part_element, 0, start.intervals, part, closure,
-                                     [](std::size_t, const Field&) {});
+                                     [](std::size_t, const WallWalk&) {});
         !s.ok()) {
       return s;
     }
@@ -477,13 +324,11 @@ class GroupSolver {
     out.closure_w_m2.assign(n, 0);
     out.output.reserve(request_.output_knot.size() * nodes() * n);
     std::size_t next = 0;
-    const auto note = [&](std::size_t knot, const Field& at) {
+    const auto note = [&](std::size_t knot, const WallWalk& at) {
       if (next == request_.output_knot.size() || request_.output_knot[next] != knot) return;
       ++next;
-      for (std::size_t i = 0; i < nodes(); ++i) {
-        const auto row = at.t.begin() + static_cast<std::ptrdiff_t>((i << level) * n);
-        out.output.insert(out.output.end(), row, row + static_cast<std::ptrdiff_t>(n));
-      }
+      for (std::size_t i = 0; i < nodes(); ++i)
+        for (std::size_t e = 0; e < n; ++e) out.output.push_back(at.kelvin(i << level, e));
     };
     const std::size_t last = request_.output_knot.empty() ? 0 : request_.output_knot.back();
     return run.advance(element, 0, last, field, out.closure_w_m2, note);

@@ -169,6 +169,70 @@ TEST(SceneHeat, APlateBetweenSkyAndAirHasTheTemperatureOfItsBalance) {
   }
 }
 
+// Rationale: walls of a scene go from knot to knot all together, those that need it once more with
+// finer cells and steps. Expected: what solve_heat finds for one of them alone, to the tolerance
+// asked of both, where light jumps every hour and paint of 0.2 mm follows within minutes.
+TEST(SceneHeat, WallsAreThoseOfTheSolverOfOneWall) {
+  const Target target = target_of(generated("disk", 8), {part("disk")});
+  SceneHeatRequest r = steady(290, 300, 25);
+  for (std::size_t k = 0; k < r.weather.size(); ++k) {
+    HeatWeather& w = r.weather[k];
+    const auto light = [](std::size_t hour) { return hour % 24 / 3 % 2 == 0 ? 0.0 : 700.0; };
+    w.wind_m_s = 2;
+    w.before = {0, light(k + 23), 300};
+    w.after = {0, light(k), 300};
+  }
+  r.output_knot.clear();
+  for (std::size_t k = 0; k < 25; k += 2) r.output_knot.push_back(k);
+  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
+  r.part = {{0.7, 0.9, 0u, 0}};
+  WallBuildUp wall = steel(InnerSide::kAir);
+  wall.layers = {{2e-4, 0.2, 1200, 1400}, {0.05, 0.04, 50, 1030}, {0.002, 50, 7800, 450}};
+  wall.inner_k = 294;
+  wall.inner_h_w_m2_k = 8;
+  r.build_up = {wall};
+  r.tolerance_k = 2e-3;
+  const auto scene = solve_scene_heat(target, r);
+  ASSERT_TRUE(scene.ok()) << scene.status();
+
+  HeatRequest alone;
+  alone.layers = wall.layers;
+  alone.inner_side = wall.inner_side;
+  alone.knot_s = r.knot_s;
+  Convection air = tarp_natural(0);
+  air.mixing = 0;
+  alone.outer = {{0.9, air}};
+  alone.start = PeriodicStart{290, 24, 1e-4, 60};
+  alone.output_knot = r.output_knot;
+  alone.output_boundary = {0};
+  alone.accuracy = {1e-4, 6};
+  const double incoming = 0.5 * (300 + kStefanBoltzmannWM2K4 * std::pow(290, 4)),
+               wind = 3.26 * std::pow(2, 0.89);
+  const auto exposure = [&](std::size_t k, std::span<const std::uint32_t>, const Exposure& to) {
+    const auto set = [&](const FaceExposure& at, double diffuse) {
+      at.absorbed_w_m2[0] = 0.7 * 0.5 * diffuse;
+      at.incoming_w_m2[0] = incoming;
+      at.fluid_k[0] = 290;
+      at.forced_h_w_m2_k[0] = wind;
+    };
+    set(to.outer_begin, r.weather[k].after.diffuse_horizontal_w_m2);
+    set(to.outer_end, r.weather[k + 1].before.diffuse_horizontal_w_m2);
+    for (const FaceExposure& at : {to.inner_begin, to.inner_end}) {
+      at.fluid_k[0] = 294;
+      at.forced_h_w_m2_k[0] = 8;
+    }
+  };
+  const auto exact = solve_heat(alone, exposure);
+  ASSERT_TRUE(exact.ok()) << exact.status();
+  ASSERT_GT(target.facet[0].nx, 0.99) << "the wind comes from there";
+  for (std::size_t o = 0; o < r.output_knot.size(); ++o) {
+    const double off = std::abs(static_cast<double>(scene->kelvin[o][0]) -
+                                exact->temperature_k[exact->at(o, 0, 0)]);
+    EXPECT_LT(off, 2e-3) << o;
+    EXPECT_LT(off, static_cast<double>(scene->error_k[o][0])) << o;
+  }
+}
+
 // A hollow box, seen from inside: its facets are turned round.
 Mesh hollow_box() {
   Mesh mesh = generated("box", 192, 0, 2, 1, 1);
@@ -313,6 +377,20 @@ TEST(SceneHeat, ErrorsCoverAFinerComputation) {
   // Not by being afraid, though what differs inside facets is in it and not in what is compared.
   EXPECT_LT(stated[middle], 15 * true_k[middle]);
   EXPECT_LT(stated[middle], 0.4);
+}
+
+// Rationale: nothing tells a wrong acceleration but the passes that it takes.
+// Expected: exchange and repeated day settle together, in both computations, in some ten passes
+// over the day; one after the other they would take five times as many.
+TEST(SceneHeat, ExchangeAndDaySettleTogether) {
+  const Target target = courtyard();
+  SceneHeatRequest r = clear_day(1800);
+  r.exchange_tolerance_k = 2e-3;
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  std::printf("%d passes, %.5f K left\n", result->exchange_rounds, result->exchange_left_k);
+  EXPECT_LE(result->exchange_rounds, 16);
+  EXPECT_LE(result->exchange_left_k, 0.01);
 }
 
 // Rationale: temperatures belong to the facets, not to the axes.

@@ -70,22 +70,21 @@ struct SceneHeatRequest {
   std::uint32_t rays = 256;              // of each face to its surroundings
   std::uint32_t sun_points = 16;         // of each face, for every place of the sun
   std::uint64_t seed = 1;
-  double tolerance_k = 0.01;           // of conduction (HeatAccuracy)
-  double exchange_tolerance_k = 0.02;  // between two rounds of exchange
+  double tolerance_k = 0.01;           // of conduction
+  double exchange_tolerance_k = 0.02;  // half of it may be left by the last pass
 };
 
 struct SceneHeatResult {
   // [output][facet] of its front. Of facets with a stated temperature, and of degenerate ones: not
   // a number.
   std::vector<std::vector<float>> kelvin, error_k;
-  int exchange_rounds = 0;
-  double exchange_left_k = 0;  // what another round would change at most
+  int exchange_rounds = 0;     // passes over the knots, of both computations
+  double exchange_left_k = 0;  // what another pass would change at most
   double closure_w_m2 = 0;     // of all walls (HeatResult)
 };
 
 // Two computations: of all knots, and of every second one with half the rays and other points.
-// error_k is the sum of what conduction is not sure of; what further rounds of exchange would
-// change; the difference of the two computations (or its root mean square over the three hours
+// error_k is the sum of what conduction is not sure of; what further passes would change; the difference of the two computations (or its root mean square over the three hours
 // around, if larger: one difference may be small by luck); how much places of a facet differ that
 // the sun does not reach alike, and the neighbours in its plane (difference / sqrt(2)): its
 // temperature is not that of all of it; and, of sheets, half of what their two faces differ. An

@@ -1,0 +1,243 @@
+#include "core/thermal/scene/scene_exposure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/constants.h"
+#include "core/thermal/scene/sun_visibility.h"
+
+namespace irsig {
+namespace {
+
+// Natural convection of water at large faces, Nu = 0.13 Ra^(1/3) at 15 deg C: expansion 1.5e-4 / K,
+// viscosity 1.19e-6, diffusivity 1.4e-7 m2/s, 0.6 W/(m K).
+constexpr Convection kStillWater{160, 160, 1};
+
+double power4(double t) { return t * t * t * t; }
+
+// Of a wall from its outer face, as deep as heat diffuses in a time; an insulation ends it.
+double heat_capacity_reached(const std::vector<Layer>& layers, double time_s) {
+  double left = std::sqrt(time_s / std::numbers::pi), out = 0;  // depth over root of diffusivity
+  for (const Layer& layer : layers) {
+    const double capacity = layer.density_kg_m3 * layer.specific_heat_j_kg_k;
+    if (layer.conductivity_w_m_k == 0) break;
+    if (capacity == 0) continue;
+    const double per_m = std::sqrt(capacity / layer.conductivity_w_m_k),
+                 depth = std::min(layer.thickness_m, left / per_m);
+    out += capacity * depth;
+    left -= depth * per_m;
+    if (left <= 0) break;
+  }
+  return std::max(out, 1.0);
+}
+
+std::vector<bool> covered_faces(const Target& target, const ThermalFaces& faces, double surface_z_m,
+                                double touching_m) {
+  std::vector<bool> out;
+  for (std::uint32_t face = 0; face < faces.size(); ++face) {
+    // What stands on the surface is covered from below; what lies on it, like a road, is not.
+    const double below_m = faces.centroid_z_m[face] - surface_z_m;
+    out.push_back(below_m > touching_m ||
+                  (below_m > -touching_m && normal_of(target, faces, face).z > 0.5f));
+  }
+  return out;
+}
+
+double cosine_between(FaceNormal n, Vec<Body> direction) {
+  return static_cast<double>(n.x) * direction.x + static_cast<double>(n.y) * direction.y +
+         static_cast<double>(n.z) * direction.z;
+}
+
+// Of a face of which some places have all and the others nothing.
+double root_of_parts(double mean, double all) {
+  return std::sqrt(std::max(0.0, mean * (all - mean)));
+}
+
+std::uint64_t mix(std::uint64_t seed, std::size_t knot) {
+  return seed * 0x9e3779b97f4a7c15ULL + knot + 1;
+}
+
+std::vector<double> emissivities(const SceneHeatRequest& request, const Target& target,
+                                 const ThermalFaces& faces, const std::vector<bool>& covered) {
+  std::vector<double> out;
+  // Under a surface nothing shines; ground there is as warm as the ground.
+  for (std::uint32_t face = 0; face < faces.size(); ++face)
+    out.push_back(covered[face] && request.beneath.water
+                      ? 0.0
+                      : request.part[target.facet[faces.facet[face]].part].emissivity);
+  return out;
+}
+
+}  // namespace
+
+double SceneExposure::touching_m() const { return 1e-5 * target_.radius_m; }
+double SceneExposure::surface_z_m() const { return request_.beneath.surface_z_m + touching_m(); }
+
+SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
+                             const SceneHeatRequest& request, SceneKnots knots)
+    : target_(target),
+      faces_(faces),
+      request_(request),
+      knots_(std::move(knots)),
+      covered_(covered_faces(target, faces, request.beneath.surface_z_m, touching_m())),
+      emissivity_(emissivities(request, target, faces, covered_)),
+      factors_(exchange_factors(
+          target, faces, {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = surface_z_m()})),
+      long_wave_(factors_, emissivity_, covered_),
+      own_(faces.size()),
+      emitted_(faces.size()) {
+  for (std::size_t k = 0; k < this->knots(); ++k) {
+    windward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kWindward));
+    leeward_w_m2_k_.push_back(mowitt_forced_w_m2_k(weather(k).wind_m_s, WindSide::kLeeward));
+  }
+  const Beneath& b = request_.beneath;
+  if (b.water)
+    in_water_w_m2_k_ =
+        plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s, 2 * target_.radius_m);
+  light();
+}
+
+// Sunlight absorbed per direct normal irradiance at every knot, and per diffuse horizontal one at
+// any; what faces reflect to each other included.
+void SceneExposure::light() {
+  const std::size_t faces = faces_.size();
+  direct_.assign(knots() * faces, 0.0f);
+  uneven_.assign(knots() * faces, 0.0f);
+  std::vector<float> lit(faces);
+  std::vector<double> own(faces), total(faces), kept(faces), nothing(faces);
+  for (std::uint32_t i = 0; i < faces; ++i) kept[i] = part_of(i).solar_absorptance;
+  Radiosity sunlight(factors_, kept, covered_);
+  const auto from_below = [&](std::size_t i) {
+    return request_.beneath.solar_albedo * static_cast<double>(factors_.lower[i]);
+  };
+  const auto gathered = [&](const auto& store) {
+    total = own;
+    sunlight.solve(own, nothing, 1e-6, total);
+    for (std::size_t i = 0; i < faces; ++i) store(i, static_cast<float>(kept[i] * total[i]));
+  };
+  // What is not exposed is not lit.
+  const auto of_exposed = [&](std::size_t i) {
+    return factors_.exposed[i] > 0
+               ? static_cast<double>(std::min(lit[i] / factors_.exposed[i], 1.0f))
+               : 0.0;
+  };
+  for (std::size_t i = 0; i < faces; ++i)
+    own[i] = covered_[i] ? 0 : static_cast<double>(factors_.sky[i]) + from_below(i);
+  diffuse_.resize(faces);
+  gathered([&](std::size_t i, float value) { diffuse_[i] = value; });
+  for (std::size_t k = 0; k < knots(); ++k) {
+    const HeatWeather& w = weather(k);
+    if (w.sun.z >= 0 || std::max(w.before.direct_normal_w_m2, w.after.direct_normal_w_m2) <= 0)
+      continue;
+    sun_visibility(target_, faces_, {w.sun, w.sun_radius_rad},
+                   {.points = knots_.sun_points,
+                    .seed = mix(knots_.seed, of_request(k)),
+                    .surface_z_m = surface_z_m()},
+                   lit);
+    for (std::size_t i = 0; i < faces; ++i) {
+      own[i] = covered_[i] ? 0 : of_exposed(i) - w.sun.z * from_below(i);
+      if (lit[i] > 0 && !covered_[i])
+        uneven_[k * faces + i] = static_cast<float>(
+            kept[i] *
+            root_of_parts(
+                of_exposed(i),
+                cosine_between(normal_of(target_, faces_, static_cast<std::uint32_t>(i)), w.sun)));
+    }
+    gathered([&](std::size_t i, float value) { direct_[k * faces + i] = value; });
+  }
+}
+
+void SceneExposure::long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
+                              std::span<double> incoming_w_m2) {
+  const Beneath& b = request_.beneath;
+  const double sky = 0.5 * (weather(k).before.sky_w_m2 + weather(k).after.sky_w_m2),
+               ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
+               below = b.emissivity * ground + (1 - b.emissivity) * sky;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    own_[i] = covered_[i] ? (b.water ? 0 : ground)
+                          : static_cast<double>(factors_.sky[i]) * sky +
+                                static_cast<double>(factors_.lower[i]) * below;
+    emitted_[i] = emissivity_[i] * kStefanBoltzmannWM2K4 * power4(static_cast<double>(kelvin[i]));
+  }
+  long_wave_.solve(own_, emitted_, tolerance_w_m2, incoming_w_m2);
+}
+
+FaceProperties SceneExposure::properties(std::uint32_t face) const {
+  if (covered_[face])
+    return {emissivity_[face], request_.beneath.water ? kStillWater : kForcedOnly};
+  Convection air =
+      tarp_natural(-static_cast<double>(normal_of(target_, faces_, face).z));  // z is down
+  air.mixing = 0;  // with forced parts by MoWiTT: root of the sum of squares, as in DOE-2
+  return {emissivity_[face], air};
+}
+
+void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32_t> face,
+                           const FaceExposure& to) const {
+  const HeatWeather& w = weather(k);
+  const HeatRadiation& light = side == Side::kAfter ? w.after : w.before;
+  const float* direct = direct_.data() + k * faces_.size();
+  for (std::size_t at = 0; at < face.size(); ++at) {
+    const std::uint32_t f = face[at];
+    to.absorbed_w_m2[at] = light.direct_normal_w_m2 * static_cast<double>(direct[f]) +
+                           light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[f]);
+    if (covered_[f]) {
+      to.fluid_k[at] = request_.beneath.temperature_k;
+      to.forced_h_w_m2_k[at] = in_water_w_m2_k_;
+      continue;
+    }
+    to.fluid_k[at] = w.air_k;
+    const FaceNormal n = normal_of(target_, faces_, f);
+    const double towards =
+        static_cast<double>(n.x) * w.wind_from.x + static_cast<double>(n.y) * w.wind_from.y;
+    to.forced_h_w_m2_k[at] = towards > -1e-6 ? windward_w_m2_k_[k] : leeward_w_m2_k_[k];
+  }
+}
+
+std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
+                                            std::span<const float> kelvin) const {
+  std::vector<double> out(knots(), 0.0);
+  const std::uint32_t back = faces_.back_of_facet[facet];
+  const auto heat_w_m2 = [&](std::size_t k) {
+    const auto of = [&](std::uint32_t face) {
+      return static_cast<double>(uneven_[k * faces_.size() + face]);
+    };
+    return std::max(weather(k).before.direct_normal_w_m2, weather(k).after.direct_normal_w_m2) *
+           (of(facet) + (back == ThermalFaces::kNone ? 0 : of(back)));
+  };
+  bool any = false;
+  for (std::size_t k = 0; k < knots(); ++k) any |= heat_w_m2(k) > 0;
+  if (!any) return out;
+  const WallBuildUp& wall = request_.build_up[*part_of(facet).build_up];
+  for (const double reach_s : {3600.0, 86400.0}) {
+    const double stored_j_m2_k = heat_capacity_reached(wall.layers, reach_s);
+    double now_k = 0;
+    const auto go_on = [&](std::size_t k) {
+      const double t = static_cast<double>(kelvin[k]),
+                   loss_w_m2_k = std::max(
+                       1.0, std::min(windward_w_m2_k_[k], leeward_w_m2_k_[k]) +
+                                4 * emissivity_[facet] * kStefanBoltzmannWM2K4 * t * t * t);
+      const double fades = std::exp(-(knot_s(k) - knot_s(k - 1)) * loss_w_m2_k / stored_j_m2_k);
+      now_k = fades * now_k + (1 - fades) * std::max(heat_w_m2(k), heat_w_m2(k - 1)) / loss_w_m2_k;
+    };
+    // A day that has repeated for ever, by its second time.
+    for (std::size_t k = 1; k <= knots_.day_intervals; ++k) go_on(k);
+    out[0] = std::max(out[0], now_k);
+    for (std::size_t k = 1; k < knots(); ++k) {
+      go_on(k);
+      out[k] = std::max(out[k], now_k);
+    }
+  }
+  return out;
+}
+
+bool SceneExposure::is_smooth(std::size_t k) const {
+  constexpr double kJumpWM2 = 1;
+  const auto near = [](double a, double b) { return std::abs(a - b) < kJumpWM2; };
+  const HeatRadiation &before = weather(k).before, &after = weather(k).after;
+  return k > 0 && near(before.direct_normal_w_m2, after.direct_normal_w_m2) &&
+         near(before.diffuse_horizontal_w_m2, after.diffuse_horizontal_w_m2) &&
+         near(before.sky_w_m2, after.sky_w_m2);
+}
+
+}  // namespace irsig

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/thermal/scene/radiosity.h"
+#include "core/thermal/scene/scene_heat.h"
+#include "core/thermal/scene/thermal_faces.h"
+
+namespace irsig {
+
+// Which of a request's knots a computation has, and with how many rays.
+struct SceneKnots {
+  std::vector<std::size_t> of_request;
+  std::size_t day_intervals;
+  std::uint32_t rays, sun_points;
+  std::uint64_t seed;
+};
+
+// What all faces are exposed to at all knots of a computation. Private to core/thermal/scene.
+class SceneExposure {
+ public:
+  // All of them are kept by the caller. Traces what exchange and sunlight need.
+  SceneExposure(const Target& target, const ThermalFaces& faces, const SceneHeatRequest& request,
+                SceneKnots knots);
+
+  [[nodiscard]] const ThermalFaces& faces() const { return faces_; }
+  [[nodiscard]] std::size_t knots() const { return knots_.of_request.size(); }
+  [[nodiscard]] std::size_t day_intervals() const { return knots_.day_intervals; }
+  [[nodiscard]] double knot_s(std::size_t k) const { return request_.knot_s[of_request(k)]; }
+  [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
+    return request_.weather[of_request(k)];
+  }
+  // Whether the radiation after a knot goes on from that before.
+  [[nodiscard]] bool is_smooth(std::size_t k) const;
+  [[nodiscard]] const HeatPart& part_of(std::uint32_t face) const {
+    return request_.part[target_.facet[faces_.facet[face]].part];
+  }
+  [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
+  // Whether faces send anything to each other.
+  [[nodiscard]] bool exchanges() const { return !factors_.to.empty(); }
+
+  // Long-wave irradiance of every face at a knot when they are so warm; `incoming_w_m2` comes with
+  // a guess. All [face].
+  void long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
+                 std::span<double> incoming_w_m2);
+
+  // At the begin of the interval after a knot, or at the end of the one before.
+  enum class Side { kAfter, kBefore };
+  // Of some faces, but for their long-wave irradiance. [face of the list]
+  void expose(std::size_t k, Side side, std::span<const std::uint32_t> face,
+              const FaceExposure& to) const;
+
+  // How much places of a facet differ from its temperature because the sun does not reach all of
+  // them, root mean square, at every knot: what their sunlight differs by warms as much of the wall
+  // as an hour reaches, or as a day does, whichever says more, against convection and radiation of
+  // its face alone. An estimate from above. [knot]
+  //   kelvin  [knot] of the facet's front
+  [[nodiscard]] std::vector<double> uneven_k(std::uint32_t facet,
+                                             std::span<const float> kelvin) const;
+
+ private:
+  [[nodiscard]] std::size_t of_request(std::size_t k) const { return knots_.of_request[k]; }
+  // Coordinates are known to a part of the target's size.
+  [[nodiscard]] double touching_m() const;
+  [[nodiscard]] double surface_z_m() const;
+  void light();
+
+  const Target& target_;
+  const ThermalFaces& faces_;
+  const SceneHeatRequest& request_;
+  SceneKnots knots_;
+  std::vector<double> windward_w_m2_k_, leeward_w_m2_k_;  // [knot]
+  double in_water_w_m2_k_ = 0;
+  std::vector<bool> covered_;       // [face] under water or ground
+  std::vector<double> emissivity_;  // [face]
+  ExchangeFactors factors_;
+  Radiosity long_wave_;
+  std::vector<double> own_, emitted_;    // [face], scratch
+  std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
+  // [knot x faces + face] Of direct_: the root mean square over the face of what a place differs
+  // by.
+  std::vector<float> uneven_;
+};
+
+}  // namespace irsig
