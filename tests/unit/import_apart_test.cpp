@@ -92,10 +92,10 @@ TEST(ImportApart, NoOtherReaderTriesAFile) {
 }
 
 TEST(ImportApart, LimitsGrowWithTheFile) {
-  EXPECT_EQ(import_limits(888).memory_bytes, (1U << 30) + 64U * 888U);
-  EXPECT_EQ(import_limits(888).cpu_s, 30U);
-  EXPECT_EQ(import_limits(100'000'000).cpu_s, 1030U);
-  EXPECT_EQ(import_limits(100'000'000).wall_s, 10300U);
+  EXPECT_EQ(apart_limits(888).memory_bytes, (1U << 30) + 64U * 888U);
+  EXPECT_EQ(apart_limits(888).cpu_s, 30U);
+  EXPECT_EQ(apart_limits(100'000'000).cpu_s, 1030U);
+  EXPECT_EQ(apart_limits(100'000'000).wall_s, 10300U);
 }
 
 // Any other program in the importer's place, as if the library had turned it into that.

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// What a program that imports may take for a file of so many bytes before the kernel ends it.
+// Memory is the space of addresses. A model of 25 MB takes 0.4 s and 8 bytes of memory a byte
+// (docs/decisions/0021); so nothing but a damaged file, or one made to do harm, comes near.
+struct ApartLimits {
+  std::uint64_t memory_bytes;
+  std::uint64_t cpu_s;   // of the processor
+  std::uint64_t wall_s;  // of the clock: whatever else the machine does
+};
+[[nodiscard]] ApartLimits apart_limits(std::uint64_t file_bytes);
+
+// The path of a program in the folder of this executable.
+[[nodiscard]] std::string program_beside(const std::string& name);
+
+// Starts a program, sends it `bytes` on its standard input and returns what it wrote on its
+// standard output, if it ended well (answer_apart.h is the other side). INVALID_ARGUMENT says what
+// is wrong with the bytes: that the program crashed on them or met a limit. INTERNAL: it could not
+// be run, said nothing, or somebody else killed it. May be called from several threads at once.
+[[nodiscard]] absl::StatusOr<std::string> run_apart(const std::string& program,
+                                                    const std::vector<std::string>& arguments,
+                                                    std::string_view bytes,
+                                                    const ApartLimits& limits);
+
+}  // namespace irsig
