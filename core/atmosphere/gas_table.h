@@ -7,6 +7,7 @@
 
 #include "core/atmosphere/absorber_amounts.h"
 #include "core/atmosphere/air_profile.h"
+#include "core/base/constants.h"
 
 namespace irsig {
 
@@ -62,7 +63,6 @@ struct LineTerms {
 };
 [[nodiscard]] LineTerms line_terms(std::vector<std::uint32_t> entries);
 
-inline constexpr double kGasConstantJMolK = 8.31446261815324;  // exact        [codata2018]
 inline constexpr double kMolarMassAirKgMol = 28.9647e-3;
 inline constexpr double kMolarMassWaterKgMol = 18.0153e-3;
 

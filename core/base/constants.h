@@ -8,6 +8,7 @@ namespace irsig {
 inline constexpr double kPlanckJS = 6.62607015e-34;
 inline constexpr double kLightSpeedMS = 299792458.0;
 inline constexpr double kBoltzmannJK = 1.380649e-23;
+inline constexpr double kGasConstantJMolK = 8.31446261815324;  // k times the Avogadro constant
 
 // First and second radiation constants for wavelengths in um, the exact quotients of the above
 // rounded once to double (a product of rounded factors is off by up to 3 units in the last place,

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/plume/gas_segments.h"
+
+namespace irsig {
+
+// What one segment emits: the mean of its source function over its amount, and the change of the
+// source from its near to its far end.
+struct SegmentSource {
+  double mean = 0, change = 0;  // of a radiance, or of whatever is to be had
+};
+
+// The source of a segment from a blackbody function of temperature, taken at one standard deviation
+// below and above the mean: exact for a source that is quadratic in the temperature, and so, with
+// the mean, change and spread that segments carry, of third order in their step.
+[[nodiscard]] SegmentSource segment_source(const GasSegment& segment,
+                                           const std::function<double(double)>& blackbody);
+
+// Light through a row of segments, from near to far.
+struct GasLight {
+  double emitted = 0;        // towards the near end
+  double transmittance = 1;  // of all
+  double contrast = 0;       // emitted + transmittance x background - background
+  double absorptance = 0;    // 1 - transmittance, without cancellation
+};
+
+// In a homogeneous segment of optical depth tau, whose source runs linearly in tau,
+//
+//   L = mean E + change G,  E = 1 - exp(-tau),  G = E / tau - exp(-tau) - E / 2
+//
+// one formula from tau = 0 to infinity: E by expm1, G by its series where tau < 0.7. The contrast is a
+// sum of (mean - background) E: nothing cancels at 1e-12. `background` is a uniform radiance behind.
+// optical_depth, source: as many as segments. Errors: 4 units in the last place of each term.
+[[nodiscard]] GasLight light_through(std::span<const double> optical_depth,
+                                     std::span<const SegmentSource> source, double background = 0);
+
+// G(tau) above.
+[[nodiscard]] double linear_source_share(double optical_depth);
+
+}  // namespace irsig

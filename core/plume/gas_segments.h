@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/plume/plume_field.h"
+
+namespace irsig {
+
+// A piece of a ray in hot gas: what is left of the ray once it was traced. Any number of bands and
+// conditions can be shaded from it (docs/decisions/0001): absorption from temperature, pressure,
+// amounts and length; emission from the temperature's mean, change and spread.
+//
+// Temperatures are weighted by the amount of gas (GasSums::weight). Merging two pieces keeps amounts,
+// length, mean, change and spread of the temperature exactly.
+struct GasSegment {
+  double start_m = 0, end_m = 0;  // along the ray
+  // CO2, H2O, CO [mol/m2]; soot: volume fraction times length [m].
+  std::array<double, kPlumeSpecies> amount{};
+  double weight = 0;                // moles that temperature and pressure are weighted with [mol/m2]
+  double temperature_k = 0;         // mean
+  double temperature_change_k = 0;  // of the best straight line in amount, far end less near end
+  double temperature_spread_k = 0;  // standard deviation, the line's included
+  double pressure_pa = 0;           // mean
+
+  [[nodiscard]] double length_m() const { return end_m - start_m; }
+  // Of CO2, H2O or CO: what the gas model wants beside temperature, pressure and length, such that
+  // mole fraction x pressure x length / (R T) is the amount.
+  [[nodiscard]] double mole_fraction(std::size_t species) const;
+};
+
+// A grey gas, for steps and silhouettes: absorption cross sections of CO2, H2O, CO [m2/mol], and of
+// soot [1/m for volume fraction 1].
+struct GreyAbsorption {
+  std::array<double, kPlumeSpecies> per_amount{};
+  [[nodiscard]] double optical_depth(const GasSegment& segment) const;
+};
+
+// When pieces of a ray are one segment.
+struct SegmentSteps {
+  // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey optical
+  // depth exceeds optical_depth_step, so many times less. Cells of the grid in which it is exceeded
+  // are halved, at most 8 times.
+  double temperature_step = 0.04;
+  double optical_depth_step = 0.5;
+  GreyAbsorption grey;            // 0: temperature alone decides
+  double composition_step = 0.05;  // most change of a species' share of the weight
+  double pressure_step = 0.02;     // most relative change of pressure
+};
+
+// One piece to be added: a segment and the extremes of its temperature.
+struct GasPiece {
+  GasSegment segment;
+  double least_k = 0, most_k = 0;
+};
+
+// Puts the pieces of one ray together, from near to far.
+class SegmentBuilder {
+ public:
+  explicit SegmentBuilder(const SegmentSteps& steps) : steps_(steps) {}
+  void add(const GasPiece& piece);
+  [[nodiscard]] std::vector<GasSegment> take();
+
+ private:
+  [[nodiscard]] bool belongs(const GasPiece& piece) const;
+
+  const SegmentSteps& steps_;
+  std::vector<GasSegment> out_;
+  GasPiece open_;
+  std::array<double, kPlumeSpecies> share_{};  // of the open segment's first piece
+  double first_pressure_pa_ = 0;
+  bool is_open_ = false;
+};
+
+// b lies behind a.
+[[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
+
+// With steps twice as large: neighbours merged two by two, what is left alone without change and
+// spread. Shaded like the segments themselves, the difference is an estimate of what the finite steps
+// cost, on the safe side (docs/methods/plume.md).
+[[nodiscard]] std::vector<GasSegment> coarser(const std::vector<GasSegment>& segments);
+
+}  // namespace irsig

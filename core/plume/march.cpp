@@ -1,0 +1,236 @@
+#include "core/plume/march.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/plume/march_interval.h"
+
+namespace irsig {
+namespace {
+
+using Cell = BlockTree::Cell;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A ray in the lattice of cells: cell i is [i, i + 1] along each axis. Distances stay in metres.
+struct LatticeRay {
+  std::array<double, 3> from, step, inverse;
+
+  [[nodiscard]] double at(std::size_t a, double t) const { return from[a] + t * step[a]; }
+  // Where it meets the plane at a whole number.
+  [[nodiscard]] double meets(std::size_t a, double plane) const {
+    return (plane - from[a]) * inverse[a];
+  }
+};
+
+struct Span {
+  double start, end;
+};
+
+// Of the box [low, high + 1] of cells; empty where start >= end.
+Span inside(const LatticeRay& ray, const Cell& low, const Cell& high, Span span) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double l = low[a], h = static_cast<double>(high[a]) + 1;
+    if (ray.step[a] == 0) {
+      if (!(ray.from[a] >= l && ray.from[a] < h)) return {0, 0};
+      continue;
+    }
+    const double t1 = ray.meets(a, l), t2 = ray.meets(a, h);
+    span.start = std::max(span.start, std::min(t1, t2));
+    span.end = std::min(span.end, std::max(t1, t2));
+  }
+  return span;
+}
+
+std::int32_t whole_in(double x, std::int32_t low, std::int32_t high) {
+  return static_cast<std::int32_t>(
+      std::clamp(std::floor(x), static_cast<double>(low), static_cast<double>(high)));
+}
+
+class Marcher {
+ public:
+  Marcher(const PlumeField& field, const PlumeRay& ray, const SegmentSteps& steps)
+      : field_(field), steps_(steps), builder_(steps), linear_(field.interpolation() == PlumeInterpolation::kLinear) {
+    // Distances count from a place near the gas: a far origin then costs no digits of steps.
+    const PlumeField::Box box = field.bounds();
+    std::array<double, 3> middle{};
+    for (std::size_t a = 0; a < 3; ++a) middle[a] = 0.5 * (box.low[a] + box.high[a]);
+    offset_m_ = dot(field.body_from_index(middle) - ray.origin, ray.direction);
+    ray_.from = field.index_from_body(ray.origin + offset_m_ * ray.direction);
+    ray_.step = field.index_direction(ray.direction);
+    span_ = {ray.start_m - offset_m_, ray.end_m - offset_m_};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!linear_) ray_.from[a] += 0.5;
+      ray_.inverse[a] = ray_.step[a] == 0 ? kInfinity : 1 / ray_.step[a];
+    }
+  }
+
+  std::vector<GasSegment> march(MarchCounts* counts) {
+    struct Visit {
+      Span span;
+      const BlockTree::Root* root;
+    };
+    std::vector<Visit> visits;
+    for (const BlockTree::Root& root : field_.cells().roots())
+      if (const Span span = inside(ray_, root.low, root.high, span_); span.start < span.end)
+        visits.push_back({span, &root});
+    std::sort(visits.begin(), visits.end(),
+              [](const Visit& a, const Visit& b) { return a.span.start < b.span.start; });
+    for (const Visit& visit : visits) cross(*visit.root, visit.span);
+    std::vector<GasSegment> out = builder_.take();
+    for (GasSegment& segment : out) {
+      segment.start_m += offset_m_;
+      segment.end_m += offset_m_;
+    }
+    if (counts != nullptr) {
+      counts->cells += counts_.cells;
+      counts->pieces += counts_.pieces;
+      counts->skips += counts_.skips;
+    }
+    return out;
+  }
+
+ private:
+  // Leaves the aligned cube of `size` cells around the cell: the next cell, the distance there.
+  // Cells only move forwards, whatever rounding says of places: so the march ends.
+  double leave(Cell& cell, std::int32_t size, double t) const {
+    double least = kInfinity;
+    std::size_t axis = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (ray_.step[a] == 0) continue;
+      const std::int32_t low = cell[a] & -size;
+      const double exit = ray_.meets(a, ray_.step[a] > 0 ? static_cast<double>(low) + size : low);
+      if (exit < least) {
+        least = exit;
+        axis = a;
+      }
+    }
+    const double next = std::max(t, least);
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (ray_.step[a] == 0) continue;
+      const std::int32_t low = cell[a] & -size, high = low + (size - 1);
+      const bool up = ray_.step[a] > 0;
+      if (a == axis) {
+        cell[a] = up ? high + 1 : low - 1;
+      } else if (size > 1) {
+        const std::int32_t at = whole_in(ray_.at(a, next), low, high);
+        cell[a] = up ? std::max(cell[a], at) : std::min(cell[a], at);
+      }
+    }
+    return next;
+  }
+
+  void cross(const BlockTree::Root& root, Span span) {
+    Cell cell{};
+    for (std::size_t a = 0; a < 3; ++a)
+      cell[a] = whole_in(ray_.at(a, span.start), root.low[a], root.high[a]);
+    const auto in_root = [&] {
+      for (std::size_t a = 0; a < 3; ++a)
+        if (cell[a] < root.low[a] || cell[a] > root.high[a]) return false;
+      return true;
+    };
+    BlockTree::Cursor cursor;
+    double t = span.start;
+    while (t < span.end && in_root()) {
+      const BlockTree::Found found = field_.cells().find(cell, cursor);
+      if (found.block < 0) {
+        ++counts_.skips;
+        t = leave(cell, found.size, t);
+      } else {
+        t = cross_block(field_.cell_block(found.block), cell, t, span.end);
+      }
+    }
+  }
+
+  double cross_block(const PlumeField::CellBlock& block, Cell& cell, double t, double end) {
+    const Cell origin{cell[0] & -8, cell[1] & -8, cell[2] & -8};
+    const auto inside_block = [&] {
+      return (cell[0] & -8) == origin[0] && (cell[1] & -8) == origin[1] &&
+             (cell[2] & -8) == origin[2];
+    };
+    while (t < end && inside_block()) {
+      const Cell in{cell[0] - origin[0], cell[1] - origin[1], cell[2] - origin[2]};
+      const auto offset = static_cast<unsigned>(in[0] << 6 | in[1] << 3 | in[2]);
+      const bool filled = holds(block.filled, offset);
+      const Cell here = cell;
+      const double next = leave(cell, block.uniform ? 8 : 1, t), stop = std::min(next, end);
+      if (filled && stop > t) {
+        cross_cell(block, here, in, t, stop);
+      } else {
+        ++counts_.skips;
+      }
+      t = next;
+    }
+    return t;
+  }
+
+  void cross_cell(const PlumeField::CellBlock& block, const Cell& cell, const Cell& in, double a,
+                  double b) {
+    ++counts_.cells;
+    const auto x = static_cast<unsigned>(in[0]), y = static_cast<unsigned>(in[1]),
+               z = static_cast<unsigned>(in[2]);
+    if (!linear_ || block.uniform) {
+      const GasSums gas = field_.at_voxel(block, x, y, z);
+      const auto constant = [&](double) { return gas; };
+      IntervalMarcher marcher(constant, steps_, builder_);
+      marcher.add(a, gas, b, gas);
+      counts_.pieces += marcher.pieces();
+      at_end_ = gas;
+      end_m_ = -kInfinity;  // the next cell has values of its own
+      return;
+    }
+    for (unsigned n = 0; n < 8; ++n)
+      corner_[n] = field_.at_voxel(block, x + (n >> 2), y + (n >> 1 & 1), z + (n & 1));
+    const auto gas = [&](double t) { return between_corners(cell, t); };
+    const GasSums at_start = a == end_m_ ? at_end_ : gas(a);
+    at_end_ = gas(b);
+    end_m_ = b;
+    IntervalMarcher marcher(gas, steps_, builder_);
+    marcher.add(a, at_start, b, at_end_);
+    counts_.pieces += marcher.pieces();
+  }
+
+  GasSums between_corners(const Cell& cell, double t) const {
+    double share[3];
+    for (std::size_t a = 0; a < 3; ++a)
+      share[a] = std::clamp(ray_.at(a, t) - cell[a], 0.0, 1.0);
+    GasSums out;
+    for (unsigned n = 0; n < 8; ++n) {
+      const double w = ((n & 4) != 0 ? share[0] : 1 - share[0]) *
+                       ((n & 2) != 0 ? share[1] : 1 - share[1]) *
+                       ((n & 1) != 0 ? share[2] : 1 - share[2]);
+      const GasSums& c = corner_[n];
+      out.weight += w * c.weight;
+      out.weight_temperature += w * c.weight_temperature;
+      out.weight_pressure += w * c.weight_pressure;
+      for (std::size_t s = 0; s < kPlumeSpecies; ++s) out.amount[s] += w * c.amount[s];
+    }
+    return out;
+  }
+
+  const PlumeField& field_;
+  const SegmentSteps& steps_;
+  SegmentBuilder builder_;
+  const bool linear_;
+  double offset_m_ = 0;
+  LatticeRay ray_{};
+  Span span_{};
+  MarchCounts counts_;
+  std::array<GasSums, 8> corner_;
+  GasSums at_end_;  // of the cell before, at end_m_
+  double end_m_ = -kInfinity;
+};
+
+}  // namespace
+
+std::vector<GasSegment> march(const PlumeField& field, const PlumeRay& ray,
+                              const SegmentSteps& steps, MarchCounts* counts) {
+  return Marcher(field, ray, steps).march(counts);
+}
+
+void add_interval(const std::function<GasSums(double)>& gas, double start_m, double end_m,
+                  const SegmentSteps& steps, SegmentBuilder& builder) {
+  IntervalMarcher(gas, steps, builder).add(start_m, gas(start_m), end_m, gas(end_m));
+}
+
+}  // namespace irsig

@@ -1,0 +1,101 @@
+#include "core/plume/plume_field.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/constants.h"
+#include "core/plume/plume_field_maker.h"
+#include "core/plume/vdb_apart.h"
+#include "fmt/format.h"
+
+namespace irsig {
+namespace {
+
+std::array<double, 3> times(const std::array<double, 12>& m, double x, double y, double z,
+                            double w) {
+  std::array<double, 3> out{};
+  for (std::size_t r = 0; r < 3; ++r)
+    out[r] = m[4 * r] * x + m[4 * r + 1] * y + m[4 * r + 2] * z + m[4 * r + 3] * w;
+  return out;
+}
+
+}  // namespace
+
+std::array<double, 3> PlumeField::index_from_body(Vec<Body> at) const {
+  // The place first, relative to the lattice's origin: so that far away nothing cancels twice.
+  return times(index_from_body_, at.x - body_from_index_[3], at.y - body_from_index_[7],
+               at.z - body_from_index_[11], 0);
+}
+
+std::array<double, 3> PlumeField::index_direction(Vec<Body> direction) const {
+  return times(index_from_body_, direction.x, direction.y, direction.z, 0);
+}
+
+Vec<Body> PlumeField::body_from_index(const std::array<double, 3>& at) const {
+  const auto out = times(body_from_index_, at[0], at[1], at[2], 1);
+  return {out[0], out[1], out[2]};
+}
+
+std::size_t PlumeField::bytes() const {
+  return cells_.bytes() + cell_blocks_.capacity() * sizeof(CellBlock) +
+         value_blocks_.capacity() * sizeof(ValueBlock) + values_.capacity() * sizeof(float);
+}
+
+GasSums PlumeField::at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const {
+  GasSums out;
+  const std::int32_t i = block.values[(x >> 3) << 2 | (y >> 3) << 1 | z >> 3];
+  if (i < 0) return out;
+  const ValueBlock& values = value_blocks_[static_cast<std::size_t>(i)];
+  const unsigned offset = (x & 7) << 6 | (y & 7) << 3 | (z & 7);
+  const std::uint64_t word = values.gas[offset >> 6], bit = std::uint64_t{1} << (offset & 63);
+  if ((word & bit) == 0) return out;
+  std::uint64_t voxel = values.first;
+  if (values.form == VoxelBlock::Form::kDense) voxel += offset;
+  if (values.form == VoxelBlock::Form::kPacked)
+    voxel += values.before[offset >> 6] + static_cast<unsigned>(std::popcount(word & (bit - 1)));
+
+  const float* v = values_.data() + voxel * channels_;
+  const auto value = [&](const PlumeQuantity& q) {
+    return q.channel < 0 ? q.constant : static_cast<double>(v[q.channel]);
+  };
+  const double temperature_k = value(temperature_), pressure_pa = value(pressure_);
+  const double all_mol_m3 = pressure_pa / (kGasConstantJMolK * temperature_k);
+  for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
+    const PlumeQuantity& q = species_[s];
+    out.amount[s] = q.channel >= 0 ? static_cast<double>(v[q.channel])
+                                   : q.constant * (s == kSoot ? 1 : all_mol_m3);
+    out.weight += out.amount[s] * (s == kSoot ? kSootMolPerM3 : 1);
+  }
+  out.weight_temperature = out.weight * temperature_k;
+  out.weight_pressure = out.weight * pressure_pa;
+  return out;
+}
+
+absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeField::make(VoxelVolume volume,
+                                                                   const PlumeReading& reading) {
+  return PlumeFieldMaker(std::move(volume), reading).make();
+}
+
+absl::StatusOr<std::shared_ptr<const PlumeField>> plume_of(VoxelVolume volume,
+                                                           const PlumeGrids& grids) {
+  const absl::StatusOr<PlumeReading> reading = check_plume_grids(grids);
+  if (!reading.ok()) return reading.status();
+  return PlumeField::make(std::move(volume), *reading);
+}
+
+absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(std::string_view file,
+                                                               const std::string& file_name,
+                                                               const PlumeGrids& grids) {
+  const auto named = [&](const absl::Status& status) {
+    return absl::Status(status.code(), fmt::format("{}: {}", file_name, std::string(status.message())));
+  };
+  const absl::StatusOr<PlumeReading> reading = check_plume_grids(grids);
+  if (!reading.ok()) return named(reading.status());
+  absl::StatusOr<VoxelVolume> volume = read_vdb_apart(file, reading->grid);
+  if (!volume.ok()) return named(volume.status());
+  auto field = PlumeField::make(*std::move(volume), *reading);
+  return field.ok() ? std::move(field) : named(field.status());
+}
+
+}  // namespace irsig

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/geo/frames.h"
+#include "core/plume/block_tree.h"
+#include "core/plume/plume_grids.h"
+#include "core/plume/voxel_volume.h"
+
+namespace irsig {
+
+// The gas at a place, as the field's interpolation takes it together: sums over centres of voxels
+// times their shares. `carbon` is what temperatures are weighted with: moles of CO2, H2O, CO, and of
+// soot as carbon of 1800 kg/m3, so that a plume of soot alone has a temperature too.
+struct GasSums {
+  double weight = 0;                          // [mol/m3]
+  double weight_temperature = 0;              // [mol K/m3]
+  double weight_pressure = 0;                 // [mol Pa/m3]
+  std::array<double, kPlumeSpecies> amount{};  // CO2, H2O, CO [mol/m3]; soot volume fraction
+};
+inline constexpr double kSootMolPerM3 = 1800 / 0.012011;  // carbon atoms in solid soot
+
+// What was found beside the gas.
+struct PlumeReport {
+  std::uint64_t gas_voxels = 0;
+  std::uint64_t warm_without_gas = 0;  // active temperature, but no CO2, H2O, CO or soot
+  double least_k = 0, most_k = 0;
+  std::array<double, kPlumeSpecies> amount{};  // of all voxels: CO2, H2O, CO [mol]; soot [m3]
+};
+
+// Hot gas on a sparse lattice, placed in the body frame. Immutable: any number of threads may read.
+//
+// Memory: the values of the voxels that hold gas (of all 512 of a block where at least half do), 24
+// bytes a voxel with all channels, and 200 bytes a block.
+class PlumeField {
+ public:
+  // INVALID_ARGUMENT names the grid, what is there and the first voxel: not finite, temperatures of
+  // 0 to 1, gas colder than kLeastPlumeK, a fraction outside 0 to 1 or a sum of mole fractions above
+  // 1, gas without temperature or pressure, a species whose background is not 0, no gas at all; a
+  // singular or badly conditioned lattice, one larger than 1e6 m.
+  static absl::StatusOr<std::shared_ptr<const PlumeField>> make(VoxelVolume volume,
+                                                                const PlumeReading& reading);
+
+  [[nodiscard]] const PlumeReport& report() const { return report_; }
+  [[nodiscard]] PlumeInterpolation interpolation() const { return interpolation_; }
+  // Index coordinates of a place or direction: voxel (i, j, k) is centred at (i, j, k).
+  [[nodiscard]] std::array<double, 3> index_from_body(Vec<Body> at) const;
+  [[nodiscard]] std::array<double, 3> index_direction(Vec<Body> direction) const;
+  [[nodiscard]] Vec<Body> body_from_index(const std::array<double, 3>& at) const;
+  [[nodiscard]] double voxel_volume_m3() const { return voxel_volume_m3_; }
+  // Corners of the box, in index coordinates, outside of which there is no gas; the field reaches
+  // half a voxel (kConstant) or one (kLinear) beyond centres.
+  struct Box {
+    std::array<double, 3> low, high;
+  };
+  [[nodiscard]] Box bounds() const { return bounds_; }
+  [[nodiscard]] std::size_t bytes() const;
+
+  // For the marcher. A cell is what a ray crosses in one step: between 8 centres (kLinear; cell i is
+  // [i, i + 1]) or around one (kConstant; cell i is [i - 1/2, i + 1/2]).
+  struct CellBlock {
+    VoxelMask filled{};  // cells that hold gas
+    // kLinear: the blocks of values at +0 or +8 along x (bit 2), y (1), z (0); kConstant: the first.
+    std::array<std::int32_t, 8> values{};  // -1: none
+    bool uniform = false;                  // the whole block is one gas
+  };
+  [[nodiscard]] const BlockTree& cells() const { return cells_; }
+  [[nodiscard]] const CellBlock& cell_block(std::int64_t i) const {
+    return cell_blocks_[static_cast<std::size_t>(i)];
+  }
+  // Of the voxel (x, y, z), each 0 to 8, counted from a cell block's first.
+  [[nodiscard]] GasSums at_voxel(const CellBlock& block, unsigned x, unsigned y, unsigned z) const;
+
+ private:
+  struct ValueBlock {
+    VoxelMask gas{};
+    std::array<std::uint16_t, 8> before{};
+    VoxelBlock::Form form{};
+    std::uint64_t first = 0;  // voxel of values_
+  };
+  friend class PlumeFieldMaker;
+  PlumeField() = default;
+
+  PlumeReport report_;
+  PlumeInterpolation interpolation_{};
+  std::array<double, 12> body_from_index_{}, index_from_body_{};
+  double voxel_volume_m3_ = 0;
+  Box bounds_{};
+  BlockTree cells_;
+  std::vector<CellBlock> cell_blocks_;
+  std::vector<ValueBlock> value_blocks_;
+  std::size_t channels_ = 0;
+  std::vector<float> values_;  // [voxel][channel]: K, Pa; amounts as GasSums has them
+  PlumeQuantity temperature_, pressure_;
+  std::array<PlumeQuantity, kPlumeSpecies> species_;
+};
+
+// Reads a VDB file (in a process of its own, vdb_apart.h) and makes the field. Errors begin with
+// file_name.
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(
+    std::string_view file, const std::string& file_name, const PlumeGrids& grids);
+
+// The field of a volume that a generator made, as a file of it would be read.
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const PlumeField>> plume_of(VoxelVolume volume,
+                                                                         const PlumeGrids& grids);
+
+}  // namespace irsig
