@@ -44,4 +44,24 @@ GasLight light_through(std::span<const double> optical_depth,
   return out;
 }
 
+double step_error(std::span<const double> optical_depth, std::span<const SegmentSource> source,
+                  std::span<const CoarseStep> coarse, std::span<const double> coarse_optical_depth,
+                  std::span<const SegmentSource> coarse_source) {
+  double in_front = 0, squares = 0;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    const std::size_t count = coarse[i].count;
+    const GasLight fine =
+        light_through(optical_depth.subspan(first, count), source.subspan(first, count));
+    const GasLight one =
+        light_through(coarse_optical_depth.subspan(i, 1), coarse_source.subspan(i, 1));
+    const double error = std::exp(-in_front) * (fine.emitted - one.emitted);
+    squares += error * error;
+    for (std::size_t j = first; j < first + count; ++j) in_front += optical_depth[j];
+    first += count;
+  }
+  IRSIG_CHECK(first == source.size());
+  return std::sqrt(squares);
+}
+
 }  // namespace irsig

@@ -38,6 +38,16 @@ struct GasLight {
 [[nodiscard]] GasLight light_through(std::span<const double> optical_depth,
                                      std::span<const SegmentSource> source, double background = 0);
 
+// An estimate of what the finite steps of segments cost `emitted`, one sigma: each coarse step
+// (coarser() in gas_segments.h) shaded as one against the segments that it stands for, the differences
+// as independent errors. Halving a step divides its error by four or more, so that this is on the safe
+// side.
+[[nodiscard]] double step_error(std::span<const double> optical_depth,
+                                std::span<const SegmentSource> source,
+                                std::span<const CoarseStep> coarse,
+                                std::span<const double> coarse_optical_depth,
+                                std::span<const SegmentSource> coarse_source);
+
 // G(tau) above.
 [[nodiscard]] double linear_source_share(double optical_depth);
 

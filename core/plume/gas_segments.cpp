@@ -37,45 +37,48 @@ GasSegment merged(const GasSegment& a, const GasSegment& b) {
   return out;
 }
 
-namespace {
-
-std::array<double, kPlumeSpecies> shares(const GasSegment& segment) {
-  std::array<double, kPlumeSpecies> out{};
-  for (std::size_t s = 0; s < kPlumeSpecies; ++s)
-    out[s] = segment.amount[s] * (s == kSoot ? kSootMolPerM3 : 1) / segment.weight;
-  return out;
+bool SegmentSteps::allow(double temperature_range, double optical_depth,
+                         double composition_change) const {
+  const double range = temperature_range * std::max(1.0, optical_depth / optical_depth_step);
+  return range <= temperature_step &&
+         range * composition_change <= temperature_step * composition_step;
 }
 
-}  // namespace
+void GasPiece::widen(const GasPiece& by) {
+  least_k = std::min(least_k, by.least_k);
+  most_k = std::max(most_k, by.most_k);
+  for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
+    least_share[s] = std::min(least_share[s], by.least_share[s]);
+    most_share[s] = std::max(most_share[s], by.most_share[s]);
+  }
+}
 
-bool SegmentBuilder::belongs(const GasPiece& piece) const {
-  const GasSegment &a = open_.segment, &b = piece.segment;
-  if (b.start_m - a.end_m > 1e-6 * (b.end_m - a.start_m)) return false;  // empty in between
-  const double least = std::min(open_.least_k, piece.least_k);
-  const double most = std::max(open_.most_k, piece.most_k);
-  const double depth = steps_.grey.optical_depth(a) + steps_.grey.optical_depth(b);
-  const double thick = std::max(1.0, depth / steps_.optical_depth_step);
-  if ((most / least - 1) * thick > steps_.temperature_step) return false;
-  if (std::abs(b.pressure_pa - first_pressure_pa_) > steps_.pressure_step * first_pressure_pa_)
-    return false;
-  const auto share = shares(b);
+bool GasPiece::is_fine(const SegmentSteps& steps) const {
+  double change = 0;
   for (std::size_t s = 0; s < kPlumeSpecies; ++s)
-    if (std::abs(share[s] - share_[s]) > steps_.composition_step) return false;
-  return true;
+    change = std::max(change, most_share[s] - least_share[s]);
+  return steps.allow(most_k / least_k - 1, steps.grey.optical_depth(segment), change);
 }
 
 void SegmentBuilder::add(const GasPiece& piece) {
-  if (!(piece.segment.weight > 0)) return;
-  if (is_open_ && belongs(piece)) {
-    open_.segment = merged(open_.segment, piece.segment);
-    open_.least_k = std::min(open_.least_k, piece.least_k);
-    open_.most_k = std::max(open_.most_k, piece.most_k);
-    return;
+  const GasSegment& next = piece.segment;
+  if (!(next.weight > 0)) return;
+  if (is_open_) {
+    const GasSegment& last = open_.segment;
+    const bool touches = next.start_m - last.end_m <= 1e-6 * (next.end_m - last.start_m);
+    const bool same_pressure = std::abs(next.pressure_pa - first_pressure_pa_) <=
+                               steps_.pressure_step * first_pressure_pa_;
+    GasPiece both = open_;
+    both.segment = merged(last, next);
+    both.widen(piece);
+    if (touches && same_pressure && both.is_fine(steps_)) {
+      open_ = both;
+      return;
+    }
+    out_.push_back(last);
   }
-  if (is_open_) out_.push_back(open_.segment);
   open_ = piece;
-  share_ = shares(piece.segment);
-  first_pressure_pa_ = piece.segment.pressure_pa;
+  first_pressure_pa_ = next.pressure_pa;
   is_open_ = true;
 }
 
@@ -85,16 +88,23 @@ std::vector<GasSegment> SegmentBuilder::take() {
   return std::move(out_);
 }
 
-std::vector<GasSegment> coarser(const std::vector<GasSegment>& segments) {
-  std::vector<GasSegment> out;
-  for (std::size_t i = 0; i < segments.size(); i += 2) {
+std::vector<CoarseStep> coarser(const std::vector<GasSegment>& segments) {
+  std::vector<CoarseStep> out;
+  for (std::size_t i = 0; i < segments.size(); i += out.back().count) {
+    const GasSegment& a = segments[i];
     if (i + 1 < segments.size()) {
-      out.push_back(merged(segments[i], segments[i + 1]));
-    } else {
-      out.push_back(segments[i]);
-      out.back().temperature_change_k = 0;
-      out.back().temperature_spread_k = 0;
+      const GasSegment& b = segments[i + 1];
+      // A straight line covers sqrt(12) standard deviations.
+      const double course =
+          std::sqrt(12) * std::max(a.temperature_spread_k, b.temperature_spread_k);
+      if (std::abs(b.temperature_k - a.temperature_k) <= 2 * course) {
+        out.push_back({merged(a, b), 2});
+        continue;
+      }
     }
+    out.push_back({a, 1});
+    out.back().segment.temperature_change_k = 0;
+    out.back().segment.temperature_spread_k = 0;
   }
   return out;
 }

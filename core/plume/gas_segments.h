@@ -41,17 +41,29 @@ struct SegmentSteps {
   // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey optical
   // depth exceeds optical_depth_step, so many times less. Cells of the grid in which it is exceeded
   // are halved, at most 8 times.
-  double temperature_step = 0.04;
-  double optical_depth_step = 0.5;
-  GreyAbsorption grey;            // 0: temperature alone decides
-  double composition_step = 0.05;  // most change of a species' share of the weight
-  double pressure_step = 0.02;     // most relative change of pressure
+  double temperature_step = 0.02;
+  double optical_depth_step = 0.25;
+  GreyAbsorption grey{};  // 0: temperature alone decides
+  // Most change of a species' share of the weight where the temperature changes by its whole step;
+  // where it changes less, so many times more: what absorbs is then as hot as the rest.
+  double composition_step = 0.01;
+  double pressure_step = 0.02;  // most relative change of pressure
+
+  // Whether a piece of such a range of temperature, grey optical depth and change of shares is fine
+  // enough.
+  [[nodiscard]] bool allow(double temperature_range, double optical_depth,
+                           double composition_change) const;
 };
 
-// One piece to be added: a segment and the extremes of its temperature.
+// One piece to be added: a segment, and the extremes of its temperature and of the shares of species
+// in its weight.
 struct GasPiece {
   GasSegment segment;
   double least_k = 0, most_k = 0;
+  std::array<double, kPlumeSpecies> least_share{}, most_share{};
+
+  void widen(const GasPiece& by);
+  [[nodiscard]] bool is_fine(const SegmentSteps& steps) const;
 };
 
 // Puts the pieces of one ray together, from near to far.
@@ -62,12 +74,9 @@ class SegmentBuilder {
   [[nodiscard]] std::vector<GasSegment> take();
 
  private:
-  [[nodiscard]] bool belongs(const GasPiece& piece) const;
-
   const SegmentSteps& steps_;
   std::vector<GasSegment> out_;
   GasPiece open_;
-  std::array<double, kPlumeSpecies> share_{};  // of the open segment's first piece
   double first_pressure_pa_ = 0;
   bool is_open_ = false;
 };
@@ -76,8 +85,13 @@ class SegmentBuilder {
 [[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
 
 // With steps twice as large: neighbours merged two by two, what is left alone without change and
-// spread. Shaded like the segments themselves, the difference is an estimate of what the finite steps
-// cost, on the safe side (docs/methods/plume.md).
-[[nodiscard]] std::vector<GasSegment> coarser(const std::vector<GasSegment>& segments);
+// spread. What this changes is an estimate of what the finite steps cost (step_error in gas_light.h).
+// Not merged are neighbours whose temperatures differ by more than twice what either's own course
+// covers: a jump of the field is no step.
+struct CoarseStep {
+  GasSegment segment;
+  std::size_t count = 1;  // of segments that it stands for
+};
+[[nodiscard]] std::vector<CoarseStep> coarser(const std::vector<GasSegment>& segments);
 
 }  // namespace irsig

@@ -27,10 +27,7 @@ class IntervalMarcher {
   void add(double a, const GasSums& at_a, double b, const GasSums& at_b, const GasSums& at_middle,
            int halvings) {
     const GasPiece piece = piece_of(a, at_a, at_middle, b, at_b);
-    const double depth = steps_.grey.optical_depth(piece.segment);
-    const double thick = std::max(1.0, depth / steps_.optical_depth_step);
-    if (halvings < kMostHalvings && piece.segment.weight > 0 &&
-        (piece.most_k - piece.least_k) * thick > steps_.temperature_step * piece.least_k) {
+    if (halvings < kMostHalvings && piece.segment.weight > 0 && !piece.is_fine(steps_)) {
       const double m = 0.5 * (a + b);
       add(a, at_a, m, at_middle, gas_(0.5 * (a + m)), halvings + 1);
       add(m, at_middle, b, at_b, gas_(0.5 * (m + b)), halvings + 1);
@@ -38,6 +35,10 @@ class IntervalMarcher {
     }
     ++pieces_;
     builder_.add(piece);
+  }
+
+  static double share(std::size_t species, double amount, double weight) {
+    return amount * (species == kSoot ? kSootMolPerM3 : 1) / weight;
   }
 
   static GasPiece piece_of(double a, const GasSums& at_a, const GasSums& at_m, double b,
@@ -56,16 +57,29 @@ class IntervalMarcher {
                               at_b.weight_temperature) / s.weight;
     s.pressure_pa =
         simpson(at_a.weight_pressure, at_m.weight_pressure, at_b.weight_pressure) / s.weight;
-    // Where an end has no gas, its temperature has no weight.
+    // Where an end has no gas its temperature has no weight, but still a value: that towards which it
+    // goes there, of which thick gas shows much.
     const GasSums* ends[] = {&at_a, &at_m, &at_b};
     double t[3], weight[3];
     out.least_k = out.most_k = s.temperature_k;
+    for (std::size_t k = 0; k < kPlumeSpecies; ++k)
+      out.least_share[k] = out.most_share[k] = share(k, s.amount[k], s.weight);
     for (int i = 0; i < 3; ++i) {
       weight[i] = (i == 1 ? 4.0 : 1.0) / 6 * ends[i]->weight * length / s.weight;
       t[i] = ends[i]->weight > 0 ? ends[i]->weight_temperature / ends[i]->weight - s.temperature_k
                                  : 0;
+    }
+    if (!(at_a.weight > 0)) t[0] = 2 * t[1] - t[2];
+    if (!(at_b.weight > 0)) t[2] = 2 * t[1] - t[0];
+    for (int i = 0; i < 3; ++i) {
       out.least_k = std::min(out.least_k, s.temperature_k + t[i]);
       out.most_k = std::max(out.most_k, s.temperature_k + t[i]);
+      if (!(ends[i]->weight > 0)) continue;
+      for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
+        const double own = share(k, ends[i]->amount[k], ends[i]->weight);
+        out.least_share[k] = std::min(out.least_share[k], own);
+        out.most_share[k] = std::max(out.most_share[k], own);
+      }
     }
     // Share of the amount in the first half: of the parabola through the three weights.
     const double first = length / 24 * (5 * at_a.weight + 8 * at_m.weight - at_b.weight) / s.weight;

@@ -92,6 +92,22 @@ inline GasLight light(const std::vector<GasSegment>& segments, const GreyAbsorpt
   return light_through(depth, source, background);
 }
 
+inline double stated_error(const std::vector<GasSegment>& segments, const GreyAbsorption& grey,
+                           const std::function<double(double)>& blackbody) {
+  std::vector<double> depth, coarse_depth;
+  std::vector<SegmentSource> source, coarse_source;
+  for (const GasSegment& s : segments) {
+    depth.push_back(grey.optical_depth(s));
+    source.push_back(segment_source(s, blackbody));
+  }
+  const std::vector<CoarseStep> coarse = coarser(segments);
+  for (const CoarseStep& c : coarse) {
+    coarse_depth.push_back(grey.optical_depth(c.segment));
+    coarse_source.push_back(segment_source(c.segment, blackbody));
+  }
+  return step_error(depth, source, coarse, coarse_depth, coarse_source);
+}
+
 // Nodes and weights of Gauss and Legendre on [0, 1].
 struct Nodes {
   std::vector<double> at, weight;
