@@ -21,6 +21,7 @@ constexpr const char* kAbout =
     "  irsig plan SWEEP               what that will take, for every accuracy\n"
     "  irsig query FILE               the signatures: W/sr with standard error, area, temperature\n"
     "  irsig plot FILE --kind polar --out FILE.svg\n"
+    "  irsig serve FILE               the same, and more, in a web browser\n"
     "\n"
     "Exit code: 0 done, 2 the input is wrong, 1 anything else failed.";
 
@@ -100,6 +101,7 @@ int main(int argc, char** argv) {
   irsig::add_query(app, exit_code);
   irsig::add_explain(app, exit_code);
   irsig::add_plot(app, exit_code);
+  irsig::add_serve(app, exit_code);
   irsig::add_profile(app, exit_code);
   irsig::add_export(app, exit_code);
   irsig::add_digest(app, exit_code);

@@ -32,7 +32,7 @@ struct PlotCommand {
     if (absl::Status status = check_options(); !status.ok()) return status;
     const auto format = output.format();
     if (!format.ok()) return format.status();
-    if (*format != "svg" && kind != "hours")
+    if (*format != "svg" && kind != "hours" && kind != "polar")
       return absl::InvalidArgumentError("--kind " + kind +
                                         " is drawn as svg alone; `irsig query` and `irsig export` "
                                         "write its numbers");
@@ -47,6 +47,10 @@ struct PlotCommand {
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
     if (kind == "hours") return write_hours_as(*format, **reader, *query);
+    if (kind == "polar" && *format != "svg")
+      return output.write([&](std::string_view table, std::ostream& out) {
+        return write_polar(**reader, *query, elevation_deg, table, out);
+      });
     if (kind == "picture")
       return write_picture(radiance_picture(**reader, *query, range, pixels, read_exr));
     if (kind == "temperatures")
@@ -98,8 +102,9 @@ struct PlotCommand {
 void add_plot(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "plot",
-      "Draw signatures as SVG: polar (in-band values against aspect azimuth), spectrum (of one "
-      "viewpoint), map (in-band values over all aspects) or hours (in-band values of one viewpoint "
+      "Draw signatures as SVG: polar (in-band values against aspect azimuth; also csv and json), "
+      "spectrum (of one viewpoint), map (in-band values over all aspects) or hours (in-band values "
+      "of one viewpoint "
       "against the time of day, and the temperatures that were computed for them; also csv and "
       "json), of the source intensity or of --quantity; transmittance (of the air, from one "
       "viewpoint); in false colours picture (the stored image of one signature: in-band radiance "

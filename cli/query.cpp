@@ -5,26 +5,19 @@
 #include <optional>
 #include <string>
 
-#include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
+#include "cli/target_extent.h"
 #include "jobs/number_bounds.h"
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/query_table.h"
-#include "view/range_change.h"
 #include "view/thumbnail.h"
 
 namespace irsig {
 namespace {
-
-absl::StatusOr<TargetExtent> extent_of(const StoredSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
-  if (!scene.ok()) return scene.status();
-  return target_extent(scene->mesh.vertex);
-}
 
 struct QueryCommand {
   explicit QueryCommand(CLI::App& command)
@@ -44,7 +37,7 @@ struct QueryCommand {
     query->range_m = range_m;
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
-    auto rows = run_query(**reader, *query, extent_of);
+    auto rows = run_query(**reader, *query, stored_target_extent);
     if (!rows.ok()) return rows.status();
     if (!thumbnail.empty())
       return write_thumbnail(**reader, *rows, thumbnail, thumbnail_scale, paint_png);

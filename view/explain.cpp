@@ -9,6 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "core/base/printable.h"
 #include "view/effect_ledger.h"
+#include "view/error_budget.h"
 #include "view/measured_row.h"
 #include "view/query.h"
 #include "view/query_table.h"
@@ -242,7 +243,12 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   QueryContent content;
   content.causes = true;
   if (auto status = write_rows(reader, {e.row}, content, "json", out); !status.ok()) return status;
-  std::vector<std::vector<Cell>> effects, shares, parts;
+  std::vector<std::vector<Cell>> budget, effects, shares, parts;
+  for (const auto quantity : {SignatureQuantity::kIntensity, SignatureQuantity::kApparentIntensity,
+                              SignatureQuantity::kContrastIntensity})
+    for (const ErrorPart& part : error_budget(e.row, columns_of(quantity)))
+      budget.push_back({std::string(columns_of(quantity).name), part.name, part.bound,
+                        known(part.error_w_sr), known(part.share)});
   for (const StoredEffect& f : e.ledger.effect)
     effects.push_back({f.effect, f.state, f.reason, known(f.bound_w_sr),
                        known(f.apparent_bound_w_sr), known(f.contrast_bound_w_sr),
@@ -253,6 +259,11 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
                       n->cut_off_stderr, n->balance, n->balance_stderr});
   for (const StoredPart& part : e.part)
     parts.push_back({part.part, part.intensity_w_sr, part.intensity_stderr_w_sr});
+  out << ",\n";
+  if (auto status = write_array(
+          "error_budget", {"quantity", "name", "is_bound", "error_w_sr", "share"}, budget, out);
+      !status.ok())
+    return status;
   out << ",\n";
   if (auto status = write_array("effects",
                                 {"effect", "state", "reason", "bound_w_sr", "apparent_bound_w_sr",

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <optional>
+#include <ostream>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "schema/store/store.h"
@@ -19,6 +21,12 @@ namespace irsig {
 // viewpoints cover all around.
 [[nodiscard]] absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
                                                      std::optional<double> elevation_deg);
+
+// The numbers of that plot, one line for each point of a curve (kind: stored or interpolated) and
+// each viewpoint near an interpolated one (kind: near), in a format of table.h.
+[[nodiscard]] absl::Status write_polar(StoreReader& reader, const Query& query,
+                                       std::optional<double> elevation_deg, std::string_view format,
+                                       std::ostream& out);
 
 // The spectrum against wavelength from one viewpoint (row, nearest 1 or interpolate), one
 // curve per season and time, all bands on one axis, each with its 2 sigma band.

@@ -2,97 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "view/axis.h"
 #include "view/plot.h"
 #include "view/plot_frame.h"
+#include "view/polar_cut.h"
+#include "view/table.h"
 
 namespace irsig {
 namespace {
 
-constexpr std::size_t kFewestOnRing = 8;
-constexpr double kOnRingDeg = 0.01;
-constexpr double kNearRingDeg = 2.5;
-constexpr int kAzimuthStepDeg = 2;
-
 double rad(double deg) { return deg * std::numbers::pi / 180; }
 
-struct CurvePoint {
-  double azimuth_deg, value, error;
-};
-
 struct Curve {
-  std::size_t place;              // among all curves of the plot
-  std::vector<CurvePoint> point;  // increasing azimuth
-  bool interpolated;
-  std::vector<CurvePoint> mark;  // stored viewpoints on or near the ring
+  std::size_t place;  // among all curves of the plot
+  PolarCut cut;
 };
-
-bool on_ring(const StoredSignature& s, double elevation_deg, double tolerance_deg) {
-  return std::abs(s.aspect_elevation_deg - elevation_deg) <= tolerance_deg;
-}
-
-std::size_t count_on_ring(const SignatureField& field, double elevation_deg) {
-  return static_cast<std::size_t>(
-      std::count_if(field.signature.begin(), field.signature.end(),
-                    [&](const auto& s) { return on_ring(s, elevation_deg, kOnRingDeg); }));
-}
-
-bool covered_all_around(const SphereSamples& samples, double elevation_deg) {
-  for (int azimuth = 0; azimuth < 360; azimuth += 10) {
-    if (!uncovered(samples, body_from_aspect(azimuth, elevation_deg)).empty()) return false;
-  }
-  return true;
-}
-
-absl::StatusOr<double> lowest_elevation_deg(const SignatureField& field) {
-  double low = 90;
-  for (const auto& s : field.signature) low = std::min(low, s.aspect_elevation_deg);
-  if (count_on_ring(field, low) >= kFewestOnRing) return low;
-  for (double at = std::ceil(low); at <= 60; ++at) {
-    if (covered_all_around(field.samples, at)) return at;
-  }
-  return absl::OutOfRangeError(
-      "no elevation is covered by viewpoints all around the target: name one with --elevation");
-}
-
-absl::StatusOr<Curve> curve_of(const QuantityColumns& quantity, const SignatureField& field,
-                               double elevation_deg) {
-  Curve out{0, {}, count_on_ring(field, elevation_deg) < kFewestOnRing, {}};
-  const double tolerance_deg = out.interpolated ? kNearRingDeg : kOnRingDeg;
-  for (const auto& s : field.signature) {
-    if (on_ring(s, elevation_deg, tolerance_deg)) {
-      out.mark.push_back({s.aspect_azimuth_deg, s.*quantity.value, s.*quantity.numerical_error});
-    }
-  }
-  std::sort(out.mark.begin(), out.mark.end(),
-            [](const auto& a, const auto& b) { return a.azimuth_deg < b.azimuth_deg; });
-  if (!out.interpolated) {
-    out.point = out.mark;
-    return out;
-  }
-  auto kernel = SphereFit::choose_kernel(field.samples);
-  if (!kernel.ok()) return kernel.status();
-  for (int azimuth = 0; azimuth < 360; azimuth += kAzimuthStepDeg) {
-    auto fit = SphereFit::at(field.samples, body_from_aspect(azimuth, elevation_deg), *kernel);
-    if (!fit.ok()) {
-      return absl::Status(fit.status().code(),
-                          fmt::format("cannot draw elevation {:g} deg at azimuth {} deg: {}",
-                                      elevation_deg, azimuth, std::string(fit.status().message())));
-    }
-    std::vector<double> value, value_stderr;
-    for (std::size_t i : fit->used()) {
-      value.push_back(field.samples.value[i]);
-      value_stderr.push_back(field.samples.value_stderr[i]);
-    }
-    const SphereEstimate e = estimate_of(quantity, *fit, value, value_stderr);
-    out.point.push_back(
-        {static_cast<double>(azimuth), e.value, std::hypot(e.value_stderr, e.interpolation_error)});
-  }
-  return out;
-}
 
 class PolarPanel {
  public:
@@ -131,7 +57,7 @@ class PolarPanel {
     for (double candidate : {15.0, 75.0, 345.0, 285.0, 165.0, 195.0, 105.0, 255.0}) {
       double reach = 0;
       for (const Curve& c : curves) {
-        for (const auto& p : c.point) {
+        for (const auto& p : c.cut.point) {
           const double apart = std::abs(std::remainder(p.azimuth_deg - candidate, 360));
           if (apart < 12) reach = std::max(reach, axis_.fraction(p.value));
         }
@@ -153,10 +79,10 @@ class PolarPanel {
 
   void band_of(const Curve& curve, const Stroke& stroke) {
     std::vector<Point> edge;
-    for (const auto& p : curve.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.error));
+    for (const auto& p : curve.cut.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.error));
     edge.push_back(edge.front());
-    for (std::size_t i = curve.point.size() + 1; i-- > 0;) {
-      const auto& p = curve.point[i % curve.point.size()];
+    for (std::size_t i = curve.cut.point.size() + 1; i-- > 0;) {
+      const auto& p = curve.cut.point[i % curve.cut.point.size()];
       edge.push_back(at(p.azimuth_deg, p.value - 2 * p.error));
     }
     svg_.polygon(edge, stroke.color, 0.16);
@@ -164,11 +90,11 @@ class PolarPanel {
 
   void line_of(const Curve& curve, const Stroke& stroke) {
     std::vector<Point> line;
-    for (const auto& p : curve.point) line.push_back(at(p.azimuth_deg, p.value));
+    for (const auto& p : curve.cut.point) line.push_back(at(p.azimuth_deg, p.value));
     line.push_back(line.front());
     svg_.polyline(line, stroke);
-    const double r = curve.mark.size() > 90 ? 2 : 3.2;
-    for (const auto& m : curve.mark) {
+    const double r = curve.cut.mark.size() > 90 ? 2 : 3.2;
+    for (const auto& m : curve.cut.mark) {
       svg_.line(at(m.azimuth_deg, m.value - 2 * m.error), at(m.azimuth_deg, m.value + 2 * m.error),
                 {stroke.color, 1.2, ""});
       svg_.circle(at(m.azimuth_deg, m.value), r, "#ffffff", {stroke.color, 1.4, ""});
@@ -182,10 +108,18 @@ class PolarPanel {
   const Axis& axis_;
 };
 
-}  // namespace
+struct CutOf {
+  StoredSignature first;  // whose condition, band and range it is
+  PolarCut cut;
+};
 
-absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
-                                       std::optional<double> elevation_deg) {
+struct PolarCuts {
+  std::vector<StoredSignature> signature;
+  std::vector<CutOf> cut;  // all at one elevation
+};
+
+absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
+                                     std::optional<double> elevation_deg) {
   if (query.aspect || query.row) {
     return absl::InvalidArgumentError(
         "a polar plot shows all azimuths of one elevation: choose it with --elevation, not with "
@@ -197,30 +131,71 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   }
   auto signatures = signatures_to_plot(reader, query);
   if (!signatures.ok()) return signatures.status();
-  const CurveNames names(*signatures);
-  const std::vector<SignatureField> fields = fields_of(*signatures, query.quantity);
+  PolarCuts out{*std::move(signatures), {}};
   const QuantityColumns& quantity = columns_of(query.quantity);
-  if (!elevation_deg) {
-    auto lowest = lowest_elevation_deg(fields.front());
-    if (!lowest.ok()) return lowest.status();
-    elevation_deg = *lowest;
+  for (const SignatureField& field : fields_of(out.signature, query.quantity)) {
+    auto cut = polar_cut(values_of(field.signature, quantity), quantity, elevation_deg);
+    if (!cut.ok()) return cut.status();
+    elevation_deg = cut->elevation_deg;  // of the first one for all
+    out.cut.push_back({field.signature.front(), *std::move(cut)});
   }
+  return out;
+}
+
+}  // namespace
+
+absl::Status write_polar(StoreReader& reader, const Query& query,
+                         std::optional<double> elevation_deg, std::string_view format,
+                         std::ostream& out) {
+  const auto cuts = polar_cuts(reader, query, elevation_deg);
+  if (!cuts.ok()) return cuts.status();
+  const QuantityColumns& quantity = columns_of(query.quantity);
+  auto writer = make_table_writer(format,
+                                  {{"sweep"},
+                                   {"season"},
+                                   {"time_utc"},
+                                   {"band"},
+                                   {"range_m"},
+                                   {"kind"},
+                                   {"aspect_azimuth_deg"},
+                                   {"elevation_deg"},
+                                   {quantity.value_name},
+                                   {quantity.error_name}},
+                                  out);
+  if (!writer.ok()) return writer.status();
+  for (const CutOf& c : cuts->cut) {
+    const auto lines = [&](const std::vector<PolarPoint>& points, const char* kind) {
+      for (const PolarPoint& p : points)
+        (*writer)->row({c.first.sweep, c.first.season, c.first.time_utc, c.first.band,
+                        c.first.range_m, std::string(kind), p.azimuth_deg, c.cut.elevation_deg,
+                        p.value, p.error});
+    };
+    if (c.cut.interpolated) lines(c.cut.point, "interpolated");
+    lines(c.cut.mark, c.cut.interpolated ? "near" : "stored");
+  }
+  return (*writer)->finish();
+}
+
+absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
+                                       std::optional<double> asked_elevation_deg) {
+  auto cuts = polar_cuts(reader, query, asked_elevation_deg);
+  if (!cuts.ok()) return cuts.status();
+  const std::vector<StoredSignature>& signatures = cuts->signature;
+  const double elevation_deg = cuts->cut.front().cut.elevation_deg;
+  const CurveNames names(signatures);
+  const QuantityColumns& quantity = columns_of(query.quantity);
   struct Panel {
     const StoredSignature* first;
     std::vector<Curve> curve;
   };
   std::vector<Panel> panels;
   bool interpolated = false;
-  for (const SignatureField& field : fields) {
-    auto curve = curve_of(quantity, field, *elevation_deg);
-    if (!curve.ok()) return curve.status();
-    const StoredSignature& s = field.signature.front();
-    curve->place = names.index(s);
-    interpolated |= curve->interpolated;
+  for (CutOf& c : cuts->cut) {
+    interpolated |= c.cut.interpolated;
     auto panel = std::find_if(panels.begin(), panels.end(),
-                              [&](const Panel& p) { return p.first->band == s.band; });
-    if (panel == panels.end()) panel = panels.insert(panels.end(), {&s, {}});
-    panel->curve.push_back(std::move(*curve));
+                              [&](const Panel& p) { return p.first->band == c.first.band; });
+    if (panel == panels.end()) panel = panels.insert(panels.end(), {&c.first, {}});
+    panel->curve.push_back({names.index(c.first), std::move(c.cut)});
   }
 
   const std::size_t columns = panels.size() == 1 ? 1 : 2;
@@ -230,14 +205,14 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   const auto legend_lines = static_cast<double>((names.size() + 4) / 5);
   const double top = 74 + 22 * legend_lines;
   const std::size_t lines = (panels.size() + columns - 1) / columns;
-  const StoredSignature& any = signatures->front();
-  const std::string title = fmt::format("{}, elevation {:g}\u00b0, {}", any.sweep, *elevation_deg,
+  const StoredSignature& any = signatures.front();
+  const std::string title = fmt::format("{}, elevation {:g}\u00b0, {}", any.sweep, elevation_deg,
                                         range_title(any.range_m));
   Svg svg(900, top + panel_height * static_cast<double>(lines) + 34, title);
   svg.text({450, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
 
   std::vector<LegendEntry> legend(names.size());
-  for (const auto& s : *signatures)
+  for (const auto& s : signatures)
     legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
   draw_legend(svg, {450, 62}, legend, 5);
 
@@ -248,8 +223,8 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     // The centre is 0, or below everything where something lies below 0.
     double most = 0, least = 0;
     for (const Curve& c : panels[i].curve) {
-      for (const auto* points : {&c.point, &c.mark}) {
-        for (const CurvePoint& p : *points) {
+      for (const auto* points : {&c.cut.point, &c.cut.mark}) {
+        for (const PolarPoint& p : *points) {
           most = std::max(most, p.value + 2 * p.error);
           if (p.value < 0) least = std::min(least, p.value - 2 * p.error);
         }
@@ -265,7 +240,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
              {.size = 15, .anchor = Anchor::kMiddle});
     panel.grid();
     for (const Curve& c : panels[i].curve) {
-      if (c.interpolated) panel.band_of(c, curve_stroke(c.place));
+      if (c.cut.interpolated) panel.band_of(c, curve_stroke(c.place));
     }
     for (const Curve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
     panel.radial_labels(panels[i].curve);

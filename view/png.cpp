@@ -61,7 +61,35 @@ std::string stored(std::string_view bytes) {
   return out;
 }
 
+std::uint32_t u32_at(std::string_view bytes, std::size_t at) {
+  std::uint32_t out = 0;
+  for (std::size_t i = 0; i < 4; ++i) out = out << 8 | static_cast<std::uint8_t>(bytes[at + i]);
+  return out;
+}
+
+constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
+
 }  // namespace
+
+std::string png_defect(std::string_view bytes) {
+  if (!bytes.starts_with(kSignature)) return "it does not begin as a PNG";
+  bool first = true, pixels = false;
+  for (std::size_t at = kSignature.size();;) {
+    if (bytes.size() - at < 12) return "it ends before its last chunk";
+    const std::size_t size = u32_at(bytes, at);
+    if (bytes.size() - at - 12 < size) return "a chunk is longer than what is there";
+    const std::string_view type_and_data = bytes.substr(at + 4, size + 4);
+    const std::string_view type = type_and_data.substr(0, 4);
+    if (u32_at(bytes, at + 8 + size) != crc32(type_and_data)) return "a checksum does not match";
+    if (first != (type == "IHDR")) return "its header is not its first chunk";
+    first = false;
+    pixels |= type == "IDAT";
+    at += 12 + size;
+    if (type != "IEND") continue;
+    if (!pixels) return "it holds no pixels";
+    return at == bytes.size() ? "" : "bytes follow after its end";
+  }
+}
 
 std::string encode_palette_png(std::uint32_t width, std::uint32_t height,
                                const std::vector<std::uint8_t>& pixel,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace irsig {
@@ -18,5 +19,9 @@ struct Rgb {
                                              const std::vector<std::uint8_t>& pixel,
                                              const std::vector<Rgb>& palette,
                                              std::optional<std::uint8_t> transparent = {});
+
+// What is wrong with a PNG: its signature, its chunks or one of their checksums; empty: nothing.
+// Pixels are not unpacked: a checksum that is right is taken for theirs.
+[[nodiscard]] std::string png_defect(std::string_view bytes);
 
 }  // namespace irsig

@@ -180,11 +180,6 @@ std::vector<Cell> cells_of(const std::vector<RowColumn>& columns, const QueryRow
   return out;
 }
 
-struct SpectralColumn {
-  const char* name;
-  const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
-};
-
 using Sp = schema::Spectrum;
 constexpr SpectralColumn kSpectral[] = {
     {"spectral_intensity_w_sr_um", &Sp::spectral_intensity_w_sr_um},
@@ -290,6 +285,8 @@ absl::Status write_parts(StoreReader& reader, const std::vector<QueryRow>& rows,
 }
 
 }  // namespace
+
+std::span<const SpectralColumn> spectral_causes() { return kSpectralCauses; }
 
 absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column, bool descending) {
   std::vector<RowColumn> columns = fixed_columns(true);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ostream>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,14 @@ struct QueryContent {
   bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
   SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
 };
+
+// Values of a spectrum and what the csv format calls them.
+struct SpectralColumn {
+  const char* name;
+  const google::protobuf::RepeatedField<float>& (schema::Spectrum::*values)() const;
+};
+// The source intensity by cause, each followed by its standard error.
+[[nodiscard]] std::span<const SpectralColumn> spectral_causes();
 
 // Into the order of a column's values; rows without one come last. INVALID_ARGUMENT: no such
 // column.

@@ -64,17 +64,29 @@ absl::StatusOr<SignatureQuantity> quantity_named(std::string_view name) {
                                                 absl::StrJoin(quantity_names(), ", ")));
 }
 
-absl::Status check_computed(const std::vector<StoredSignature>& signatures,
-                            SignatureQuantity quantity) {
-  const QuantityColumns& c = columns_of(quantity);
-  const auto missing =
-      std::find_if(signatures.begin(), signatures.end(),
-                   [&](const StoredSignature& s) { return std::isnan(s.*c.value); });
-  if (missing == signatures.end()) return absl::OkStatus();
+namespace {
+
+absl::Status not_computed(std::uint64_t row, const QuantityColumns& c) {
   return absl::FailedPreconditionError(fmt::format(
       "row {} has no {}: an older irsig stored it (run the sweep again into the same database to "
       "compute it)",
-      missing->row, c.value_name));
+      row, c.value_name));
+}
+
+}  // namespace
+
+absl::Status check_computed(const std::vector<StoredSignature>& signatures,
+                            SignatureQuantity quantity) {
+  const QuantityColumns& c = columns_of(quantity);
+  for (const StoredSignature& s : signatures)
+    if (std::isnan(s.*c.value)) return not_computed(s.row, c);
+  return absl::OkStatus();
+}
+
+absl::Status check_computed(std::span<const StoredValue> values, SignatureQuantity quantity) {
+  for (const StoredValue& v : values)
+    if (std::isnan(v.value)) return not_computed(v.row, columns_of(quantity));
+  return absl::OkStatus();
 }
 
 }  // namespace irsig

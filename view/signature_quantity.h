@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,8 @@ struct QuantityColumns {
 // FAILED_PRECONDITION, saying what to do, if an older irsig stored one of the signatures without
 // this quantity.
 [[nodiscard]] absl::Status check_computed(const std::vector<StoredSignature>& signatures,
+                                          SignatureQuantity quantity);
+[[nodiscard]] absl::Status check_computed(std::span<const StoredValue> values,
                                           SignatureQuantity quantity);
 
 }  // namespace irsig

@@ -41,6 +41,44 @@ WHERE v.viewpoint_id = ?8
   AND (?6 IS NULL OR f.row = ?6)
 ORDER BY f.row;
 
+-- One quantity (?6: SignatureQuantity) of one condition and band from one range (?5, to 1e-9 of it): the columns that a
+-- picture of all aspects needs, and no others, since they are asked for with every step of a slider.
+-- name: values_of_signatures
+SELECT (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 AS row,
+       v.aspect_azimuth_deg, v.aspect_elevation_deg,
+       CASE ?6 WHEN 0 THEN s.intensity_w_sr WHEN 1 THEN s.apparent_intensity_w_sr
+               WHEN 2 THEN s.contrast_intensity_w_sr ELSE s.background_radiance_w_m2_sr END,
+       CASE ?6 WHEN 0 THEN s.intensity_stderr_w_sr WHEN 1 THEN s.apparent_intensity_stderr_w_sr
+               WHEN 2 THEN s.contrast_intensity_stderr_w_sr ELSE s.background_radiance_stderr_w_m2_sr END,
+       CASE ?6 WHEN 0 THEN s.numerical_error_w_sr WHEN 1 THEN s.apparent_numerical_error_w_sr
+               WHEN 2 THEN s.contrast_numerical_error_w_sr ELSE s.background_radiance_stderr_w_m2_sr END
+FROM sweep w
+CROSS JOIN condition c ON c.sweep_id = w.sweep_id
+CROSS JOIN band b ON b.sweep_id = w.sweep_id
+CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band_id
+CROSS JOIN viewpoint v ON v.viewpoint_id = s.viewpoint_id
+WHERE w.name = ?1 AND c.season = ?2 AND c.time_utc = ?3 AND b.name = ?4 AND abs(v.range_m - ?5) <= 1e-9 * ?5
+ORDER BY row, s.signature_id DESC;
+
+-- What a database has to choose from (StoreReader::contents).
+-- name: contents_of_sweeps
+SELECT w.sweep_id, w.name, w.viewpoints, w.viewpoints * w.conditions * w.bands,
+       (SELECT count(*) FROM condition c CROSS JOIN signature s ON s.condition_id = c.condition_id
+        WHERE c.sweep_id = w.sweep_id),
+       coalesce(w.thumbnail_px, 0) > 0
+FROM sweep w ORDER BY w.sweep_id;
+
+-- name: conditions_of_sweep
+SELECT season, time_utc FROM condition WHERE sweep_id = ?1 GROUP BY season, time_utc ORDER BY min(condition_index);
+
+-- name: bands_of_sweep
+SELECT name, lambda_min_um, lambda_max_um FROM band b WHERE sweep_id = ?1
+  AND NOT EXISTS (SELECT 1 FROM band n WHERE n.sweep_id = b.sweep_id AND n.name = b.name AND n.band_id > b.band_id)
+ORDER BY band_index;
+
+-- name: ranges_of_sweep
+SELECT DISTINCT range_m FROM viewpoint WHERE sweep_id = ?1 ORDER BY range_m;
+
 -- Step one of a nearest query: the viewpoints whose box meets a box around the direction.
 -- name: viewpoints_in_box
 SELECT d.viewpoint_id, v.viewpoint_index, w.name, d.unit_x, d.unit_y, d.unit_z

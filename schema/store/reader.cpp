@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
+#include "schema/store/find_contents.h"
 #include "schema/store/find_heat.h"
 #include "schema/store/find_ledger.h"
 #include "schema/store/find_profiles.h"
@@ -24,6 +25,14 @@ class SqliteReader final : public StoreReader {
 
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) override {
     return in_one_snapshot([&] { return find_signatures(database_, filter); });
+  }
+
+  absl::StatusOr<std::vector<SweepContents>> contents() override {
+    return in_one_snapshot([&] { return find_contents(database_); });
+  }
+
+  absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter) override {
+    return find_values(database_, filter);
   }
 
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) override {

@@ -313,6 +313,38 @@ struct SignatureFilter {
   std::optional<double> range_m;  // of the viewpoint, to 1e-9 of it
 };
 
+// What a database has to choose from, without its values.
+struct SweepContents {
+  std::string name;
+  std::uint64_t viewpoints = 0, rows = 0;  // stored rows
+  std::uint64_t whole_rows = 0;            // viewpoints x conditions x bands
+  struct Condition {
+    std::string season, time_utc;
+  };
+  std::vector<Condition> condition;  // in the sweep's order, none twice
+  struct Band {
+    std::string name;
+    double lambda_min_um, lambda_max_um;
+  };
+  std::vector<Band> band;
+  std::vector<double> range_m;  // of its viewpoints, increasing
+  bool thumbnails = false;      // asked for
+};
+
+// One quantity of many signatures: what a picture of all aspects needs. kNotComputed as in
+// StoredSignature.
+struct StoredValue {
+  std::uint64_t row;
+  double aspect_azimuth_deg, aspect_elevation_deg;
+  double value, value_stderr, numerical_error;
+};
+// All must be given: it is one condition and band from one range.
+struct ValueFilter {
+  std::string sweep, season, time_utc, band;
+  double range_m = 0;
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;
+};
+
 // A sweep as it was submitted, and its files.
 struct StoredSweep {
   schema::ResolvedSweep resolved;
@@ -329,6 +361,10 @@ class StoreReader {
 
   // In row order; with a direction: nearest first.
   virtual absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) = 0;
+  // In the order in which sweeps were added.
+  virtual absl::StatusOr<std::vector<SweepContents>> contents() = 0;
+  // In row order; of a row and its superseded predecessor the newer one.
+  virtual absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter) = 0;
   // Arrays that were not computed are empty.
   virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
   // NOT_FOUND: no sweep of that name.

@@ -14,7 +14,7 @@ MACHINE_PATH = re.compile(r"(?<![\w.$}])/(work|home|root|Users)(/|\b)")
 UNFINISHED = re.compile(r"\b(TODO|FIXME|XXX|HACK)\b")
 EMPTY_NAME = re.compile(r"(^|_)(utils?|common|misc|helpers?|managers?)(_|$)")
 SKIPPED_FOLDERS = {".git", "build", "out", "__pycache__"}
-TEXT = {".c", ".cc", ".cmake", ".cpp", ".csv", ".h", ".inc", ".json", ".md", ".proto", ".py", ".service",
+TEXT = {".c", ".cc", ".cmake", ".cpp", ".css", ".csv", ".h", ".html", ".inc", ".js", ".json", ".md", ".proto", ".py", ".service",
         ".sh", ".sql", ".supp", ".svg", ".toml", ".txt", ""}
 
 

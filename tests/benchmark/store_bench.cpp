@@ -1,6 +1,6 @@
 // How many jobs a second complete() and its commits sustain, and how fast a nearest query is.
 //
-//   store_bench [folder = .] [jobs = 3000] [results in one commit = 64]
+//   store_bench [folder = .] [jobs = 3000] [results in one commit = 64] [keep: leave the database]
 //
 // Each job: 6 rows (3 seasons x 2 bands of 41 and 81 wavelengths x 14 arrays, 8 parts, a 4 kB PNG
 // and a 20 kB EXR of bytes that do not compress), synchronous = FULL, in the given folder: choose
@@ -198,6 +198,14 @@ void bench_find(const std::string& path) {
   std::printf("all of one season and band: %.3f s for %zu rows\n", seconds() - start_s,
               all->size());
   start_s = seconds();
+  ValueFilter shown{"bench", "summer", "2025-06-21T01:30:00Z", "lwir", 5000};
+  const auto values = (*reader)->values(shown);
+  check(values.status());
+  std::printf("one quantity of these: %.3f s for %zu rows\n", seconds() - start_s, values->size());
+  start_s = seconds();
+  check((*reader)->contents().status());
+  std::printf("contents: %.3f s\n", seconds() - start_s);
+  start_s = seconds();
   const auto digest = (*reader)->digest();
   check(digest.status());
   std::printf("digest: %.2f s\n", seconds() - start_s);
@@ -214,5 +222,5 @@ int main(int argc, char** argv) {
   std::filesystem::remove(path);
   irsig::bench_complete(path, jobs, group);
   irsig::bench_find(path);
-  std::filesystem::remove(path);
+  if (argc <= 4) std::filesystem::remove(path);
 }

@@ -87,6 +87,12 @@ class FakeStoreReader : public StoreReader {
     }
     return out;
   }
+  absl::StatusOr<std::vector<SweepContents>> contents() override {
+    return std::vector<SweepContents>();
+  }
+  absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter&) override {
+    return std::vector<StoredValue>();
+  }
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t id) override { return spectra.at(id); }
   absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
     if (!sweeps.contains(name)) return absl::NotFoundError("no sweep " + name);

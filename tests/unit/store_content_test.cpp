@@ -33,6 +33,69 @@ class StoreContent : public ::testing::Test {
   std::unique_ptr<StoreReader> reader_;
 };
 
+TEST_F(StoreContent, ContentsAreWhatThereIsToChooseFrom) {
+  const auto contents = reader_->contents();
+  ASSERT_OK(contents.status());
+  ASSERT_EQ(contents->size(), 1U);
+  const SweepContents& c = contents->front();
+  EXPECT_EQ(c.name, "ship");
+  EXPECT_EQ(c.viewpoints, 4U);
+  EXPECT_EQ(c.rows, 16U);
+  EXPECT_EQ(c.whole_rows, 16U);
+  ASSERT_EQ(c.condition.size(), 2U);
+  EXPECT_EQ(c.condition[1].season, "summer");
+  EXPECT_EQ(c.condition[1].time_utc, "2025-06-21T01:30:00Z");
+  ASSERT_EQ(c.band.size(), 2U);
+  EXPECT_EQ(c.band[1].name, "lwir");
+  EXPECT_EQ(c.band[1].lambda_max_um, 12);
+  EXPECT_EQ(c.range_m, std::vector<double>{5000});
+  EXPECT_TRUE(c.thumbnails);
+}
+
+TEST_F(StoreContent, ValuesAreThoseOfTheRows) {
+  ValueFilter filter{"ship", "summer", "2025-06-21T01:30:00Z", "lwir", 5000};
+  for (const auto& [quantity, value, value_stderr, error] :
+       {std::tuple{SignatureQuantity::kIntensity, &StoredSignature::intensity_w_sr,
+                   &StoredSignature::intensity_stderr_w_sr, &StoredSignature::numerical_error_w_sr},
+        std::tuple{SignatureQuantity::kApparentIntensity, &StoredSignature::apparent_intensity_w_sr,
+                   &StoredSignature::apparent_intensity_stderr_w_sr,
+                   &StoredSignature::apparent_numerical_error_w_sr},
+        std::tuple{SignatureQuantity::kContrastIntensity, &StoredSignature::contrast_intensity_w_sr,
+                   &StoredSignature::contrast_intensity_stderr_w_sr,
+                   &StoredSignature::contrast_numerical_error_w_sr},
+        std::tuple{SignatureQuantity::kBackgroundRadiance,
+                   &StoredSignature::background_radiance_w_m2_sr,
+                   &StoredSignature::background_radiance_stderr_w_m2_sr,
+                   &StoredSignature::background_radiance_stderr_w_m2_sr}}) {
+    filter.quantity = quantity;
+    const auto values = reader_->values(filter);
+    ASSERT_OK(values.status());
+    SignatureFilter same;
+    same.season = "summer";
+    same.band = "lwir";
+    const auto rows = reader_->find(same);
+    ASSERT_OK(rows.status());
+    ASSERT_EQ(values->size(), 4U);
+    ASSERT_EQ(rows->size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_EQ((*values)[i].row, (*rows)[i].row);
+      EXPECT_EQ((*values)[i].aspect_azimuth_deg, (*rows)[i].aspect_azimuth_deg);
+      EXPECT_EQ((*values)[i].aspect_elevation_deg, (*rows)[i].aspect_elevation_deg);
+      EXPECT_EQ((*values)[i].value, (*rows)[i].*value);
+      EXPECT_EQ((*values)[i].value_stderr, (*rows)[i].*value_stderr);
+      EXPECT_EQ((*values)[i].numerical_error, (*rows)[i].*error);
+    }
+  }
+  for (auto* name : {&filter.sweep, &filter.season, &filter.time_utc, &filter.band}) {
+    const std::string kept = *name;
+    *name = "other";
+    EXPECT_TRUE(reader_->values(filter)->empty());
+    *name = kept;
+  }
+  filter.range_m = 5001;
+  EXPECT_TRUE(reader_->values(filter)->empty());
+}
+
 TEST_F(StoreContent, EveryScalarComesBack) {
   const auto found = reader_->find({});
   ASSERT_OK(found.status());

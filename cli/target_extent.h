@@ -1,0 +1,11 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// How far the target of a stored sweep reaches: what rows at another range ask for (ExtentOf).
+[[nodiscard]] absl::StatusOr<TargetExtent> stored_target_extent(const StoredSweep& sweep);
+
+}  // namespace irsig

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// StoreReader::contents and StoreReader::values.
+[[nodiscard]] absl::StatusOr<std::vector<SweepContents>> find_contents(Database& database);
+[[nodiscard]] absl::StatusOr<std::vector<StoredValue>> find_values(Database& database,
+                                                                   const ValueFilter& filter);
+
+}  // namespace irsig

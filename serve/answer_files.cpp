@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "serve/answer_parts.h"
+#include "view/plot.h"
+#include "view/query_table.h"
+
+namespace irsig {
+namespace {
+
+constexpr const char* kCsv = "text/csv; charset=utf-8";
+constexpr const char* kSvg = "image/svg+xml";
+
+using Bytes = absl::StatusOr<std::string>;
+
+Bytes table(const PageSources& sources, const Question& q, const Query& query, bool spectrum) {
+  const auto reader = open_database(sources, q.a.database);
+  if (!reader.ok()) return reader.status();
+  auto rows = run_query(**reader, query, sources.extent_of);
+  if (!rows.ok()) return rows.status();
+  if (rows->empty()) return absl::NotFoundError("no signature matches");
+  std::ostringstream out;
+  QueryContent content;
+  content.spectrum = spectrum;
+  content.causes = query.row.has_value();
+  content.quantity = query.quantity;
+  if (auto s = write_rows(**reader, *rows, content, "csv", out); !s.ok()) return s;
+  return out.str();
+}
+
+Bytes rows_csv(const PageSources& sources, const Question& q) {
+  return table(sources, q, selection_query(q.a, q.quantity), false);
+}
+Bytes row_csv(const PageSources& sources, const Question& q) {
+  return table(sources, q, row_query(q), false);
+}
+Bytes spectrum_csv(const PageSources& sources, const Question& q) {
+  return table(sources, q, row_query(q), true);
+}
+
+Bytes cut_csv(const PageSources& sources, const Question& q) {
+  const auto reader = open_database(sources, q.a.database);
+  if (!reader.ok()) return reader.status();
+  std::ostringstream out;
+  if (auto s = write_polar(**reader, selection_query(q.a, q.quantity), q.elevation_deg, "csv", out);
+      !s.ok())
+    return s;
+  return out.str();
+}
+
+Bytes compare_csv(const PageSources& sources, const Question& q) {
+  const auto compared = compare_selections(sources, q);
+  if (!compared.ok()) return compared.status();
+  std::ostringstream out;
+  if (auto s = write_comparison(*compared, columns_of(q.quantity), "csv", out); !s.ok()) return s;
+  return out.str();
+}
+
+Bytes map_svg(const PageSources& sources, const Question& q) {
+  const auto reader = open_database(sources, q.a.database);
+  if (!reader.ok()) return reader.status();
+  return plot_map(**reader, selection_query(q.a, q.quantity));
+}
+Bytes cut_svg(const PageSources& sources, const Question& q) {
+  const auto reader = open_database(sources, q.a.database);
+  if (!reader.ok()) return reader.status();
+  return plot_polar(**reader, selection_query(q.a, q.quantity), q.elevation_deg);
+}
+Bytes spectrum_svg(const PageSources& sources, const Question& q) {
+  const auto reader = open_database(sources, q.a.database);
+  if (!reader.ok()) return reader.status();
+  // plot_spectrum has no way to move a row; a picture of another range than asked would be wrong.
+  if (q.range_m)
+    return absl::InvalidArgumentError(
+        "a spectrum at another range is not drawn as a file: take its CSV");
+  return plot_spectrum(**reader, row_query(q));
+}
+
+struct File {
+  std::string_view name;
+  const char* type;
+  Needs needs;
+  Bytes (*bytes)(const PageSources&, const Question&);
+};
+
+constexpr File kFiles[] = {
+    {"rows.csv", kCsv, Needs::kSelection, rows_csv},
+    {"row.csv", kCsv, Needs::kRow, row_csv},
+    {"spectrum.csv", kCsv, Needs::kRow, spectrum_csv},
+    {"cut.csv", kCsv, Needs::kSelection, cut_csv},
+    {"compare.csv", kCsv, Needs::kBoth, compare_csv},
+    {"map.svg", kSvg, Needs::kSelection, map_svg},
+    {"cut.svg", kSvg, Needs::kSelection, cut_svg},
+    {"spectrum.svg", kSvg, Needs::kRow, spectrum_svg},
+};
+
+}  // namespace
+
+absl::StatusOr<PageReply> answer_file(const PageSources& sources, const std::string& file,
+                                      const Parameters& parameters) {
+  for (const File& f : kFiles) {
+    if (f.name != file) continue;
+    const auto question = parse_question(parameters, f.needs, sources.database.size());
+    if (!question.ok()) return question.status();
+    auto bytes = f.bytes(sources, *question);
+    if (!bytes.ok()) return bytes.status();
+    return PageReply{200, f.type, *std::move(bytes), file};
+  }
+  return absl::NotFoundError("there is no such file here");
+}
+
+}  // namespace irsig

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "schema/store/store.h"
+#include "serve/answers.h"
+#include "view/compare.h"
+
+namespace irsig {
+
+// The answers behind answers.h: each opens the database that it needs. The bodies are described in
+// serve/README.md.
+
+[[nodiscard]] absl::StatusOr<PageReply> answer_contents(const PageSources& sources);
+[[nodiscard]] absl::StatusOr<PageReply> answer_progress(const PageSources& sources);
+
+// Of all aspects.
+[[nodiscard]] absl::StatusOr<PageReply> answer_map(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_cut(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_compare(const PageSources& sources,
+                                                       const Question& q);
+
+// Of one row.
+[[nodiscard]] absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources,
+                                                        const Question& q);
+[[nodiscard]] absl::StatusOr<PageReply> answer_thumbnail(const PageSources& sources,
+                                                         const Question& q);
+
+// To be saved; path without "/file/". NOT_FOUND: there is no such file.
+[[nodiscard]] absl::StatusOr<PageReply> answer_file(const PageSources& sources,
+                                                    const std::string& file,
+                                                    const Parameters& parameters);
+
+// UNAVAILABLE: it cannot be opened (any more), with the reason.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<StoreReader>> open_database(const PageSources& sources,
+                                                                         std::size_t database);
+
+// The values of a selection. NOT_FOUND: there are none, in words.
+[[nodiscard]] absl::StatusOr<std::vector<StoredValue>> values_of_selection(
+    StoreReader& reader, const Selection& selection, SignatureQuantity quantity);
+
+// b - a. NOT_FOUND: they have no aspect in common.
+[[nodiscard]] absl::StatusOr<Comparison> compare_selections(const PageSources& sources,
+                                                            const Question& question);
+
+// The one row of a question. NOT_FOUND.
+[[nodiscard]] absl::StatusOr<std::vector<QueryRow>> one_row(const PageSources& sources,
+                                                            StoreReader& reader,
+                                                            const Question& question);
+
+[[nodiscard]] PageReply json_reply(std::string body);
+
+}  // namespace irsig

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "serve/question.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// The databases of a page, and how far a target reaches.
+struct PageSources {
+  std::vector<std::string> database;  // paths, as they were named
+  ExtentOf extent_of;
+};
+
+struct PageReply {
+  int status = 200;  // of HTTP
+  std::string type;  // of the body
+  std::string body;
+  std::string file_name;  // not empty: to be saved under this name
+};
+
+// What a GET of a path is answered with. Any number of threads may ask: each answer opens its
+// database and closes it. Whatever goes wrong is a reply, too: JSON {"error": words}, with 400 for
+// what was asked wrongly, 404 for what there is not, 409 for what the stored data cannot answer and
+// 503 where the database cannot be read.
+[[nodiscard]] PageReply answer(const PageSources& sources, const std::string& path,
+                               const Parameters& parameters);
+
+[[nodiscard]] PageReply error_reply(int status, std::string_view words);
+
+}  // namespace irsig

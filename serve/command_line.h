@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "serve/question.h"
+
+namespace irsig {
+
+// The commands that print what the page shows, for a POSIX shell. database: as it was named when
+// the page was started.
+
+// `irsig query` of one condition and band: every viewpoint.
+[[nodiscard]] std::string selection_command(const std::string& database, const Selection& selection,
+                                            SignatureQuantity quantity);
+// `irsig plot --kind polar`, as CSV.
+[[nodiscard]] std::string cut_command(const std::string& database, const Question& question,
+                                      double elevation_deg);
+// `irsig query --row`; spectrum: of its spectrum.
+[[nodiscard]] std::string row_command(const std::string& database, const Question& question,
+                                      bool spectrum);
+// `irsig explain`.
+[[nodiscard]] std::string explain_command(const std::string& database, const Question& question);
+
+// One word of a shell's command, quoted where it must be.
+[[nodiscard]] std::string shell_word(std::string_view text);
+
+}  // namespace irsig

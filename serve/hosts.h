@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// Where a page may be served.
+struct ListenAddress {
+  std::string address;  // as sockets want it: 127.0.0.1, ::1
+  bool loopback;
+};
+
+// INVALID_ARGUMENT: neither an IP address nor localhost.
+[[nodiscard]] absl::StatusOr<ListenAddress> parse_listen_address(const std::string& text);
+
+// "http://127.0.0.1:8017/"
+[[nodiscard]] std::string page_url(const ListenAddress& address, int port);
+
+// Whether a request with this Host header was meant for us: localhost or an IP address, with any
+// port (it may have been forwarded), and a loopback address where that is all that is listened to.
+// A name of the network is refused: a page from elsewhere whose name was made to point here (DNS
+// rebinding) would otherwise read the databases.
+[[nodiscard]] bool is_our_host(std::string_view host, bool loopback_only);
+
+}  // namespace irsig

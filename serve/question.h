@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/store.h"
+#include "view/query.h"
+
+namespace irsig {
+
+// The parameters of a request's address, decoded.
+using Parameters = std::multimap<std::string, std::string>;
+
+// One condition and band of one sweep from one stored range.
+struct Selection {
+  std::size_t database = 0;
+  std::string sweep, season, time, band;
+  double at_range_m = 0;
+};
+
+// What is asked of the page's server: a parameter of each name, of the CLI's names where it has
+// them (at_range_m: the stored range; range_m: as seen from there).
+struct Question {
+  Selection a;
+  std::optional<Selection> b;  // compared with a; parameters b_*
+  SignatureQuantity quantity = SignatureQuantity::kIntensity;
+  std::optional<double> elevation_deg;
+  std::optional<std::uint64_t> row;
+  std::optional<double> range_m;
+};
+
+enum class Needs {
+  kNothing,    // no parameters
+  kSelection,  // of a; elevation_deg allowed
+  kBoth,       // of a and b
+  kRow,        // database, sweep, row; range_m allowed
+};
+
+// INVALID_ARGUMENT, naming it: a parameter that is unknown, there twice, lacking or no number;
+// a database that there is not.
+[[nodiscard]] absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs needs,
+                                                      std::size_t databases);
+
+// The same for `view`.
+[[nodiscard]] ValueFilter value_filter(const Selection& selection, SignatureQuantity quantity);
+[[nodiscard]] Query selection_query(const Selection& selection, SignatureQuantity quantity);
+[[nodiscard]] Query row_query(const Question& question);
+
+}  // namespace irsig

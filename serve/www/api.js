@@ -1,0 +1,43 @@
+// Answers of this page's server. Whatever goes wrong is an Error whose message is for people.
+
+const KEPT = 80;
+const kept = new Map();
+
+export const addressOf = (path, parameters) => {
+  const out = new URLSearchParams();
+  for (const [name, value] of Object.entries(parameters ?? {}))
+    if (value !== "" && value !== undefined && value !== null) out.set(name, value);
+  return out.size > 0 ? `${path}?${out}` : path;
+};
+
+async function fetched(address) {
+  let reply;
+  try {
+    reply = await fetch(address);
+  } catch {
+    throw new Error("The server of this page does not answer: has irsig serve ended?");
+  }
+  let body;
+  try {
+    body = await reply.json();
+  } catch {
+    throw new Error(`The server's answer cannot be read (${reply.status}).`);
+  }
+  if (!reply.ok) throw new Error(body.error ?? `The server refused (${reply.status}).`);
+  return body;
+}
+
+// What was answered before is taken again, until forget().
+export function ask(path, parameters) {
+  const address = addressOf(path, parameters);
+  let answer = kept.get(address);
+  kept.delete(address);
+  answer ??= fetched(address);
+  kept.set(address, answer);
+  answer.catch(() => kept.delete(address));
+  if (kept.size > KEPT) kept.delete(kept.keys().next().value);
+  return answer;
+}
+
+export const askAnew = (path) => fetched(path);
+export const forget = () => kept.clear();

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace irsig {
+
+struct WwwFile {
+  std::string_view name, bytes;
+};
+
+// What lies in serve/www.
+[[nodiscard]] const std::vector<WwwFile>& www_files();
+
+}  // namespace irsig

@@ -1,0 +1,394 @@
+"""The page of irsig serve in a real browser, wide and narrow: what it shows is what irsig prints.
+
+usage: page_test.py <irsig executable> <source folder> <folder for screenshots>
+"""
+import json
+import pathlib
+import re
+import shlex
+import shutil
+import sqlite3
+import sys
+import tempfile
+import unittest
+import urllib.parse
+
+from browser import Browser
+from serve_fixture import Server, irsig, small_sweep
+
+IRSIG, SOURCE, SHOTS = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+WIDTHS = {"wide": (1280, 900, False), "narrow": (390, 844, True)}
+
+
+def rows(*arguments):
+    return json.loads(irsig(IRSIG, "query", *arguments, "--causes", "--format", "json"))
+
+
+def number(text):
+    """The first number of a text that is for people."""
+    return float(re.search(r"−?\d+(\.\d+)?(e−?\d+)?", text)[0].replace("−", "-"))
+
+
+class PageTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        SHOTS.mkdir(parents=True, exist_ok=True)
+        cls.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.path = pathlib.Path(cls.folder.name)
+        cls.db = cls.path / "quickstart.sigdb"
+        small_sweep(IRSIG, SOURCE, cls.path / "small.toml", cls.db)
+        cls.server = Server(IRSIG, cls.db)
+        cls.addClassCleanup(cls.server.end)
+        cls.browser = Browser(cls.path / "profile")
+        cls.addClassCleanup(cls.browser.__exit__)
+        cls.pages = {name: cls.browser.page(*size[:2], touch=size[2]) for name, size in WIDTHS.items()}
+
+    def setUp(self):
+        for page in self.pages.values():
+            page.errors.clear()
+
+    def tearDown(self):
+        for page in self.pages.values():
+            elsewhere = [r for r in page.requests if not r.startswith((self.server.url, "about:", *self.others()))]
+            self.assertEqual(elsewhere, [])
+
+    def others(self):
+        return getattr(self, "other_urls", [])
+
+    def open(self, page, server=None, **state):
+        page.open((server or self.server).url + ("?" + urllib.parse.urlencode(state) if state else ""))
+
+    def each(self):
+        for name, page in self.pages.items():
+            with self.subTest(name):
+                yield name, page
+
+    def state(self, page):
+        return dict(urllib.parse.parse_qsl(page.run("location.search.slice(1)")))
+
+    def row_of(self, page, *more):
+        state = self.state(page)
+        azimuth, elevation = state["aspect"].split(",") if "aspect" in state else self.chosen(page)
+        (row,) = rows(self.db, "--season", state["season"], "--time", state["time"], "--band", state["band"],
+                      "--aspect", f"{azimuth},{elevation}", "--nearest", 1, *more)
+        return row
+
+    def chosen(self, page):
+        words = page.text("#dome-readout")
+        return re.search(r"azimuth ([\d.]+)°, elevation ([\d.]+)°", words).groups()
+
+    def shown(self, page, column, panel="#values"):
+        return page.run(f"JSON.parse(document.querySelector('{panel} [data-column=\"{column}\"]').dataset.value)")
+
+    def check_values(self, page, row):
+        for column in ("intensity_w_sr", "apparent_intensity_w_sr", "contrast_intensity_w_sr", "background_radiance_w_m2_sr",
+                       "projected_area_m2", "apparent_temperature_k"):
+            self.assertEqual(self.shown(page, column), row[column], column)
+            # And as it can be read.
+            seen = number(page.text(f"#values [data-column=\"{column}\"]"))
+            self.assertLessEqual(abs(seen - row[column]), 1e-4 * abs(row[column]), column)
+        self.assertIn(f"Row {row['row']}:", page.text("#values .where"))
+
+    def check_layout(self, page):
+        self.assertLessEqual(page.run("document.documentElement.scrollWidth - innerWidth"), 0)
+        wide = page.run("[...document.querySelectorAll('body *')].filter(e => e.getClientRects().length && !e.closest('.scroll, .said, .skip, svg')"
+                        " && (e.getBoundingClientRect().right > innerWidth + 0.5 || e.getBoundingClientRect().left < -0.5))"
+                        ".map(e => e.tagName + '.' + e.className + ' ' + e.textContent.slice(0, 40))")
+        self.assertEqual(wide, [])
+        # No word of a plot leaves its picture.
+        outside = page.run("[...document.querySelectorAll('svg.plot text')].filter(t => { const b = t.getBoundingClientRect(), "
+                           "s = t.ownerSVGElement.getBoundingClientRect(); return b.left < s.left - 1 || b.right > s.right + 1 || b.bottom > s.bottom + 2; })"
+                           ".map(t => t.textContent)")
+        self.assertEqual(outside, [])
+        self.assertEqual(page.unnamed_controls(), [])
+
+    def test_opens_and_shows_what_the_query_prints(self):
+        for name, page in self.each():
+            self.open(page)
+            self.assertIn("288 of 288 rows from 24 viewpoints", page.text("#about"))
+            self.assertEqual(page.text("#map-title"), "In-band intensity")
+            row = self.row_of(page)
+            self.check_values(page, row)
+            for cause in ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected"):
+                self.assertEqual(self.shown(page, f"{cause}_w_sr", "#ledger"), row[f"{cause}_w_sr"])
+            self.assertIn("24 of 24 jobs, complete", page.text("#progress"))
+            self.check_layout(page)
+            self.assertEqual(page.errors, [])
+            page.screenshot(SHOTS / f"page-{name}.png")
+
+    def test_chosen_by_hand_and_by_keyboard(self):
+        for name, page in self.each():
+            self.open(page)
+            box = page.box("#dome")
+            middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+            page.tap(*middle) if WIDTHS[name][2] else page.click(*middle)
+            page.wait("location.search.includes('aspect')")
+            page.settle()
+            row = self.row_of(page)
+            (zenith, *_) = rows(self.db, "--aspect", "0,90", "--nearest", 1)
+            self.assertEqual((row["aspect_azimuth_deg"], row["aspect_elevation_deg"]),
+                             (zenith["aspect_azimuth_deg"], zenith["aspect_elevation_deg"]))
+            self.check_values(page, row)
+            page.run("document.getElementById('dome').focus()")
+            before = row
+            page.key("ArrowRight")  # from above, starboard is to the right
+            page.settle()
+            row = self.row_of(page)
+            self.assertNotEqual(row["row"], before["row"])
+            self.assertGreater(self.starboard(row), self.starboard(before))
+            self.check_values(page, row)
+            page.key("ArrowDown", shift=True)
+            self.assertEqual(self.state(page)["turn"], "180.0,80.0")
+            self.assertEqual(page.errors, [])
+
+    @staticmethod
+    def starboard(row):
+        from math import cos, radians, sin
+        return cos(radians(row["aspect_elevation_deg"])) * sin(radians(row["aspect_azimuth_deg"]))
+
+    def test_dragging_turns_and_does_not_choose(self):
+        page = self.pages["wide"]
+        self.open(page)
+        box = page.box("#dome")
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse("mouseMoved", x, y)
+        page.mouse("mousePressed", x, y)
+        for step in range(1, 9):
+            page.mouse("mouseMoved", x + 5 * step, y - 10 * step)
+        page.mouse("mouseReleased", x + 40, y - 80)
+        page.settle()
+        state = self.state(page)
+        self.assertNotIn("aspect", state)
+        azimuth, elevation = map(float, state["turn"].split(","))
+        self.assertTrue(60 < elevation < 70 and 185 < azimuth < 200, state)
+
+    def test_controls(self):
+        for name, page in self.each():
+            self.open(page)
+            page.choose("[name=season]", "summer")
+            page.choose("[name=band]", "lwir")
+            page.choose("[name=quantity]", "contrast_intensity")
+            self.assertEqual(page.text("#map-title"), "In-band contrast intensity")
+            self.check_values(page, self.row_of(page))
+            state = self.state(page)
+            self.assertEqual((state["season"], state["band"], state["quantity"]), ("summer", "lwir", "contrast_intensity"))
+            before = state["time"]
+            page.run("document.querySelector('[name=time]').focus()")
+            page.key("ArrowRight")
+            page.settle()
+            state = self.state(page)
+            self.assertNotEqual(state["time"], before)
+            self.assertEqual(page.text("form output"), state["time"])
+            self.check_values(page, self.row_of(page))
+            page.choose("[name=range_m]", "12000")
+            page.settle()
+            row = self.row_of(page, "--range-m", 12000)
+            self.assertEqual(row["range_m"], 12000)
+            self.check_values(page, row)
+            self.assertEqual(self.shown(page, "numerical_error", "#budget"), row["contrast_numerical_error_w_sr"])
+            page.choose("[name=range_m]", "50")
+            self.assertIn("20 lengths", page.text("#values > .words"))
+            self.assertTrue(page.run("document.querySelector('#values .body').hidden && document.querySelector('#spectrum .body').hidden"))
+            self.check_layout(page)
+
+    def test_spectrum(self):
+        for name, page in self.each():
+            self.open(page, band="lwir", season="spring")
+            row = self.row_of(page)
+            spectrum = rows(self.db, "--row", row["row"], "--spectrum")
+            self.assertEqual(page.run("document.querySelector('#spectrum path.curve.a').getAttribute('d').split('L').length"), len(spectrum))
+            self.assertEqual(page.run("document.querySelectorAll('#spectrum path.band.a').length"), 1)
+            # The stack's areas are the causes that are not zero; its top is the whole.
+            causes = page.run("[...document.querySelectorAll('#spectrum path.cause')].map(p => p.dataset.cause)")
+            self.assertEqual(causes, [c for c in ("emitted", "sun_reflected", "sky_reflected", "sea_reflected", "parts_reflected")
+                                      if any(s[f"spectral_{c}_w_sr_um"] for s in spectrum)])
+            top, line = (page.run(f"document.querySelector('#spectrum path.{c}').getAttribute('d').split('L')[40].split(' ').map(Number)[1]")
+                         for c in (f"cause.{causes[-1]}", "curve.a"))
+            self.assertAlmostEqual(top, line, delta=0.1)
+            box = page.box("#spectrum svg")
+            page.mouse("mouseMoved", box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+            page.settle()
+            words = page.text("#spectrum .readout")
+            at = number(words)
+            (point,) = [s for s in spectrum if abs(s["lambda_um"] - at) < 1e-6]
+            value, error = (number(w) for w in words.split(":")[1].split("±"))
+            factor = 1000 if "kW" in words else 1
+            self.assertAlmostEqual(value * factor / point["spectral_intensity_w_sr_um"], 1, delta=1e-4)
+            self.assertAlmostEqual(error * factor / point["spectral_intensity_stderr_w_sr_um"], 1, delta=0.06)
+
+    def test_cut(self):
+        for name, page in self.each():
+            self.open(page, season="summer", band="mwir", elevation_deg=30)
+            printed = irsig(IRSIG, *shlex.split(page.run("document.querySelector('#cut [data-command]').dataset.command"))[1:])
+            lines = [line.split(",") for line in printed.splitlines()[1:]]
+            curve = [line for line in lines if line[5] == "interpolated"]
+            self.assertEqual(page.run("document.querySelector('#cut path.curve.a').getAttribute('d').split('L').length"), len(curve))
+            self.assertEqual(page.run("document.querySelectorAll('#cut circle.mark.a').length"), sum(line[5] == "near" for line in lines))
+            self.assertEqual(page.text("#cut output"), "30°")
+            box = page.box("#cut svg")
+            page.mouse("mouseMoved", box["x"] + 0.75 * box["width"], box["y"] + box["height"] / 2)  # starboard
+            page.settle()
+            words = page.text("#cut .readout")
+            (at_beam,) = [line for line in curve if float(line[6]) == 90]
+            self.assertTrue(words.startswith("90°"), words)
+            value = number(words.split(":")[1]) * (1000 if "kW" in words else 1)
+            self.assertAlmostEqual(value / float(at_beam[8]), 1, delta=1e-4)
+            page.choose("#elevation", "45")
+            self.assertEqual(self.state(page)["elevation_deg"], "45")
+            self.assertIn("elevation 45°", page.run("document.querySelector('#cut svg').getAttribute('aria-label')"))
+
+    def test_budget_and_ledger(self):
+        for name, page in self.each():
+            self.open(page, season="winter", band="mwir", quantity="apparent_intensity")
+            row = self.row_of(page)
+            explained = json.loads(irsig(IRSIG, "explain", self.db, "--row", row["row"], "--format", "json"))
+            stated = {p["name"]: p for p in explained["error_budget"] if p["quantity"] == "apparent_intensity" and p["error_w_sr"] > 0}
+            drawn = page.run("[...document.querySelectorAll('#budget [data-part]')].map(e => [e.dataset.part, Number(e.dataset.value)])")
+            self.assertEqual(dict(drawn), {k: p["error_w_sr"] for k, p in stated.items()})
+            widths = page.run("[...document.querySelectorAll('#budget tbody tr')].map(r => [r.querySelector('[data-part]').dataset.part,"
+                              " r.querySelector('.fill').getBoundingClientRect().width / r.querySelector('.bar').getBoundingClientRect().width])")
+            for part, width in widths:
+                self.assertAlmostEqual(width, max(0.005, stated[part]["share"]), delta=0.02)
+            self.assertEqual(self.shown(page, "numerical_error", "#budget"), row["apparent_numerical_error_w_sr"])
+            effects = page.run("[...document.querySelectorAll('#ledger table')].find(t => t.caption.textContent === 'Effects').tBodies[0].rows.length")
+            self.assertEqual(effects, len(explained["effects"]))
+            self.open(page, quantity="background_radiance")
+            self.assertIn("no bounds are stored", page.text("#budget .words"))
+
+    def test_thumbnail_follows_the_pointer(self):
+        page = self.pages["wide"]
+        self.open(page)
+        page.wait("!document.querySelector('#image img').hidden && document.querySelector('#image img').naturalWidth > 0")
+        first = page.run("document.querySelector('#image img').alt")
+        box = page.box("#dome")
+        page.mouse("mouseMoved", box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.wait(f"document.querySelector('#image img').alt !== {json.dumps(first)} && document.querySelector('#image img').naturalWidth > 0")
+        self.assertNotIn("aspect", self.state(page))  # looked at, not chosen
+        (zenith, *_) = rows(self.db, "--aspect", "0,90", "--nearest", 1)
+        self.assertIn(f"elevation {zenith['aspect_elevation_deg']:.4g}", page.run("document.querySelector('#image img').alt"))
+        page.mouse("mouseMoved", 2, 2)
+        page.wait(f"document.querySelector('#image img').alt === {json.dumps(first)}")
+
+    def test_comparison(self):
+        for name, page in self.each():
+            self.open(page, season="winter", band="lwir")
+            page.run("document.querySelector('[name=compare]').click()")
+            page.wait("location.search.includes('b_season')")
+            page.settle()
+            page.choose("[name=b_season]", "summer")
+            state = self.state(page)
+            a = self.row_of(page)
+            (b,) = rows(self.db, "--season", "summer", "--time", state["b_time"], "--band", state["b_band"],
+                        "--aspect", f"{a['aspect_azimuth_deg']},{a['aspect_elevation_deg']}", "--nearest", 1)
+            self.assertEqual(page.text("#map-title"), "B − A of the in-band intensity")
+            difference = b["intensity_w_sr"] - a["intensity_w_sr"]
+            self.assertAlmostEqual(self.shown(page, "difference") / difference, 1, delta=1e-9)
+            rest = [max(0, r["numerical_error_w_sr"] ** 2 - r["intensity_stderr_w_sr"] ** 2) ** 0.5 for r in (a, b)]
+            error = (sum(rest) ** 2 + a["intensity_stderr_w_sr"] ** 2 + b["intensity_stderr_w_sr"] ** 2) ** 0.5
+            self.assertAlmostEqual(self.shown(page, "sigmas") * error / difference, 1, delta=1e-6)
+            self.assertEqual(page.run("document.querySelectorAll('#spectrum path.curve').length"), 2)
+            self.assertEqual(page.run("document.querySelectorAll('#cut path.curve').length"), 2)
+            self.check_layout(page)
+            page.screenshot(SHOTS / f"comparison-{name}.png")
+            page.choose("[name=show]", "b")
+            self.assertEqual(page.text("#map-title"), "In-band intensity of B")
+            self.assertEqual(page.errors, [])
+
+    def test_links_and_the_back_button(self):
+        for name, page in self.each():
+            self.open(page)
+            first = page.text("#values .where")
+            page.choose("[name=season]", "summer")
+            second = page.text("#values .where")
+            page.choose("[name=band]", "lwir")
+            third, address = page.text("#values .where"), page.run("location.href")
+            self.assertEqual(len({first, second, third}), 3)
+            page.run("history.back()")
+            page.wait(f"document.querySelector('#values .where').innerText === {json.dumps(second)}")
+            page.run("history.back()")
+            page.wait(f"document.querySelector('#values .where').innerText === {json.dumps(first)}")
+            self.assertEqual(page.run("document.querySelector('[name=season]').value"), self.state(page)["season"])
+            page.open(address)
+            self.assertEqual(page.text("#values .where"), third)
+            self.assertEqual(page.errors, [])
+
+    def test_commands_print_what_is_shown(self):
+        page = self.pages["wide"]
+        self.open(page, season="summer", band="lwir", quantity="contrast_intensity", range_m=9000)
+        commands = {panel: page.run(f"document.querySelector('#{panel} [data-command]').dataset.command")
+                    for panel in ("map", "values", "spectrum", "cut", "budget", "ledger")}
+        for command in commands.values():
+            self.assertTrue(irsig(IRSIG, *shlex.split(command)[1:]), command)
+        (row,) = json.loads(irsig(IRSIG, *shlex.split(commands["values"])[1:]))
+        self.check_values(page, row)
+        page.run("document.querySelector('#values [data-command]').click()")
+        page.wait("document.getElementById('said').textContent !== ''")
+        self.assertIn(commands["values"], page.text("#said"))
+        for link in page.run("[...document.querySelectorAll('.tools a')].map(a => a.getAttribute('href'))"):
+            self.assertEqual(self.server.request(link)[0], 200, link)
+
+    def test_words_in_place_of_plots(self):
+        victim = self.path / "victim.sigdb"
+        shutil.copy(self.db, victim)
+        with sqlite3.connect(victim) as db:
+            db.execute("UPDATE signature SET contrast_intensity_w_sr = NULL")
+            db.execute("UPDATE thumbnail SET png = zeroblob(500)")
+        db.close()
+        server = Server(IRSIG, victim)
+        self.addCleanup(server.end)
+        self.other_urls = [server.url]
+        page = self.browser.page(390, 844)
+        self.addCleanup(page.close)
+        self.open(page, server, season="autumn", quantity="brightness")
+        self.assertIn("There is no season “autumn” here", page.text("#trouble"))
+        self.assertIn("There is no quantity “brightness”", page.text("#trouble"))
+        page.wait("!document.querySelector('#image .words').hidden")
+        self.assertIn("is damaged", page.text("#image .words"))
+        page.choose("[name=quantity]", "contrast_intensity")
+        for panel in ("map", "values", "spectrum", "cut", "budget", "ledger"):
+            self.assertIn("run the sweep again", page.text(f"#{panel} > .words"), panel)
+            self.assertTrue(page.run(f"document.querySelector('#{panel} .body').hidden"))
+        self.check_layout(page)
+        page.choose("[name=quantity]", "intensity")
+        self.assertTrue(page.run("document.querySelector('#map > .words').hidden"))
+        victim.unlink()
+        page.choose("[name=season]", "summer")
+        self.assertIn("no such file", page.text("#map > .words"))
+        self.open(page, server)
+        self.assertIn("no such file", page.text("#trouble"))
+        server.end()
+        page.run("document.querySelector('[name=season]') || 0")
+        self.assertFalse([e for e in page.errors if "Failed to load resource" not in e], page.errors)
+
+    def test_the_server_ends(self):
+        server = Server(IRSIG, self.db)
+        self.other_urls = [server.url]
+        page = self.browser.page(1280, 900)
+        self.addCleanup(page.close)
+        self.open(page, server)
+        server.end()
+        page.choose("[name=season]", "summer")
+        self.assertIn("does not answer", page.text("#map > .words"))
+
+    def test_dark(self):
+        page = self.browser.page(1280, 900, dark=True)
+        self.addCleanup(page.close)
+        self.open(page, season="summer", band="lwir", turn="150,35")
+        contrast = """(() => {
+          const light = c => { const [r, g, b] = c.match(/[\\d.]+/g).slice(0, 3).map(v => v / 255).map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+            return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+          const panel = light(getComputedStyle(document.querySelector('section')).backgroundColor);
+          return [['body', 'color'], ['.hint', 'color'], ['.plot text', 'fill'], ['button', 'color'], ['path.curve.a', 'stroke']].map(([s, p]) => {
+            const ink = light(getComputedStyle(document.querySelector(s))[p]);
+            return [s, (Math.max(ink, panel) + 0.05) / (Math.min(ink, panel) + 0.05)]; }); })()"""
+        self.open(self.pages["wide"])
+        for where, shown in (("dark", page), ("light", self.pages["wide"])):
+            for selector, ratio in shown.run(contrast):
+                self.assertGreater(ratio, 3 if "curve" in selector else 4.5, (where, selector))  # WCAG 2.1, 1.4.3 and 1.4.11
+        self.assertEqual(page.errors, [])
+        page.screenshot(SHOTS / "page-dark.png")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,376 @@
+"""irsig serve: every answer equals what the command line prints, and every hostile request gets words.
+
+usage: serve_test.py <irsig executable> <source folder>
+"""
+import csv
+import io
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import signal
+import socket
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+from serve_fixture import Server, irsig, small_sweep
+
+IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+QUANTITIES = {
+    "intensity": ("intensity_w_sr", "numerical_error_w_sr"),
+    "apparent_intensity": ("apparent_intensity_w_sr", "apparent_numerical_error_w_sr"),
+    "contrast_intensity": ("contrast_intensity_w_sr", "contrast_numerical_error_w_sr"),
+    "background_radiance": ("background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr"),
+}
+
+
+def printed(command):
+    """What a command that the page shows prints; its program is the one under test."""
+    words = shlex.split(command)
+    assert words[0] == "irsig", command
+    return irsig(IRSIG, *words[1:])
+
+
+def table(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+class Serve(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        cls.path = pathlib.Path(cls.folder.name)
+        cls.db = cls.path / "it's small.sigdb"
+        cls.other = cls.path / "-other.sigdb"
+        small_sweep(IRSIG, SOURCE, cls.path / "small.toml", cls.db)
+        shutil.copy(cls.db, cls.other)
+        with sqlite3.connect(cls.other) as db:
+            db.execute("UPDATE signature SET intensity_w_sr = intensity_w_sr + 5 * numerical_error_w_sr")
+        db.close()
+        os.chdir(cls.path)
+        cls.server = Server(IRSIG, cls.db, f"./{cls.other.name}")
+        cls.addClassCleanup(cls.server.end)
+        cls.contents = cls.server.json("/api/contents")
+
+    def selection(self, **other):
+        sweep = self.contents["database"][0]["sweep"][0]
+        return {"sweep": sweep["name"], "season": sweep["condition"][0]["season"], "time": sweep["condition"][0]["time_utc"],
+                "band": sweep["band"][0]["name"], "at_range_m": sweep["range_m"][0], **other}
+
+    def test_contents_are_the_sweep(self):
+        first, second = self.contents["database"]
+        self.assertEqual((first["name"], second["name"]), (self.db.name, self.other.name))
+        (sweep,) = first["sweep"]
+        rows = table(irsig(IRSIG, "query", self.db, "--format", "csv"))
+        self.assertEqual(sweep["rows"], len(rows))
+        self.assertEqual(sweep["whole_rows"], len(rows))
+        self.assertEqual({(c["season"], c["time_utc"]) for c in sweep["condition"]}, {(r["season"], r["time_utc"]) for r in rows})
+        self.assertEqual(len(sweep["condition"]), 6)
+        self.assertEqual([(b["name"], b["lambda_min_um"]) for b in sweep["band"]], [("mwir", 3), ("lwir", 8)])
+        self.assertEqual(sweep["range_m"], [5000])
+        self.assertTrue(sweep["thumbnails"])
+
+    def test_map_is_the_query(self):
+        for quantity, (value, error) in QUANTITIES.items():
+            shown = self.server.json("/api/map", quantity=quantity, **self.selection())
+            rows = table(printed(shown["command"]))
+            self.assertEqual(len(rows), 24)
+            self.assertEqual(shown["row"], [int(r["row"]) for r in rows])
+            for column, name in (("azimuth_deg", "aspect_azimuth_deg"), ("elevation_deg", "aspect_elevation_deg"),
+                                 ("value", value), ("error", error)):
+                self.assertEqual(shown[column], [float(r[name]) for r in rows], (quantity, column))
+
+    def test_cut_is_the_plot(self):
+        for elevation in (None, 20, 33.5):
+            asked = self.selection(quantity="intensity", **({} if elevation is None else {"elevation_deg": elevation}))
+            shown = self.server.json("/api/cut", **asked)
+            self.assertTrue(shown["interpolated"])
+            rows = table(printed(shown["command"]))
+            for part, kind in (("point", "interpolated"), ("mark", "near")):
+                of_kind = [r for r in rows if r["kind"] == kind]
+                self.assertEqual(shown[part]["azimuth_deg"], [float(r["aspect_azimuth_deg"]) for r in of_kind])
+                self.assertEqual(shown[part]["value"], [float(r["intensity_w_sr"]) for r in of_kind])
+                self.assertEqual(shown[part]["error"], [float(r["numerical_error_w_sr"]) for r in of_kind])
+            self.assertEqual(len(shown["point"]["value"]), 180)
+            if elevation:
+                self.assertEqual(shown["elevation_deg"], elevation)
+                # The same as between viewpoints by the query, but for the kernel, which that chooses by the place.
+                (one,) = json.loads(irsig(IRSIG, "query", self.db, "--season", asked["season"], "--time", asked["time"], "--band",
+                                          asked["band"], "--aspect", f"90,{elevation}", "--interpolate", "--format", "json"))
+                k = shown["point"]["azimuth_deg"].index(90)
+                self.assertLess(abs(one["intensity_w_sr"] - shown["point"]["value"][k]),
+                                2 * (one["numerical_error_w_sr"] + shown["point"]["error"][k]))
+
+    def test_row_is_the_query(self):
+        for extra in ({}, {"range_m": 10000}):
+            for quantity, (value, error) in QUANTITIES.items():
+                shown = self.server.json("/api/row", sweep="quickstart", row=17, quantity=quantity, **extra)
+                (row,) = json.loads(printed(shown["command"]))
+                self.assertEqual(shown["signature"], [row])
+                self.assertEqual(row["range_m"], extra.get("range_m", 5000))
+                self.assertEqual(shown["value"], row[value])
+                self.assertEqual(shown["numerical_error"], row[error])
+                explained = json.loads(printed(shown["explain_command"]))
+                self.assertEqual(shown["explained"], explained)
+                self.check_budget(shown, explained, quantity, extra)
+
+    def check_budget(self, shown, explained, quantity, extra):
+        parts = shown["budget"]["part"]
+        if quantity == "background_radiance":
+            self.assertEqual(parts, [])
+            return
+        self.assertAlmostEqual(sum(p["share"] for p in parts), 1, delta=1e-9)
+        whole = sum(p["error"] ** 2 for p in parts if not p["bound"]) + sum(p["error"] for p in parts if p["bound"]) ** 2 / 3
+        self.assertAlmostEqual(whole ** 0.5 / shown["numerical_error"], 1, delta=1e-6)
+        if not extra:
+            stated = {p["name"]: p["error_w_sr"] for p in explained["error_budget"] if p["quantity"] == quantity}
+            self.assertEqual({p["name"]: p["error"] for p in parts}, stated)
+            self.assertGreater(sum(p["error"] for p in parts if p["bound"]), 0)
+
+    def test_spectrum_is_the_query(self):
+        for extra in ({}, {"range_m": 20000}):
+            shown = self.server.json("/api/spectrum", sweep="quickstart", row=18, quantity="apparent_intensity", **extra)
+            rows = table(printed(shown["command"]))
+            self.assertEqual(len(rows), 81)
+            for name, column in (("lambda_um", "lambda_um"), ("value", "apparent_spectral_intensity_w_sr_um"),
+                                 ("value_stderr", "apparent_spectral_intensity_stderr_w_sr_um"),
+                                 ("spectral_sky_reflected_w_sr_um", "spectral_sky_reflected_w_sr_um")):
+                self.assertEqual(shown[name], [float(r[column]) for r in rows], name)
+
+    def test_compare(self):
+        # Two databases: every aspect is five numerical errors brighter, and the errors of both add up.
+        here = self.selection()
+        there = {f"b_{k}": v for k, v in self.selection(db=1).items()}
+        shown = self.server.json("/api/compare", quantity="intensity", **here, **there)
+        a, b = (table(printed(c)) for c in shown["command"].splitlines())
+        self.assertEqual(shown["a"], [float(r["intensity_w_sr"]) for r in a])
+        self.assertEqual(shown["b"], [float(r["intensity_w_sr"]) for r in b])
+        self.assertEqual((shown["only_in_a"], shown["only_in_b"]), (0, 0))
+        for k, row in enumerate(a):
+            error, stderr = float(row["numerical_error_w_sr"]), float(row["intensity_stderr_w_sr"])
+            self.assertAlmostEqual(shown["difference"][k] / error, 5, delta=1e-6)
+            # Standard errors as independent, everything else as if it had one sign.
+            rest = max(0.0, error ** 2 - stderr ** 2) ** 0.5
+            expected = (2 * stderr ** 2 + (2 * rest) ** 2) ** 0.5
+            self.assertAlmostEqual(shown["difference_error"][k] / expected, 1, delta=1e-9)
+            self.assertAlmostEqual(shown["sigmas"][k] * expected / shown["difference"][k], 1, delta=1e-9)
+        same = self.server.json("/api/compare", quantity="intensity", **here, **{f"b_{k}": v for k, v in here.items()})
+        self.assertEqual(set(same["sigmas"]), {0})
+        saved = table(self.file("compare.csv", **here, **there).decode())
+        self.assertEqual([float(r["difference_sigmas"]) for r in saved], shown["sigmas"])
+
+    def file(self, name, **parameters):
+        status, headers, body = self.server.request(f"/file/{name}?" + urllib.parse.urlencode(parameters))
+        self.assertEqual(status, 200, body[:300])
+        self.assertEqual(headers["Content-Disposition"], f'attachment; filename="{name}"')
+        return body
+
+    def test_files_are_those_of_the_command_line(self):
+        chosen = self.selection()
+        filters = ["--sweep", chosen["sweep"], "--season", chosen["season"], "--time", chosen["time"], "--band", chosen["band"]]
+        self.assertEqual(self.file("rows.csv", **chosen).decode(), irsig(IRSIG, "query", self.db, *filters, "--format", "csv"))
+        self.assertEqual(self.file("row.csv", sweep="quickstart", row=5).decode(),
+                         irsig(IRSIG, "query", self.db, "--row", 5, "--causes", "--format", "csv"))
+        self.assertEqual(self.file("spectrum.csv", sweep="quickstart", row=5).decode(),
+                         irsig(IRSIG, "query", self.db, "--row", 5, "--causes", "--spectrum", "--format", "csv"))
+        self.assertEqual(self.file("map.svg", **chosen).decode(), irsig(IRSIG, "plot", self.db, "--kind", "map", *filters, "--out", "-"))
+        self.assertEqual(self.file("cut.svg", elevation_deg=25, **chosen).decode(),
+                         irsig(IRSIG, "plot", self.db, "--kind", "polar", "--elevation", 25, *filters, "--out", "-"))
+        self.assertEqual(self.file("cut.csv", elevation_deg=25, **chosen).decode(),
+                         irsig(IRSIG, "plot", self.db, "--kind", "polar", "--elevation", 25, *filters, "--format", "csv", "--out", "-"))
+        self.assertEqual(self.file("spectrum.svg", sweep="quickstart", row=5).decode(),
+                         irsig(IRSIG, "plot", self.db, "--kind", "spectrum", "--row", 5, "--out", "-"))
+        status, _, body = self.server.request("/file/spectrum.svg?sweep=quickstart&row=5&range_m=9000")
+        self.assertEqual((status, b"CSV" in body), (400, True))
+
+    def test_thumbnail(self):
+        status, headers, body = self.server.request("/api/thumbnail.png?sweep=quickstart&row=3")
+        self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
+        irsig(IRSIG, "query", self.db, "--row", 3, "--thumbnail", self.path / "own.png")
+        self.assertEqual(body, (self.path / "own.png").read_bytes())
+
+    def test_progress(self):
+        database = self.server.json("/api/progress")["database"][0]
+        self.assertFalse(database["writing"])
+        (sweep,) = database["sweep"]
+        self.assertEqual((sweep["jobs"], sweep["done"], sweep["leased"], sweep["failed"]), (24, 24, 0, 0))
+
+    def test_the_page_itself(self):
+        for target, type_ in (("/", "text/html"), ("/?season=winter", "text/html"), ("/www/main.js", "text/javascript"),
+                              ("/www/style.css", "text/css"), ("/www/icon.svg", "image/svg+xml")):
+            status, headers, body = self.server.request(target)
+            self.assertEqual(status, 200, target)
+            self.assertTrue(headers["Content-Type"].startswith(type_))
+            self.assertIn("default-src 'self'", headers["Content-Security-Policy"])
+            self.assertIn("frame-ancestors 'none'", headers["Content-Security-Policy"])
+            self.assertEqual(headers["X-Content-Type-Options"], "nosniff")
+            self.assertEqual(headers["Cross-Origin-Resource-Policy"], "same-origin")
+            again, head, none = self.server.request(target, method="HEAD")
+            self.assertEqual((again, head["Content-Length"], none), (200, str(len(body)), b""))
+        # Nothing in what is sent names another origin.
+        for name in (SOURCE / "serve/www").iterdir():
+            for link in re.findall(r"(?:https?:)?//[\w.-]+\.\w+[^\s\"']*", name.read_text()):
+                self.assertIn("w3.org", link, name)
+
+    def test_wrong_questions(self):
+        chosen = self.selection()
+        row = {"sweep": "quickstart", "row": 3}
+
+        def refused(path, code, words, **parameters):
+            self.assertIn(words, self.server.json(path, code, **parameters)["error"])
+
+        refused("/api/row", 404, "the last one is 288", **{**row, "row": 99999})
+        refused("/api/row", 400, "expected a whole number", **{**row, "row": "1e3"})
+        refused("/api/row", 400, "expected a whole number", **{**row, "row": "-1"})
+        refused("/api/row", 400, "expected a whole number", **{**row, "row": "99999999999999999999999"})
+        refused("/api/row", 400, "parameter row: it is missing", sweep="quickstart")
+        refused("/api/row", 400, "expected more than 0 m", **row, range_m=0)
+        refused("/api/row", 400, "expected a number", **row, range_m="nan")
+        refused("/api/row", 400, "20 lengths", **row, range_m=100)
+        refused("/api/row", 400, "no quantity", **row, quantity="brightness")
+        refused("/api/row", 400, "databases are numbered 0 to 1", **row, db=2)
+        refused("/api/row", 400, "there is no such parameter here", **row, colour="red")
+        refused("/api/row", 404, "no sweep", **{**row, "sweep": "x' OR 1=1 --"})
+        refused("/api/map", 404, 'no season "autumn"', **{**chosen, "season": "autumn"})
+        refused("/api/map", 404, 'no band', **{**chosen, "band": "\x00\x1b[2J"})
+        refused("/api/map", 404, "no viewpoint at 7000 m", **{**chosen, "at_range_m": 7000})
+        refused("/api/map", 400, "parameter season: it is missing", **{k: v for k, v in chosen.items() if k != "season"})
+        refused("/api/map", 400, "there is no such parameter here", **chosen, row=1)
+        refused("/api/cut", 400, "expected between -90 and 90", **chosen, elevation_deg=90)
+        refused("/api/cut", 400, "cannot draw elevation -60", **chosen, elevation_deg=-60)
+        refused("/api/compare", 400, "b_sweep: it is missing", **chosen)
+        refused("/api/contents", 400, "there is no such parameter here", x=1)
+        self.assertIn("given twice", json.loads(self.server.request("/api/row?row=1&row=2&sweep=quickstart")[2])["error"])
+
+    def test_hostile_requests(self):
+        for target in ("/../../etc/passwd", "/www/../serve.cpp", "/www/%2e%2e/serve.cpp", "/www/..%2fserve.cpp", "/www/", "/file/",
+                       "/file/../answers.cpp", "//etc/passwd", "/api", "/api/map/", "/%00", "/www/main.js%00.html", "/favicon.ico"):
+            status, headers, body = self.server.request(target)
+            self.assertEqual(status, 404, target)
+            self.assertIn("no such", json.loads(body)["error"])
+            self.assertNotIn(b"root:", body)
+        for method in ("POST", "PUT", "DELETE", "PATCH", "OPTIONS"):
+            status, headers, body = self.server.request("/api/contents", method=method, body=b"x" * 100)
+            self.assertEqual(status, 405, method)
+            self.assertEqual(headers["Allow"], "GET, HEAD")
+        for host in ("example.org", f"example.org:{self.server.port}", "localhost.example.org", "127.0.0.1.example.org", "", "10.0.0.1",
+                     "localhost:x", "[::1", "[localhost]", "::1"):
+            status, _, body = self.server.request("/api/contents", headers={"Host": host})
+            self.assertIn(status, (400, 403), host)
+            self.assertNotIn(b"quickstart", body)
+        for host in ("localhost", "LOCALHOST:1", f"127.0.0.1:{self.server.port}", "127.1.2.3", "[::1]:80"):
+            self.assertEqual(self.server.request("/api/contents", headers={"Host": host})[0], 200, host)
+        self.assertEqual(self.server.request("/api/map?season=" + "x" * 20000)[0], 414)
+        self.assertGreaterEqual(self.server.request("/api/contents", headers={"X-Long": "y" * 20000})[0], 400)
+        for raw in (b"GET / HTTP/1.1\r\nHost: localhost\r\nHost: example.org\r\n\r\n", b"GET /api/contents HTTP/1.1\r\n\r\n",
+                    b"\x00\x01\x02\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n"):
+            with socket.create_connection((self.server.host, self.server.port), timeout=30) as raw_socket:
+                raw_socket.sendall(raw)
+                answer = raw_socket.makefile("rb").read()
+            self.assertNotIn(b" 200 ", answer.split(b"\r\n")[0], raw)
+        # Connections that say nothing do not keep others out for long.
+        idle = [socket.create_connection((self.server.host, self.server.port)) for _ in range(40)]
+        self.assertEqual(len(self.server.json("/api/contents")["database"]), 2)
+        for one in idle:
+            one.close()
+
+    def test_damaged_and_vanished(self):
+        victim = self.path / "victim.sigdb"
+        shutil.copy(self.db, victim)
+        server = Server(IRSIG, victim, self.db)
+        self.addCleanup(server.end)
+        png = sqlite3.connect(victim).execute("SELECT png FROM thumbnail JOIN signature_view USING (signature_id) WHERE row = 3").fetchone()[0]
+        middle = len(png) // 2
+        for bad, words in ((png[:middle] + bytes([png[middle] ^ 1]) + png[middle + 1:], "checksum"), (png[:-20], "longer than what is there"),
+                           (b"<svg onload=alert(1)>", "does not begin as a PNG"), (png + b"x", "after its end")):
+            with sqlite3.connect(victim) as db:
+                db.execute("UPDATE thumbnail SET png = ? WHERE signature_id IN (SELECT signature_id FROM signature_view WHERE row = 3)", (bad,))
+            db.close()
+            said = server.json("/api/thumbnail.png", 409, sweep="quickstart", row=3)["error"]
+            self.assertIn("the stored image of row 3 is damaged", said)
+            self.assertIn(words, said)
+        with sqlite3.connect(victim) as db:
+            db.execute("DELETE FROM thumbnail")
+            db.execute("UPDATE signature SET contrast_intensity_w_sr = NULL")
+        db.close()
+        self.assertIn("without image", server.json("/api/thumbnail.png", 404, sweep="quickstart", row=3)["error"])
+        self.assertIn("run the sweep again", server.json("/api/map", 409, quantity="contrast_intensity", **self.selection())["error"])
+        self.assertIn("run the sweep again", server.json("/api/cut", 409, quantity="contrast_intensity", **self.selection())["error"])
+        with sqlite3.connect(victim) as db:
+            db.execute("PRAGMA user_version = 9999")
+        db.close()
+        self.assertIn("9999", server.json("/api/row", 503, sweep="quickstart", row=3)["error"])
+        self.assertIn("9999", server.json("/api/contents")["database"][0]["error"])
+        victim.write_bytes(b"SQLite format 3\x00" + b"\xff" * 5000)
+        self.assertIn("error", server.json("/api/map", 503, **self.selection()))
+        victim.unlink()
+        self.assertIn("no such file", server.json("/api/map", 503, **self.selection())["error"])
+        first, second = server.json("/api/contents")["database"]
+        self.assertIn("no such file", first["error"])
+        self.assertEqual(len(second["sweep"]), 1)  # the other one is still shown
+
+    def test_starting_and_ending(self):
+        for arguments, words in (([self.path / "none.sigdb"], "none.sigdb"), ([SOURCE / "README.md"], "README.md"),
+                                 ([self.db, "--address", "example.org"], "expected an IP address"),
+                                 ([self.db, "--port", "70000"], "65535"), ([self.db, "--port", "-1"], "65535"), ([], "required")):
+            self.assertIn(words, irsig(IRSIG, "serve", *arguments, code=2), arguments)
+        taken = irsig(IRSIG, "serve", self.db, "--port", self.server.port, code=1)
+        self.assertIn("it is taken", taken)
+        for how in (signal.SIGINT, signal.SIGTERM):
+            server = Server(IRSIG, self.db)
+            self.assertEqual(server.host, "127.0.0.1")
+            idle = socket.create_connection((server.host, server.port))
+            code, errors = server.end(how)
+            idle.close()
+            self.assertEqual(code, 0, errors)
+            self.assertNotIn("warning", errors)
+            with self.assertRaises(OSError):
+                server.json("/api/contents")
+        server = Server(IRSIG, self.db, "--address", "0.0.0.0")
+        self.assertEqual(server.request("/api/contents", headers={"Host": "10.1.2.3:80"})[0], 200)
+        self.assertEqual(server.request("/api/contents", headers={"Host": "example.org"})[0], 403)
+        self.assertIn("no password", server.end()[1])
+
+    def test_while_a_sweep_runs(self):
+        """Rows appear while a coordinator writes; reading never fails, and the writer ends well."""
+        running = self.path / "running.sigdb"
+        text = (self.path / "small.toml").read_text().replace("count = 24", "count = 60").replace("triangles = 2000", "triangles = 20000")
+        (self.path / "running.toml").write_text(text)
+        run = subprocess.Popen([IRSIG, "run", "running.toml", "--db", str(running)], cwd=self.path, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        while not running.exists() or not running.with_name("running.sigdb-wal").exists():
+            self.assertIsNone(run.poll(), "the run ended before it began")
+            time.sleep(0.02)
+        seen, server = set(), None
+        while run.poll() is None:
+            try:
+                server = server or Server(IRSIG, running)
+            except AssertionError:  # it has no tables yet
+                continue
+            database = server.json("/api/progress")["database"][0]
+            for sweep in database.get("sweep", []):
+                seen.add(sweep["done"])
+                self.assertLessEqual(sweep["done"] + sweep["leased"], 60)
+            server.request("/api/contents")
+            time.sleep(0.02)
+        self.assertEqual(run.wait(), 0, run.stderr.read())
+        run.stderr.close()
+        database = server.json("/api/progress")["database"][0]
+        self.assertEqual((database["sweep"][0]["done"], database["writing"]), (60, False))
+        self.assertGreaterEqual(len(seen), 3, seen)
+        self.assertEqual(server.json("/api/contents")["database"][0]["sweep"][0]["rows"], 60 * 12)
+        server.end()
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
