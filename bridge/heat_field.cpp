@@ -11,6 +11,7 @@
 #include "bridge/environment/named.h"
 #include "bridge/environment/weather_from_message.h"
 #include "bridge/heat_weather.h"
+#include "bridge/inputs/moved_sweep.h"
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
 #include "bridge/spec_to_request.h"
@@ -121,6 +122,89 @@ void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
     }
 }
 
+// What is asked of one run, and at which of its outputs each time wanted stands.
+struct Asked {
+  SceneHeatRequest request;
+  std::vector<std::size_t> output_of_time;
+  std::vector<std::string> warning;
+};
+absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                               const Target& target) {
+  Asked out;
+  SceneHeatRequest& request = out.request;
+  for (int b = 0; b < sweep.build_up_size(); ++b) {
+    auto build_up = build_up_of(sweep.build_up(b), absl::StrCat("build_up[", b, "]"));
+    if (!build_up.ok()) return build_up.status();
+    request.build_up.push_back(*std::move(build_up));
+  }
+  for (int p = 0; p < sweep.part_size(); ++p) {
+    const int m = static_cast<int>(target.part[static_cast<std::size_t>(p)].material);
+    const auto surface =
+        surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), out.warning);
+    if (!surface.ok()) return surface.status();
+    HeatPart part{surface->solar_absorptance, surface->emissivity, std::nullopt,
+                  heat.part_temperature_k(p)};
+    for (std::uint32_t b = 0; b < request.build_up.size() && part.stated_k == 0; ++b)
+      if (request.build_up[b].name == sweep.part(p).build_up()) part.build_up = b;
+    request.part.push_back(part);
+  }
+  auto weather = heat_weather(sweep, heat);
+  if (!weather.ok()) return weather.status();
+  out.warning.insert(out.warning.end(), weather->warning.begin(), weather->warning.end());
+  request.beneath = weather->beneath;
+  request.knot_s = weather->knot_s;
+  request.weather = weather->at;
+  request.day_knots = weather->day_knots;
+  request.output_knot = weather->output_knot;
+  request.rays = sweep.heat().rays();
+  request.seed = sweep.seed();
+  request.tolerance_k = sweep.heat().tolerance_k();
+  out.output_of_time = weather->output_of_time;
+  return out;
+}
+
+// Degenerate facets change as the mean of their part does, as far as that is known; they send
+// nothing.
+void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
+                     std::vector<float>& change_k) {
+  std::vector<double> sum(part.size(), 0.0), count(part.size(), 0.0);
+  for (std::size_t f = 0; f < change_k.size(); ++f) {
+    if (std::isnan(change_k[f])) continue;
+    sum[target.facet[f].part] += static_cast<double>(change_k[f]);
+    ++count[target.facet[f].part];
+  }
+  for (std::size_t f = 0; f < change_k.size(); ++f) {
+    const std::uint32_t p = target.facet[f].part;
+    if (part[p].build_up && std::isnan(change_k[f]))
+      change_k[f] = static_cast<float>(count[p] > 0 ? sum[p] / count[p] : 0);
+  }
+}
+
+// By how much each input of a run changes its temperatures.
+absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
+                         const Target& target, const Asked& asked, schema::HeatField& field) {
+  const schema::HeatRun& heat = resolved.heat(static_cast<int>(run));
+  schema::ResolvedSweep alone;  // what walls depend on
+  *alone.mutable_sweep() = resolved.sweep();
+  *alone.add_heat() = heat;
+  std::vector<SceneHeatRequest> moved;
+  for (const schema::InputMove& input : heat.input()) {
+    const MovedSweep sweep = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
+    auto request = asked_of(sweep.sweep.sweep(), sweep.sweep.heat(0), target);
+    if (!request.ok()) return at(absl::StrCat("uncertainty.", input.name()), request.status());
+    moved.push_back(std::move(request->request));
+  }
+  auto changes = solve_scene_heat_changes(target, asked.request, moved);
+  if (!changes.ok()) return at("heat", changes.status());
+  for (TemperatureChange& change : *changes) {
+    for (std::vector<float>& row : change) fill_degenerate(target, asked.request.part, row);
+    std::vector<std::vector<float>> by_time;
+    for (const std::size_t k : asked.output_of_time) by_time.push_back(change[k]);
+    field.add_change_k(bytes_of(by_time));
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& resolved,
@@ -137,41 +221,29 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   const auto target = make_target(*mesh, *std::move(parts), widest_isa());
   if (!target.ok()) return target.status();
 
+  auto asked = asked_of(sweep, heat, *target);
+  if (!asked.ok()) return asked.status();
   schema::HeatJobResult out;
-  std::vector<std::string> warning;
-  SceneHeatRequest request;
-  for (int b = 0; b < sweep.build_up_size(); ++b) {
-    auto build_up = build_up_of(sweep.build_up(b), absl::StrCat("build_up[", b, "]"));
-    if (!build_up.ok()) return build_up.status();
-    request.build_up.push_back(*std::move(build_up));
+  schema::HeatField field;
+  for (const std::string& time : heat.time_utc()) {
+    const auto utc = parse_rfc3339(time);
+    if (!utc.ok()) return utc.status();
+    field.add_unix_s(unix_seconds(*utc));
   }
-  for (int p = 0; p < sweep.part_size(); ++p) {
-    const int m = static_cast<int>(target->part[static_cast<std::size_t>(p)].material);
-    const auto surface = surface_of(sweep.material(m), absl::StrCat("material[", m, "]"), warning);
-    if (!surface.ok()) return surface.status();
-    HeatPart part{surface->solar_absorptance, surface->emissivity, std::nullopt,
-                  heat.part_temperature_k(p)};
-    for (std::uint32_t b = 0; b < request.build_up.size() && part.stated_k == 0; ++b)
-      if (request.build_up[b].name == sweep.part(p).build_up()) part.build_up = b;
-    request.part.push_back(part);
+  field.set_facets(static_cast<std::uint32_t>(target->facet.size()));
+  if (heat.input_size() > 0) {  // the run whose temperatures change has said what is odd
+    if (const absl::Status status = add_changes(resolved, run, *target, *asked, field);
+        !status.ok())
+      return status;
+    out.set_field(field.SerializeAsString());
+    return out;
   }
-  auto weather = heat_weather(sweep, heat);
-  if (!weather.ok()) return weather.status();
-  warning.insert(warning.end(), weather->warning.begin(), weather->warning.end());
-  request.beneath = weather->beneath;
-  request.knot_s = weather->knot_s;
-  request.weather = weather->at;
-  request.day_knots = weather->day_knots;
-  request.output_knot = weather->output_knot;
-  request.rays = sweep.heat().rays();
-  request.seed = sweep.seed();
-  request.tolerance_k = sweep.heat().tolerance_k();
 
-  auto solved = solve_scene_heat(*target, request);
+  auto solved = solve_scene_heat(*target, asked->request);
   if (!solved.ok()) return at("heat", solved.status());
   // Times of several days may share a knot of the one that repeats.
   SceneHeatResult by_time;
-  for (const std::size_t k : weather->output_of_time) {
+  for (const std::size_t k : asked->output_of_time) {
     by_time.kelvin.push_back(solved->kelvin[k]);
     by_time.error_k.push_back(solved->error_k[k]);
   }
@@ -182,19 +254,12 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
                                          mesh->vertex[c[2]] - mesh->vertex[c[0]])));
   }
   add_parts(*target, area_m2, by_time, out);
-  fill_degenerate(*target, request.part, out, by_time);
+  fill_degenerate(*target, asked->request.part, out, by_time);
 
-  schema::HeatField field;
-  for (const std::string& time : heat.time_utc()) {
-    const auto utc = parse_rfc3339(time);
-    if (!utc.ok()) return utc.status();
-    field.add_unix_s(unix_seconds(*utc));
-  }
-  field.set_facets(static_cast<std::uint32_t>(target->facet.size()));
   field.set_kelvin(bytes_of(by_time.kelvin));
   field.set_error_k(bytes_of(by_time.error_k));
   out.set_field(field.SerializeAsString());
-  out.mutable_warning()->Assign(warning.begin(), warning.end());
+  out.mutable_warning()->Assign(asked->warning.begin(), asked->warning.end());
   return out;
 }
 

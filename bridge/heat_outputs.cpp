@@ -1,5 +1,6 @@
 #include "bridge/heat_outputs.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -23,8 +24,11 @@ absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes, std:
     return absl::InvalidArgumentError("computed temperatures cannot be read");
   const std::size_t expected =
       sizeof(float) * facets * static_cast<std::size_t>(field.unix_s_size());
-  if (field.facets() != facets || field.kelvin().size() != expected ||
-      field.error_k().size() != expected)
+  const auto fits = [&](const std::string& rows) { return rows.size() == expected; };
+  const bool of_changes = field.change_k_size() > 0;
+  if (field.facets() != facets ||
+      (of_changes ? !std::all_of(field.change_k().begin(), field.change_k().end(), fits)
+                  : !fits(field.kelvin()) || !fits(field.error_k())))
     return absl::InvalidArgumentError(absl::StrCat("computed temperatures are of another mesh: of ",
                                                    field.facets(), " facets, the model has ",
                                                    facets));

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "bridge/check_numbers.h"
 #include "bridge/heat_field.h"
+#include "bridge/input_views.h"
 #include "bridge/model_warnings.h"
 #include "bridge/profile_rows.h"
 #include "bridge/result_to_proto.h"
@@ -39,7 +40,7 @@ class CoreJobRunner final : public JobRunner {
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
                 Assets assets, std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
-                std::vector<std::string> warnings)
+                std::vector<std::string> warnings, std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
@@ -47,7 +48,8 @@ class CoreJobRunner final : public JobRunner {
         assets_(std::move(assets)),
         field_bytes_(field_bytes),
         encoder_(std::move(encoder)),
-        warnings_(std::move(warnings)) {}
+        warnings_(std::move(warnings)),
+        inputs_(std::move(inputs)) {}
 
   absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
     const double start_s = cpu_seconds();
@@ -111,12 +113,20 @@ class CoreJobRunner final : public JobRunner {
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();
     if (accuracy.has_relative_error() && accuracy.has_samples_per_replicate())
       planned->plan.samples_per_replicate = accuracy.samples_per_replicate();
-    const auto view = simulator_->measure(*request, *planned);
-    if (!view.ok()) return view.status();
-    if (auto status = check_numbers(*view); !status.ok()) return status;
-    if (auto status = check_back_faces(*view); !status.ok()) return status;
-    auto result = result_to_proto(*view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
+    std::vector<MovedView> moved;
+    if (inputs_) {
+      auto views = inputs_->views(job);
+      if (!views.ok()) return views.status();
+      moved = *std::move(views);
+    }
+    const auto measured = simulator_->measure(*request, *planned, moved);
+    if (!measured.ok()) return measured.status();
+    const ViewResult& view = measured->view;
+    if (auto status = check_numbers(view); !status.ok()) return status;
+    if (auto status = check_back_faces(view); !status.ok()) return status;
+    auto result = result_to_proto(view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
     if (!result.ok()) return result.status();
+    if (inputs_) inputs_->write(measured->change, *result->mutable_view());
     if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
       return status;
     return result;
@@ -152,6 +162,7 @@ class CoreJobRunner final : public JobRunner {
   std::size_t field_bytes_;  // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
   std::vector<std::string> warnings_;
+  std::optional<InputViews> inputs_;  // of a sweep with uncertain ones
 };
 
 // There the sensor's place is rounded to 1e-7 of the target; at 1e12 the intensity of a disk was
@@ -196,12 +207,19 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
+  std::optional<InputViews> inputs;
+  if (sweep.sweep().has_uncertainty() && !scene->temperatures.awaited) {
+    auto made =
+        InputViews::make(sweep, *scene, **simulator, *environment, scene->temperatures, heat);
+    if (!made.ok()) return made.status();
+    inputs = *std::move(made);
+  }
   return std::make_unique<CoreJobRunner>(
       sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
       sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
           bytes_left_by_heat(sweep, scene->mesh.triangle.size()),
-      std::move(encoder), model_warnings(sweep, *scene));
+      std::move(encoder), model_warnings(sweep, *scene), std::move(inputs));
 }
 
 std::string build_id() { return IRSIG_BUILD_ID; }

@@ -195,6 +195,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   sweep.clear_heat();
   *sweep.add_heat() = only;
   sweep.mutable_heat(0)->clear_season();  // a name
+  sweep.mutable_heat(0)->clear_base();    // a place
   if (only.has_weather()) clear_file_names(*sweep.mutable_heat(0)->mutable_weather());
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.clear_band();
@@ -202,6 +203,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   asked.clear_effects();
   asked.clear_output();
   asked.clear_profile();
+  asked.clear_uncertainty();  // what a run of changes asks for stands in it
   asked.mutable_model()->clear_accepted_backface_share();
   for (schema::Part& part : *asked.mutable_part()) part.clear_hot();  // decides who gets paths
   return canonical_encoding(sweep);

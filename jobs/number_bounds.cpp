@@ -44,6 +44,8 @@ constexpr std::string_view kWeight = "only the ratios of these numbers count";
 constexpr std::string_view kSpectralValue =
     "emissivities and reflectances end at 1; of a response only the ratios count";
 constexpr std::string_view kAirOutdoors = "what air outdoors has";
+constexpr std::string_view kSigma =
+    "smaller is known exactly; of larger ones one step says nothing";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -124,6 +126,21 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Vary.relative_humidity_percent", 0, 100, kHumidity},
     {"Vary.air_temperature_k", 0, kHottestK, kTemperature},
     {"Vary.sea_temperature_k", 0, kHottestK, kTemperature},
+
+    {"Uncertainty.air_temperature_k", 1e-3, 50, kSigma},
+    {"Uncertainty.dew_point_k", 1e-3, 50, kSigma},
+    {"Uncertainty.wind_speed_m_s", 1e-3, 10, kSigma},
+    {"Uncertainty.wind_speed_relative", 1e-4, 1, kSigma},
+    {"Uncertainty.visibility_relative", 1e-4, 1, kSigma},
+    {"Uncertainty.cloud_cover", 1e-4, 1, kSigma},
+    {"Uncertainty.solar_absorptance", 1e-4, 0.5, kSigma},
+    {"Uncertainty.emissivity", 1e-4, 0.5, kSigma},
+    {"Uncertainty.conductivity_relative", 1e-4, 1, kSigma},
+    {"Uncertainty.inside_temperature_k", 1e-3, 500, kSigma},
+    {"Uncertainty.part_temperature_k", 1e-3, 500, kSigma},
+    {"Uncertainty.sea_temperature_k", 1e-3, 50, kSigma},
+    {"Uncertainty.ground_temperature_k", 1e-3, 50, kSigma},
+    {"Uncertainty.sky_temperature_k", 1e-3, 100, kSigma},
 
     {"Band.lambda_min_um", kShortestUm, kLongestUm, kWavelength},
     {"Band.lambda_max_um", kShortestUm, kLongestUm, kWavelength},

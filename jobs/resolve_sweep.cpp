@@ -6,6 +6,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_uncertainty.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
@@ -165,6 +166,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   write_profile_defaults(*resolved.mutable_sweep());
   mark_hot_parts(resolved);
   check_weather(resolved, findings);
+  resolve_uncertainty(resolved, findings);
   if (!findings.empty()) return findings.status();
   forget_files(*resolved.mutable_sweep());
   return resolved;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -20,6 +21,7 @@ namespace {
 struct Explained {
   QueryRow row;
   StoredLedger ledger;
+  std::vector<StoredInput> input;
   std::vector<StoredPart> part;
   std::vector<StoredTemperature> temperature;  // computed, of the row's condition
   schema::Accuracy accuracy;                   // of the sweep
@@ -51,11 +53,14 @@ absl::StatusOr<QueryRow> find_one(StoreReader& reader, const std::string& sweep,
 absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, std::uint64_t row) {
   auto found = find_one(reader, sweep, row);
   if (!found.ok()) return found.status();
-  Explained out{*std::move(found), {}, {}, {}, {}};
+  Explained out{*std::move(found), {}, {}, {}, {}, {}};
   const std::int64_t id = out.signature().signature_id;
   auto ledger = reader.ledger(id);
   if (!ledger.ok()) return ledger.status();
   out.ledger = *std::move(ledger);
+  auto inputs = reader.inputs(id);
+  if (!inputs.ok()) return inputs.status();
+  out.input = *std::move(inputs);
   auto parts = reader.parts(id);
   if (!parts.ok()) return parts.status();
   out.part = *std::move(parts);
@@ -198,9 +203,32 @@ std::string causes(const StoredSignature& s) {
   return out;
 }
 
+// What uncertain inputs leave: the one that contributes most to the intensity first.
+std::string inputs(const Explained& e) {
+  if (e.input.empty()) return "";
+  const StoredSignature& s = e.signature();
+  std::string out = fmt::format(
+      "\nuncertain inputs: what the row gains if one is a sigma higher, in W/sr; no part of any "
+      "error above\n  {:<22} {:>20} {:>20} {:>20}\n",
+      "", "intensity", "apparent", "contrast");
+  std::vector<StoredInput> sorted = e.input;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const StoredInput& a, const StoredInput& b) {
+    return std::abs(a.source.contribution_w_sr) > std::abs(b.source.contribution_w_sr);
+  });
+  const auto gain = [](const StoredInput::Gain& g) {
+    return fmt::format("{:+.4g} +- {:.1g}", g.contribution_w_sr, g.stderr_w_sr);
+  };
+  for (const StoredInput& i : sorted)
+    out += fmt::format("  {:<22} {:>20} {:>20} {:>20}\n", i.input, gain(i.source),
+                       gain(i.apparent), gain(i.contrast));
+  return out + fmt::format("  {:<22} {:>20.4g} {:>20.4g} {:>20.4g}\n", "together, one sigma",
+                           s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr,
+                           s.contrast_input_uncertainty_w_sr);
+}
+
 std::string text_of(const Explained& e) {
   const StoredSignature& s = e.signature();
-  std::string out = title(e) + "\n" + values(e) + "\n" + effort(e) + "\n";
+  std::string out = title(e) + "\n" + values(e) + inputs(e) + "\n" + effort(e) + "\n";
   if (e.ledger.effect.empty()) {
     out +=
         "no ledger of effects: an older irsig stored this row (format version 4 or less), and "
@@ -283,6 +311,23 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   out << ",\n";
   if (auto status = write_array(
           "parts", {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}, parts, out);
+      !status.ok())
+    return status;
+  out << ",\n";
+  std::vector<std::vector<Cell>> inputs;
+  for (const StoredInput& i : e.input) {
+    std::vector<Cell>& cells = inputs.emplace_back(std::vector<Cell>{i.input});
+    for (const StoredInput::Gain* g : {&i.source, &i.apparent, &i.contrast})
+      for (const double v : {g->contribution_w_sr, g->stderr_w_sr, g->curvature_w_sr})
+        cells.push_back(known(v));
+  }
+  if (auto status = write_array(
+          "inputs",
+          {"input", "contribution_w_sr", "contribution_stderr_w_sr", "curvature_w_sr",
+           "apparent_contribution_w_sr", "apparent_contribution_stderr_w_sr",
+           "apparent_curvature_w_sr", "contrast_contribution_w_sr",
+           "contrast_contribution_stderr_w_sr", "contrast_curvature_w_sr"},
+          inputs, out);
       !status.ok())
     return status;
   out << ",\n";

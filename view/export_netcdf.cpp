@@ -227,6 +227,42 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
               samples);
 }
 
+// Of rows with uncertain inputs: what each contributes, as a cube for each input. Interpolated rows
+// have none.
+absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
+                          const Layout& layout, const Dimensions& d) {
+  std::vector<std::string> names;
+  std::vector<std::vector<StoredInput>> inputs_of_row;
+  for (const QueryRow& r : rows) {
+    std::vector<StoredInput>& of_row = inputs_of_row.emplace_back();
+    if (r.interpolation || std::isnan(r.signature.input_uncertainty_w_sr)) continue;
+    auto inputs = reader.inputs(r.signature.signature_id);
+    if (!inputs.ok()) return inputs.status();
+    of_row = *std::move(inputs);
+    for (const StoredInput& i : of_row)
+      if (std::find(names.begin(), names.end(), i.input) == names.end()) names.push_back(i.input);
+  }
+  if (names.empty()) return absl::OkStatus();
+  std::vector<double> value(layout.size() * names.size(), std::numeric_limits<double>::quiet_NaN()),
+      value_stderr = value;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const StoredInput& input : inputs_of_row[i]) {
+      const auto at = static_cast<std::size_t>(
+          std::find(names.begin(), names.end(), input.input) - names.begin());
+      const std::size_t to = layout.index(layout.cell[i]) * names.size() + at;
+      value[to] = input.source.contribution_w_sr;
+      value_stderr[to] = input.source.stderr_w_sr;
+    }
+  const auto input = file.dimension("input", names.size());
+  file.strings({"input", "uncertain input of the sweep", ""}, {input}, names);
+  const std::vector<NetcdfFile::Dimension> cube{d.viewpoint, d.condition, d.band, input};
+  file.doubles({"input_contribution_w_sr", "what the intensity gains by one sigma of the input", "",
+                kCoordinates},
+               cube, value);
+  file.doubles({"input_contribution_stderr_w_sr", "", "", kCoordinates}, cube, value_stderr);
+  return absl::OkStatus();
+}
+
 absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
                          const Layout& layout, const Dimensions& d) {
   std::vector<std::string> names;
@@ -406,6 +442,8 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
   write_axes(file, layout, d);
   write_conditions(file, rows, sweep->resolved, layout, d);
   write_scalars(file, rows, layout, d);
+  if (absl::Status status = write_inputs(reader, file, rows, layout, d); !status.ok())
+    return status;
   if (absl::Status status = write_parts(reader, file, rows, layout, d); !status.ok()) return status;
   if (absl::Status status = write_spectra(reader, file, sweep->resolved, rows, layout, d);
       !status.ok())

@@ -167,6 +167,7 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
                                  {quantity.value_name},
                                  {quantity.stderr_name}};
   if (!no_bounds) columns.push_back({quantity.error_name});
+  if (quantity.input_name != nullptr) columns.push_back({quantity.input_name});
   const auto table = make_table_writer(format, columns, out);
   if (!table.ok()) return table.status();
   const Cell none;
@@ -196,6 +197,10 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
                                s.*quantity.value,
                                s.*quantity.value_stderr};
     if (!no_bounds) cells.emplace_back(s.*quantity.numerical_error);
+    if (quantity.input_name != nullptr) {
+      const double input = input_uncertainty_of(quantity, s);
+      cells.push_back(std::isnan(input) ? none : Cell(input));
+    }
     (*table)->row(cells);
   }
   return (*table)->finish();

@@ -75,6 +75,7 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   S out = made.from.front();
   out.signature_id = 0;
   out.row = 0;
+  out.dominant_inputs.clear();
   out.aspect_azimuth_deg = std::fmod(aspect.aspect_azimuth_deg + 720, 360);
   out.aspect_elevation_deg = aspect.aspect_elevation_deg;
   std::tie(out.unit_x, out.unit_y, out.unit_z) = std::tuple(where.x, where.y, where.z);
@@ -95,7 +96,9 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
     out.*q.numerical_error = interpolated_error(e, q, made.fit, made.from);
   }
   for (const Getter error :
-       {&S::model_error_w_sr, &S::apparent_model_error_w_sr, &S::contrast_model_error_w_sr})
+       {&S::model_error_w_sr, &S::apparent_model_error_w_sr, &S::contrast_model_error_w_sr,
+        &S::input_uncertainty_w_sr, &S::apparent_input_uncertainty_w_sr,
+        &S::contrast_input_uncertainty_w_sr})
     out.*error = propagated_model_error(made.fit, made.from, error);
   for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
     out.*value = at(value, nullptr).value;

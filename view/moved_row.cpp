@@ -251,7 +251,7 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
   // These are in the errors; by themselves they are known for the stored range alone.
   s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.depth_bound_w_sr =
       s.background_bound_w_sr = s.contrast_model_error_w_sr = s.apparent_temperature_bound_w_sr =
-          kNotComputed;
+          s.apparent_input_uncertainty_w_sr = s.contrast_input_uncertainty_w_sr = kNotComputed;
   s.background_radiance_w_m2_sr = m.background.value;
   s.background_radiance_stderr_w_m2_sr = m.background.stderr_;
   s.apparent_model_error_w_sr = apparent_model_error(row, spectrum, to, m.apparent.value);

@@ -46,8 +46,11 @@ class Panel {
   void draw() const {
     grid();
     svg_.begin_clip_rect(at(x_.low, y_.high), width(), height());
-    for (std::size_t i = 0; i < panel_.curve.size(); ++i)
-      band(panel_.curve[i], stroke_of(panel_, i));
+    for (std::size_t i = 0; i < panel_.curve.size(); ++i) {
+      const Curve& c = panel_.curve[i];
+      band(c, c.far_low, c.far_high, stroke_of(panel_, i), false);
+      band(c, c.low, c.high, stroke_of(panel_, i), true);
+    }
     for (std::size_t i = 0; i < panel_.curve.size(); ++i)
       curve(panel_.curve[i], stroke_of(panel_, i));
     svg_.end_group();
@@ -78,27 +81,30 @@ class Panel {
     }
   }
 
-  void band(const Curve& c, const Stroke& stroke) const {
-    if (c.low.empty()) return;
+  void band(const Curve& c, const std::vector<double>& low, const std::vector<double>& high,
+            const Stroke& stroke, bool with_edges) const {
+    if (low.empty()) return;
     std::vector<Point> upper, lower;
     const Stroke edge{stroke.color, 0.7, stroke.dash};
     const auto end_piece = [&] {
       if (upper.size() > 1) {
-        svg_.polyline(upper, edge);
-        svg_.polyline(lower, edge);
+        if (with_edges) {
+          svg_.polyline(upper, edge);
+          svg_.polyline(lower, edge);
+        }
         upper.insert(upper.end(), lower.rbegin(), lower.rend());
-        svg_.polygon(upper, stroke.color, 0.1);
+        svg_.polygon(upper, stroke.color, with_edges ? 0.1 : 0.06);
       }
       upper.clear();
       lower.clear();
     };
     for (std::size_t k = 0; k < c.x.size(); ++k) {
-      if (!std::isfinite(c.x[k]) || !std::isfinite(c.low[k]) || !std::isfinite(c.high[k])) {
+      if (!std::isfinite(c.x[k]) || !std::isfinite(low[k]) || !std::isfinite(high[k])) {
         end_piece();
         continue;
       }
-      upper.push_back(at(c.x[k], c.high[k]));
-      lower.push_back(at(c.x[k], c.low[k]));
+      upper.push_back(at(c.x[k], high[k]));
+      lower.push_back(at(c.x[k], low[k]));
     }
     end_piece();
   }
@@ -173,7 +179,7 @@ std::string plot_curves(std::string_view title, std::string_view subtitle,
     Extent across, up;
     for (const Curve& c : panel.curve) {
       across.add(c.x);
-      for (const auto& values : {c.y, c.low, c.high}) up.add(values);
+      for (const auto& values : {c.y, c.low, c.high, c.far_low, c.far_high}) up.add(values);
     }
     across = across.or_unit();
     up = up.or_unit();

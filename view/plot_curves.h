@@ -15,6 +15,8 @@ struct Curve {
   std::vector<double> low{}, high{};   // of a shaded band around it; empty: none
   std::optional<std::size_t> place{};  // default: its own in the panel
   bool marks = false;                  // a dot at each value
+  // Of a second, lighter band without edges; empty: none. Where it is not finite there is none.
+  std::vector<double> far_low{}, far_high{};
 };
 
 // One pair of axes. Without a range the y axis covers the curves and their bands, without an x axis

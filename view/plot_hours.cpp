@@ -51,7 +51,7 @@ Curve& curve_named(std::vector<Curve>& curves, const std::string& name, std::siz
   const auto found =
       std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.name == name; });
   if (found != curves.end()) return *found;
-  curves.push_back({name, {}, {}, {}, {}, place, true});
+  curves.push_back({name, {}, {}, {}, {}, place, true, {}, {}});
   return curves.back();
 }
 
@@ -90,8 +90,12 @@ std::vector<CurvePanel> value_panels(const Hours& hours, const CurvePanel& like)
       out.back().title = band_title(s);
     }
     const double value = s.*quantity.value, error = 2 * s.*quantity.numerical_error;
-    add(curve_named(out[band].curve, v.at.day, days.place(v.at.day)), v.at.hour, value,
-        value - error, value + error);
+    Curve& curve = curve_named(out[band].curve, v.at.day, days.place(v.at.day));
+    add(curve, v.at.hour, value, value - error, value + error);
+    // Beyond the numerical error: the band says how far inputs may have moved the value.
+    const double input = 2 * input_uncertainty_of(quantity, s);
+    curve.far_low.push_back(value - input);
+    curve.far_high.push_back(value + input);
   }
   for (CurvePanel& panel : out) {
     double largest = 0;
@@ -99,7 +103,7 @@ std::vector<CurvePanel> value_panels(const Hours& hours, const CurvePanel& like)
       for (const double y : c.y) largest = std::max(largest, std::abs(y));
     const DisplayUnit unit = display_unit(largest > 0 ? largest : 1, quantity.unit);
     for (Curve& c : panel.curve)
-      for (auto* values : {&c.y, &c.low, &c.high})
+      for (auto* values : {&c.y, &c.low, &c.high, &c.far_low, &c.far_high})
         for (double& y : *values) y *= unit.factor;
     panel.y_label = fmt::format("{} in {}", quantity.title, unit.name);
   }
@@ -120,11 +124,16 @@ std::string plot_hours(const Hours& hours) {
       fmt::format("{}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}{}", hours.sweep,
                   any.signature.aspect_azimuth_deg, any.signature.aspect_elevation_deg,
                   range_title(any.signature.range_m), any.interpolation ? ", interpolated" : "");
-  return plot_curves(title,
-                     temperatures ? "Shaded: from a part's coldest facet to its hottest; values "
-                                    "\u00b1 2 numerical errors"
-                                  : "Shaded: \u00b1 2 numerical errors",
-                     panels, columns);
+  const bool inputs =
+      std::any_of(hours.value.begin(), hours.value.end(), [&](const HourlyValue& v) {
+        return !std::isnan(input_uncertainty_of(columns_of(hours.quantity), v.row.signature));
+      });
+  std::string shaded =
+      temperatures ? "Shaded: from a part's coldest facet to its hottest; values "
+                     "\u00b1 2 numerical errors"
+                   : "Shaded: \u00b1 2 numerical errors";
+  if (inputs) shaded += "; lighter: \u00b1 2\u03c3 of uncertain inputs";
+  return plot_curves(title, shaded, panels, columns);
 }
 
 }  // namespace irsig

@@ -78,14 +78,11 @@ class PolarPanel {
   }
 
   void band_of(const Curve& curve, const Stroke& stroke) {
-    std::vector<Point> edge;
-    for (const auto& p : curve.cut.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.error));
-    edge.push_back(edge.front());
-    for (std::size_t i = curve.cut.point.size() + 1; i-- > 0;) {
-      const auto& p = curve.cut.point[i % curve.cut.point.size()];
-      edge.push_back(at(p.azimuth_deg, p.value - 2 * p.error));
-    }
-    svg_.polygon(edge, stroke.color, 0.16);
+    band_of(curve, &PolarPoint::error, stroke, 0.16);
+  }
+  // What uncertain inputs leave: lighter.
+  void input_band_of(const Curve& curve, const Stroke& stroke) {
+    band_of(curve, &PolarPoint::input, stroke, 0.07);
   }
 
   void line_of(const Curve& curve, const Stroke& stroke) {
@@ -102,6 +99,18 @@ class PolarPanel {
   }
 
  private:
+  void band_of(const Curve& curve, double PolarPoint::*sigma, const Stroke& stroke,
+               double opacity) {
+    std::vector<Point> edge;
+    for (const auto& p : curve.cut.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.*sigma));
+    edge.push_back(edge.front());
+    for (std::size_t i = curve.cut.point.size() + 1; i-- > 0;) {
+      const auto& p = curve.cut.point[i % curve.cut.point.size()];
+      edge.push_back(at(p.azimuth_deg, p.value - 2 * p.*sigma));
+    }
+    svg_.polygon(edge, stroke.color, opacity);
+  }
+
   Svg& svg_;
   Point center_;
   double radius_;
@@ -216,7 +225,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
   draw_legend(svg, {450, 62}, legend, 5);
 
-  bool both_sides_of_0 = false;
+  bool both_sides_of_0 = false, uncertain = false;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double left = panel_width * static_cast<double>(i % columns);
     const double y = top + panel_height * static_cast<double>(i / columns);
@@ -225,8 +234,10 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     for (const Curve& c : panels[i].curve) {
       for (const auto* points : {&c.cut.point, &c.cut.mark}) {
         for (const PolarPoint& p : *points) {
-          most = std::max(most, p.value + 2 * p.error);
-          if (p.value < 0) least = std::min(least, p.value - 2 * p.error);
+          const double reach = 2 * std::max(p.error, p.input);
+          most = std::max(most, p.value + reach);
+          if (p.value < 0) least = std::min(least, p.value - reach);
+          uncertain |= p.input > 0;
         }
       }
     }
@@ -240,7 +251,10 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
              {.size = 15, .anchor = Anchor::kMiddle});
     panel.grid();
     for (const Curve& c : panels[i].curve) {
-      if (c.cut.interpolated) panel.band_of(c, curve_stroke(c.place));
+      if (c.cut.interpolated)
+        panel.band_of(c, curve_stroke(c.place));
+      else if (!c.cut.point.empty() && c.cut.point.front().input > 0)
+        panel.input_band_of(c, curve_stroke(c.place));
     }
     for (const Curve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
     panel.radial_labels(panels[i].curve);
@@ -253,8 +267,11 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
                          kNearRingDeg)
                    : "Azimuth clockwise from the bow. Circles: viewpoints, bars \u00b12\u03c3.";
   if (both_sides_of_0) caption += " Dashed: 0.";
+  if (uncertain && !interpolated) caption += " Shaded: \u00b12\u03c3 of uncertain inputs.";
   svg.text({450, svg.height_px() - 16}, caption,
-           {.size = both_sides_of_0 ? 11.0 : 12.0, .anchor = Anchor::kMiddle, .color = "#555555"});
+           {.size = both_sides_of_0 || uncertain ? 11.0 : 12.0,
+            .anchor = Anchor::kMiddle,
+            .color = "#555555"});
   return svg.finish();
 }
 

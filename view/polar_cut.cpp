@@ -138,7 +138,8 @@ std::vector<StoredValue> values_of(std::span<const StoredSignature> signatures,
   std::vector<StoredValue> out;
   for (const StoredSignature& s : signatures)
     out.push_back({s.row, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.*quantity.value,
-                   s.*quantity.value_stderr, s.*quantity.numerical_error});
+                   s.*quantity.value_stderr, s.*quantity.numerical_error,
+                   input_uncertainty_of(quantity, s)});
   return out;
 }
 
@@ -161,7 +162,8 @@ absl::StatusOr<PolarCut> polar_cut(std::span<const StoredValue> all,
   out.interpolated = count_on_ring(values, *elevation_deg) < kFewestOnRing;
   for (const StoredValue& v : values)
     if (on_ring(v, *elevation_deg, out.interpolated ? kNearRingDeg : kOnRingDeg))
-      out.mark.push_back({v.aspect_azimuth_deg, v.value, v.numerical_error});
+      out.mark.push_back({v.aspect_azimuth_deg, v.value, v.numerical_error,
+                          std::isnan(v.input_uncertainty) ? 0 : v.input_uncertainty});
   std::sort(out.mark.begin(), out.mark.end(),
             [](const auto& a, const auto& b) { return a.azimuth_deg < b.azimuth_deg; });
   if (!out.interpolated) {

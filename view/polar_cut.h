@@ -12,6 +12,7 @@ namespace irsig {
 
 struct PolarPoint {
   double azimuth_deg, value, error;  // of the quantity; one sigma, interpolation included
+  double input = 0;                  // one sigma of uncertain inputs; 0: none is known
 };
 
 // Values of one quantity all around a target at one elevation.

@@ -130,6 +130,11 @@ std::vector<RowColumn> further_columns() {
   });
   append(quantities("truncation_bound_w_sr", ""));
   append({
+      {{"dominant_inputs", false},
+       [](const QueryRow& row) -> Cell {
+         const std::string& named = row.signature.dominant_inputs;
+         return row.interpolation || named.empty() ? Cell() : Cell(named);
+       }},
       computed("reflections", &S::reflections, false),
       computed("stop_reason", &S::stop_reason, false),
       stored("warning", &S::warning, false),
@@ -331,6 +336,9 @@ absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
   });
   for (RowColumn& c : columns)
     if (c.column.name == "sweep") c.column.brief = several;
+  const bool uncertain = std::any_of(rows.begin(), rows.end(), [](const QueryRow& r) {
+    return !std::isnan(r.signature.input_uncertainty_w_sr);
+  });
   const auto append = [&](std::vector<RowColumn> more) {
     columns.insert(columns.end(), std::make_move_iterator(more.begin()),
                    std::make_move_iterator(more.end()));
@@ -345,6 +353,9 @@ absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
   if (content.parts) return write_parts(reader, rows, std::move(columns), format, out);
   append(further_columns());
   show_quantity(columns, columns_of(content.quantity));
+  const char* input_name = columns_of(content.quantity).input_name;
+  for (RowColumn& c : columns)
+    if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;
 
   std::vector<Column> heads;
   for (const RowColumn& c : columns) heads.push_back(c.column);

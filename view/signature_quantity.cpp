@@ -23,29 +23,33 @@ Measured background_of(const S& row) {
 constexpr std::array kColumns = std::to_array<QuantityColumns>({
     {SignatureQuantity::kIntensity, "intensity", "In-band intensity", "W/sr", "intensity_w_sr",
      "intensity_stderr_w_sr", "numerical_error_w_sr", &S::intensity_w_sr, &S::intensity_stderr_w_sr,
-     &S::numerical_error_w_sr, source_of, "Spectral intensity", "W/(sr \u00b5m)",
+     &S::numerical_error_w_sr, "input_uncertainty_w_sr", &S::input_uncertainty_w_sr, source_of, "Spectral intensity", "W/(sr \u00b5m)",
      &Sp::spectral_intensity_w_sr_um, &Sp::spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kApparentIntensity, "apparent_intensity", "In-band apparent intensity",
      "W/sr", "apparent_intensity_w_sr", "apparent_intensity_stderr_w_sr",
      "apparent_numerical_error_w_sr", &S::apparent_intensity_w_sr,
-     &S::apparent_intensity_stderr_w_sr, &S::apparent_numerical_error_w_sr, apparent_of,
+     &S::apparent_intensity_stderr_w_sr, &S::apparent_numerical_error_w_sr, "apparent_input_uncertainty_w_sr", &S::apparent_input_uncertainty_w_sr, apparent_of,
      "Apparent spectral intensity", "W/(sr \u00b5m)", &Sp::apparent_spectral_intensity_w_sr_um,
      &Sp::apparent_spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kContrastIntensity, "contrast_intensity", "In-band contrast intensity",
      "W/sr", "contrast_intensity_w_sr", "contrast_intensity_stderr_w_sr",
      "contrast_numerical_error_w_sr", &S::contrast_intensity_w_sr,
-     &S::contrast_intensity_stderr_w_sr, &S::contrast_numerical_error_w_sr, contrast_of,
+     &S::contrast_intensity_stderr_w_sr, &S::contrast_numerical_error_w_sr, "contrast_input_uncertainty_w_sr", &S::contrast_input_uncertainty_w_sr, contrast_of,
      "Contrast spectral intensity", "W/(sr \u00b5m)", &Sp::contrast_spectral_intensity_w_sr_um,
      &Sp::contrast_spectral_intensity_stderr_w_sr_um},
     {SignatureQuantity::kBackgroundRadiance, "background_radiance", "In-band background radiance",
      "W/(m\u00b2 sr)", "background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr",
      "background_radiance_stderr_w_m2_sr", &S::background_radiance_w_m2_sr,
-     &S::background_radiance_stderr_w_m2_sr, &S::background_radiance_stderr_w_m2_sr, background_of,
+     &S::background_radiance_stderr_w_m2_sr, &S::background_radiance_stderr_w_m2_sr, nullptr, nullptr, background_of,
      "Background spectral radiance", "W/(m\u00b2 sr \u00b5m)", &Sp::background_radiance_w_m2_sr_um,
      &Sp::background_radiance_stderr_w_m2_sr_um},
 });
 
 }  // namespace
+
+double input_uncertainty_of(const QuantityColumns& columns, const StoredSignature& row) {
+  return columns.input_uncertainty != nullptr ? row.*columns.input_uncertainty : kNotComputed;
+}
 
 const QuantityColumns& columns_of(SignatureQuantity quantity) {
   return kColumns[static_cast<std::size_t>(quantity)];

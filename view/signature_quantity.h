@@ -21,6 +21,9 @@ struct QuantityColumns {
   double StoredSignature::*value;
   double StoredSignature::*value_stderr;
   double StoredSignature::*numerical_error;  // the background radiance has its standard error alone
+  // One sigma that uncertain inputs leave; of the background radiance: none.
+  const char* input_name;
+  double StoredSignature::*input_uncertainty;
   // With its bounds; of the background radiance: none.
   Measured (*measured)(const StoredSignature&);
 
@@ -35,6 +38,10 @@ struct QuantityColumns {
 };
 
 [[nodiscard]] const QuantityColumns& columns_of(SignatureQuantity quantity);
+
+// kNotComputed: the sweep states no uncertain inputs, or the quantity has none.
+[[nodiscard]] double input_uncertainty_of(const QuantityColumns& columns,
+                                          const StoredSignature& row);
 
 // intensity, apparent_intensity, contrast_intensity, background_radiance.
 [[nodiscard]] std::vector<std::string> quantity_names();

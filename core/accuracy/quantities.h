@@ -82,11 +82,24 @@ namespace irsig {
   NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr", 11,                                    \
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
-#define IRSIG_QUANTITIES(VALUE, NUMBER)  \
-  IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER) \
-  IRSIG_CAUSE_QUANTITIES(VALUE)          \
-  IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER) \
+// Of rows whose sweep says how well its inputs are known; others have none.
+#define IRSIG_INPUT_QUANTITIES(NUMBER)                                                           \
+  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                        \
+         "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error")       \
+  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                               \
+         "the same of apparent_intensity_w_sr")                                                  \
+  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                               \
+         "the same of contrast_intensity_w_sr")
+
+#define IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
+  IRSIG_SOURCE_QUANTITIES(VALUE, NUMBER)         \
+  IRSIG_CAUSE_QUANTITIES(VALUE)                  \
+  IRSIG_SENSOR_QUANTITIES(VALUE, NUMBER)         \
   IRSIG_BOUND_QUANTITIES(NUMBER)
+
+#define IRSIG_QUANTITIES(VALUE, NUMBER)    \
+  IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
+  IRSIG_INPUT_QUANTITIES(NUMBER)
 
 enum class QuantityKind : std::uint8_t {
   kSampled,     // a mean over paths
@@ -97,7 +110,8 @@ enum class QuantityKind : std::uint8_t {
   kExact,       // without a sampling error
   kDerived,     // from other quantities of the row
   kGoal,        // an error that was asked for
-  kGuard        // what should be 0
+  kGuard,       // what should be 0
+  kInputSigma   // one sigma of uncertain inputs; never part of any error
 };
 
 struct QuantityInfo {

@@ -229,9 +229,14 @@ void add_pictures(const Pass& pass, const ViewRequest& request, ViewResult& out)
           static_cast<float>(scale * pass.image()[i * image.padded + row]));
 }
 
-absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(const PreparedScene& scene,
-                                                                 const ViewRequest& request,
-                                                                 const ViewPlan& plan) {
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
+    const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+    std::shared_ptr<const PreparedView> known) {
+  if (known != nullptr && known->effects.same_light(plan.effects) &&
+      known->aimed->bright == plan.bright)
+    return known;
   auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                              scene.axis.node_um());
   if (!surroundings.ok()) return surroundings.status();
@@ -243,23 +248,18 @@ absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(const PreparedS
                    *std::move(seen), plan.effects});
 }
 
-}  // namespace
-
 absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRequest& request,
                                         const ViewPlan& plan,
-                                        std::shared_ptr<const PreparedView> prepared) {
+                                        std::shared_ptr<const PreparedView> prepared,
+                                        std::vector<PathWeights>* paths) {
   if (auto status = check_request(scene, request); !status.ok()) return status;
-  if (prepared == nullptr || !prepared->effects.same_light(plan.effects) ||
-      prepared->aimed->bright != plan.bright) {
-    auto made = prepared_for(scene, request, plan);
-    if (!made.ok()) return made.status();
-    prepared = *std::move(made);
-  }
+  auto view = prepared_for(scene, request, plan, std::move(prepared));
+  if (!view.ok()) return view.status();
   const std::uint64_t seed = view_seed(scene, request);
-  Pass pass(scene, request, plan, std::move(prepared),
+  Pass pass(scene, request, plan, *std::move(view),
             {request.selected_condition, request.selected_band}, seed);
   pass.run(plan.samples_per_replicate, kStoredStage,
-           request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored);
+           request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored, paths);
 
   ViewResult out;
   out.samples = pass.counts().samples;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/signature/plan.h"
@@ -8,14 +9,22 @@
 #include "core/signature/prepared_view.h"
 #include "core/signature/request.h"
 #include "core/signature/result.h"
+#include "core/transport/path_tracer.h"
 
 namespace irsig {
 
 // The stored run: statistics, errors and thumbnails of the selected rows. prepared: of the same
-// request with the plan's effects; null, or made for other effects: it is made here.
+// request with the plan's effects; null, or made for other effects: it is made here. paths: gets
+// the weights of the paths, if it is not null.
 [[nodiscard]] absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene,
                                                       const ViewRequest& request,
                                                       const ViewPlan& plan,
-                                                      std::shared_ptr<const PreparedView> prepared);
+                                                      std::shared_ptr<const PreparedView> prepared,
+                                                      std::vector<PathWeights>* paths = nullptr);
+
+// `known`, if it is of the request with the plan's effects and places to aim at; else a new one.
+[[nodiscard]] absl::StatusOr<std::shared_ptr<const PreparedView>> prepared_for(
+    const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+    std::shared_ptr<const PreparedView> known);
 
 }  // namespace irsig

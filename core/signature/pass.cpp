@@ -60,14 +60,19 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   }
 }
 
-PathSettings Pass::path_settings(std::uint64_t samples, std::uint64_t stage) const {
+PathSettings Pass::settings(std::uint64_t samples, std::uint64_t stage) const {
+  return path_settings(accuracy_, plan_.effects, seed_ + stage, samples);
+}
+
+PathSettings path_settings(const AccuracySpec& accuracy, const EffectSet& effects,
+                           std::uint64_t seed, std::uint64_t samples) {
   PathSettings settings;
-  settings.max_reflections = plan_.effects.max_reflections;
-  settings.no_second_hit = plan_.effects.no_second_hit;
-  settings.hot_lights = !plan_.effects.no_second_hit;
-  settings.seed = mix64(seed_ + stage);
+  settings.max_reflections = effects.max_reflections;
+  settings.no_second_hit = effects.no_second_hit;
+  settings.hot_lights = !effects.no_second_hit;
+  settings.seed = mix64(seed);
   settings.samples = samples;
-  settings.replicates = accuracy_.replicates;
+  settings.replicates = accuracy.replicates;
   // Where the error is to be small, reflections set it. Variance x CPU time of the mid-wave row of
   // a sunlit frigate with hot parts, relative to a persistence and a split of 1:
   //     persistence, split    1, 2    2, 2    4, 2    4, 1   16, 1
@@ -76,26 +81,29 @@ PathSettings Pass::path_settings(std::uint64_t samples, std::uint64_t stage) con
   //     hull_paper            0.87    0.61    0.63    0.80    0.80
   // (4, 2) gains nothing more where the pilots are most of the work. Where the number of paths is
   // asked for, each stays one path.
-  const bool asked = accuracy_.relative_error > 0;
+  const bool asked = accuracy.relative_error > 0;
   settings.persistence = asked ? 2 : 1;
   settings.split = asked ? 2 : 1;
   return settings;
 }
 
-void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind) {
+void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind,
+               std::vector<PathWeights>* kept) {
   const PathTracer tracer(scene_.target, scene_.carried_material(), *view_->aimed,
-                          sources_.geometry(), path_settings(samples, stage));
+                          sources_.geometry(), settings(samples, stage));
   image_plan_ = kind == Kind::kStoredWithPictures ? plan_images(tracer.layout()) : ImagePlan{};
   image_.assign(
       static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px * image_plan_.padded,
       0.0);
   counts_ = {};
   samples_ = samples;
-  collect(tracer.trace(image_plan_, image_, counts_), kind);
+  std::vector<PathWeights> weights = tracer.trace(image_plan_, image_, counts_);
+  collect(weights, kind);
+  if (kept != nullptr) *kept = std::move(weights);
 }
 
 void Pass::run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64_t stage) {
-  PathSettings settings = path_settings(samples, stage);
+  PathSettings settings = this->settings(samples, stage);
   settings.only_stratum = stratum;
   const PathTracer tracer(scene_.target, scene_.carried_material(), *view_->aimed,
                           sources_.geometry(), settings);

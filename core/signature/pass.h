@@ -19,6 +19,10 @@
 
 namespace irsig {
 
+// How a view's paths are traced. seed: of the view and of the stage together.
+[[nodiscard]] PathSettings path_settings(const AccuracySpec& accuracy, const EffectSet& effects,
+                                         std::uint64_t seed, std::uint64_t samples);
+
 // Tracing one view for a set of conditions and bands (the rows): which suns shine, how the
 // conditions shade, and the statistics and error bounds of what is stored. The pilots are passes,
 // and so is the stored run.
@@ -43,7 +47,9 @@ class Pass {
 
   // Traces all replicates afresh. A pilot knows in-band numbers only.
   enum class Kind { kPilot, kStored, kStoredWithPictures };
-  void run(std::uint64_t samples, std::uint64_t stage, Kind kind);
+  // kept: gets the paths' weights, if it is not null.
+  void run(std::uint64_t samples, std::uint64_t stage, Kind kind,
+           std::vector<PathWeights>* kept = nullptr);
   // A pilot of one stratum alone: of what is seen in it.
   void run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64_t stage);
 
@@ -126,7 +132,7 @@ class Pass {
   [[nodiscard]] std::size_t planned_row(std::size_t row) const {
     return condition_of(row) * scene_.axis.bands() + band_of(row);
   }
-  [[nodiscard]] PathSettings path_settings(std::uint64_t samples, std::uint64_t stage) const;
+  [[nodiscard]] PathSettings settings(std::uint64_t samples, std::uint64_t stage) const;
   void collect(std::span<const PathWeights> weights, Kind kind);
   // Of one row each.
   [[nodiscard]] double basis_error(std::size_t row, const std::vector<double>& largest) const;

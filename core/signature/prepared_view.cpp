@@ -76,7 +76,8 @@ ViewSurroundings::ViewSurroundings(const ViewRequest& request, double range_m,
 
 absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& request,
                                                         const Target& target, double range_m,
-                                                        const std::vector<double>& node_um) {
+                                                        const std::vector<double>& node_um,
+                                                        const BehindNodes* behind) {
   ViewSurroundings out(request, range_m, node_um);
   Viewpoint v = request.viewpoint;
   v.range_m = range_m;
@@ -99,7 +100,7 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                    kGrazing,
                quarter = std::numbers::pi / 2;
   line.end = out.end_;
-  line.behind = BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
+  line.behind = behind != nullptr ? *behind : BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
                                       std::sin(std::min(elevation + reach, quarter)),
                                       request.environment->horizons_z(line),
                                       std::atan2(-towards.y, -towards.x));
@@ -180,6 +181,23 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     }
   }
   return out;
+}
+
+absl::StatusOr<ViewEnvironment> ViewSurroundings::see_like(const ViewEnvironments& other,
+                                                           std::uint32_t condition,
+                                                           const EffectSet& effects) {
+  const ConditionSpec& spec = request_->condition[condition];
+  if (!look_)
+    return plain_environment(spec, request_->air, range_m_, end_, sun_shines(spec), *node_um_);
+  const bool reflected = effects.surroundings(), with_azimuths = other.directions.azimuths() > 1;
+  EffectSet wanted = effects;
+  if (!with_azimuths)
+    for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
+  auto seen = look_->see(condition, wanted, with_azimuths);
+  if (!seen.ok() || reflected) return seen;
+  const std::vector<double> dark(node_um_->size(), 0.0);
+  seen->node = seen->node_apparent = {dark, dark};
+  return seen;
 }
 
 absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, const Target& target,

@@ -26,10 +26,12 @@ struct PreparedView {
 // The surroundings and the air of a request, with an atmosphere or without, seen along one line.
 class ViewSurroundings {
  public:
-  // The request and the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
+  // behind: where the background is wanted; null: where these conditions need it. The request and
+  // the wavelengths outlive it. INVALID_ARGUMENT as Environment::view() has it.
   [[nodiscard]] static absl::StatusOr<ViewSurroundings> make(const ViewRequest& request,
                                                              const Target& target, double range_m,
-                                                             const std::vector<double>& node_um);
+                                                             const std::vector<double>& node_um,
+                                                             const BehindNodes* behind = nullptr);
 
   // The most that light can be, before any sky is computed.
   [[nodiscard]] const LightBounds& bounds(std::uint32_t condition);
@@ -38,6 +40,10 @@ class ViewSurroundings {
   // What these effects want, of these conditions.
   [[nodiscard]] absl::StatusOr<ViewEnvironments> see(std::span<const std::uint32_t> conditions,
                                                      const EffectSet& effects);
+  // One condition, in the directions of another view's light.
+  [[nodiscard]] absl::StatusOr<ViewEnvironment> see_like(const ViewEnvironments& other,
+                                                         std::uint32_t condition,
+                                                         const EffectSet& effects);
 
  private:
   ViewSurroundings(const ViewRequest& request, double range_m, const std::vector<double>& node_um);

@@ -30,6 +30,25 @@ absl::StatusOr<ViewResult> Simulator::measure(const ViewRequest& request,
   return measure_view(scene_, request, planned.plan, planned.prepared);
 }
 
+absl::StatusOr<Simulator::MeasuredWithMoves> Simulator::measure(
+    const ViewRequest& request, const PlannedView& planned,
+    std::span<const MovedView> moved) const {
+  auto prepared = prepared_for(scene_, request, planned.plan, planned.prepared);
+  if (!prepared.ok()) return prepared.status();
+  std::vector<PathWeights> paths;
+  auto view = measure_view(scene_, request, planned.plan, *prepared,
+                           moved.empty() ? nullptr : &paths);
+  if (!view.ok()) return view.status();
+  MeasuredWithMoves out{*std::move(view), {}};
+  for (const MovedView& each : moved) {
+    auto change =
+        row_changes({scene_, request, planned.plan, **prepared, out.view, paths}, each);
+    if (!change.ok()) return change.status();
+    out.change.push_back(*std::move(change));
+  }
+  return out;
+}
+
 absl::StatusOr<ViewPlan> Simulator::plan(const ViewRequest& request) const {
   auto planned = prepare(request);
   if (!planned.ok()) return planned.status();

@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/signature/input_changes.h"
 #include "core/signature/plan.h"
 #include "core/signature/prepared_scene.h"
 #include "core/signature/request.h"
@@ -32,6 +34,15 @@ class Simulator {
   // changed: the same request with another number has the same paths as far as both follow them.
   [[nodiscard]] absl::StatusOr<ViewResult> measure(const ViewRequest& request,
                                                    const PlannedView& planned) const;
+
+  // measure(), and by how much each row changes if inputs are moved. [moved][row]
+  struct MeasuredWithMoves {
+    ViewResult view;
+    std::vector<std::vector<RowChange>> change;
+  };
+  [[nodiscard]] absl::StatusOr<MeasuredWithMoves> measure(const ViewRequest& request,
+                                                          const PlannedView& planned,
+                                                          std::span<const MovedView> moved) const;
 
   // The same without what was made on the way.
   [[nodiscard]] absl::StatusOr<ViewPlan> plan(const ViewRequest& request) const;

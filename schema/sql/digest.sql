@@ -101,6 +101,16 @@ SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped
        cut_off, cut_off_stderr, balance, balance_stderr
 FROM energy WHERE signature_id = ?1;
 
+-- Of signatures with uncertain inputs only: the others have the digests that they had before there were any.
+-- name: has_input_contributions
+SELECT EXISTS (SELECT 1 FROM input_contribution WHERE signature_id = ?1);
+
+-- name: digest_input_contributions
+SELECT input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution_w_sr,
+       apparent_contribution_stderr_w_sr, contrast_contribution_w_sr, contrast_contribution_stderr_w_sr,
+       curvature_w_sr, apparent_curvature_w_sr, contrast_curvature_w_sr
+FROM input_contribution WHERE signature_id = ?1 ORDER BY input_index;
+
 -- name: digest_thumbnail
 SELECT width_px, height_px, pixel_rad, png, exr FROM thumbnail WHERE signature_id = ?1;
 

@@ -6,6 +6,9 @@ SELECT thumbnail_px > 0 FROM sweep WHERE sweep_id = ?1 AND thumbnail_px IS NOT N
 -- name: wanted_profile_rows
 SELECT profile_rows FROM sweep WHERE sweep_id = ?1;
 
+-- name: uncertain_inputs
+SELECT uncertain_inputs FROM sweep WHERE sweep_id = ?1;
+
 -- name: part_ids
 SELECT part_id FROM part WHERE sweep_id = ?1 AND superseded = 0 ORDER BY part_index;
 
@@ -70,6 +73,13 @@ SELECT name, reason FROM effect_reason;
 INSERT INTO ledger (
   signature_id, effect, state, reason, bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr, share_w_sr, time_s)
 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9);
+
+-- name: insert_input_contribution
+INSERT INTO input_contribution (
+  signature_id, input_index, input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution_w_sr,
+  apparent_contribution_stderr_w_sr, contrast_contribution_w_sr, contrast_contribution_stderr_w_sr, curvature_w_sr,
+  apparent_curvature_w_sr, contrast_curvature_w_sr)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12);
 
 -- name: insert_energy
 INSERT INTO energy (

@@ -129,6 +129,12 @@ FROM ledger l JOIN effect e USING (effect) JOIN effect_state s USING (state) JOI
 WHERE l.signature_id = ?1
 ORDER BY l.effect;
 
+-- name: inputs_of_signature
+SELECT input, contribution_w_sr, contribution_stderr_w_sr, apparent_contribution_w_sr,
+       apparent_contribution_stderr_w_sr, contrast_contribution_w_sr, contrast_contribution_stderr_w_sr,
+       curvature_w_sr, apparent_curvature_w_sr, contrast_curvature_w_sr
+FROM input_contribution WHERE signature_id = ?1 ORDER BY input_index;
+
 -- name: energy_of_signature
 SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped_to_lower, escaped_to_lower_stderr,
        cut_off, cut_off_stderr, balance, balance_stderr

@@ -22,6 +22,9 @@ WHERE sweep_id = ?1;
 -- name: set_profile_rows
 UPDATE sweep SET profile_rows = ?2 WHERE sweep_id = ?1;
 
+-- name: set_uncertain_inputs
+UPDATE sweep SET uncertain_inputs = ?2 WHERE sweep_id = ?1;
+
 -- name: clear_published
 DELETE FROM published WHERE sweep_id = ?1;
 

@@ -70,9 +70,29 @@ absl::Status check_numbers(const schema::HeatField& field) {
   return absl::OkStatus();
 }
 
+absl::Status check_changes(const schema::HeatField& field, const schema::HeatRun& run) {
+  if (field.change_k_size() != run.input_size() || !field.kelvin().empty() ||
+      !field.error_k().empty())
+    return wrong("field.change_k", absl::StrCat("has ", field.change_k_size(), " changes for ",
+                                                run.input_size(), " inputs, or temperatures"));
+  const std::size_t numbers =
+      std::size_t{field.facets()} * static_cast<std::size_t>(field.unix_s_size());
+  for (int i = 0; i < field.change_k_size(); ++i) {
+    const std::string name = absl::StrCat("field.change_k[", i, "]");
+    if (field.change_k(i).size() != sizeof(float) * numbers)
+      return wrong(name, absl::StrCat("has ", field.change_k(i).size(), " bytes for ",
+                                      field.unix_s_size(), " times and ", field.facets(),
+                                      " facets"));
+    for (std::size_t k = 0; k < numbers; ++k)
+      if (const float kelvin = number_at(field.change_k(i), k); std::isinf(kelvin))
+        return wrong(absl::StrCat(name, "[", k, "]"), absl::StrCat("is ", kelvin));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status check_parts(const schema::HeatJobResult& result, const schema::HeatRun& run) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> missing;
-  for (int part = 0; part < run.part_temperature_k_size(); ++part)
+  for (int part = 0; part < run.part_temperature_k_size() && run.input_size() == 0; ++part)
     for (int time = 0; time < run.time_utc_size() && run.part_temperature_k(part) == 0; ++time)
       missing.emplace(part, time);
   for (int i = 0; i < result.part_size(); ++i) {
@@ -103,7 +123,7 @@ absl::Status check_heat_result(const schema::JobResult& result, const std::strin
   schema::HeatField field;
   if (!field.ParseFromString(result.heat().field())) return wrong("field", "cannot be read");
   IRSIG_STORE_TRY(check_times(field, run));
-  IRSIG_STORE_TRY(check_numbers(field));
+  IRSIG_STORE_TRY(run.input_size() > 0 ? check_changes(field, run) : check_numbers(field));
   IRSIG_STORE_TRY(check_parts(result.heat(), run));
   for (const std::string& warning : result.heat().warning())
     if (!is_one_line(warning)) return wrong("warning", "has control characters or is not UTF-8");

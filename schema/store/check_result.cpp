@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "google/protobuf/reflection.h"
 #include "schema/store/database.h"
+#include "schema/store/ingest_inputs.h"
 
 namespace irsig {
 namespace {
@@ -25,7 +26,7 @@ absl::Status wrong(const std::string& path, const std::string& what) {
 // Names that stand for something that cannot be negative (GLOSSARY of docs: suffix grammar).
 bool never_negative(const std::string& name) {
   for (const char* word : {"stderr", "error", "bound", "area", "temperature", "seconds",
-                           "pixel_rad", "floor", "time_s"}) {
+                           "pixel_rad", "floor", "time_s", "uncertainty"}) {
     if (absl::StrContains(name, word)) return true;
   }
   return false;
@@ -130,6 +131,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
     return wrong(path + ".stop_reason", "is not stated");
   }
   IRSIG_STORE_TRY(check_ledger(row, expected.ledger, path));
+  IRSIG_STORE_TRY(check_inputs(row, expected.inputs, path));
   std::set<std::uint32_t> seen;
   for (const schema::PartIntensity& part : row.part()) {
     if (part.part_index() >= expected.parts || !seen.insert(part.part_index()).second) {

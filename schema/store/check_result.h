@@ -20,6 +20,7 @@ struct ExpectedResult {
   std::size_t profile_rows;       // of each condition and band
   std::optional<bool> thumbnail;  // whether images were asked for
   LedgerNames ledger;
+  std::vector<std::string> inputs;  // uncertain ones, of each row
 };
 
 // INVALID_ARGUMENT, naming the field, unless the result is its view's: every condition and band

@@ -119,6 +119,13 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
         encode(database, out, First::kContent, sql::digest_ledger, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_energy, signature_id).status());
+    const absl::StatusOr<std::int64_t> inputs =
+        database.integer(sql::has_input_contributions, signature_id);
+    if (!inputs.ok()) return inputs.status();
+    if (*inputs != 0)
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_input_contributions, signature_id)
+              .status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_thumbnail, signature_id).status());
     IRSIG_STORE_TRY(

@@ -46,6 +46,7 @@ class SignatureReader {
          {&s.lambda_min_um, &s.lambda_max_um, &s.aspect_azimuth_deg, &s.aspect_elevation_deg,
           &s.range_m, &s.sun_azimuth_deg, &s.sun_zenith_deg})
       *number = at().real();
+    s.dominant_inputs = text_if_known();
     s.reflections = count_if_known();
     s.stop_reason = at().text();
     s.energy_gain = at().integer() != 0;
@@ -87,6 +88,7 @@ class SignatureReader {
                                                                    "range_m",
                                                                    "sun_azimuth_deg",
                                                                    "sun_zenith_deg",
+                                                                   "dominant_inputs",
                                                                    "reflections",
                                                                    "stop_reason",
                                                                    "energy_gain",
@@ -110,6 +112,10 @@ class SignatureReader {
   Rows& at() {
     rows_.read_at(other_[next_++]);
     return rows_;
+  }
+  std::string text_if_known() {
+    Rows& rows = at();
+    return rows.is_null() ? std::string() : rows.text();
   }
   std::optional<std::uint64_t> count_if_known() {
     Rows& rows = at();

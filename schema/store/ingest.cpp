@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "core/accuracy/quantities.h"
 #include "schema/store/check_result.h"
 #include "schema/store/ingest_heat.h"
+#include "schema/store/ingest_inputs.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
 
@@ -85,6 +88,10 @@ const char* insert_signature_statement() {
   return statement.c_str();
 }
 
+std::optional<double> if_stated(bool stated, double value) {
+  return stated ? std::optional(value) : std::nullopt;
+}
+
 absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJob& job,
                                               const schema::SignatureRow& row) {
   const absl::StatusOr<std::int64_t> condition_id =
@@ -96,13 +103,16 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
 #define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
   , row.name().value(), row.name().stderr()
 #define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
+#define IRSIG_INPUT_ARGUMENT(name, kind, unit, since, what) , if_stated(row.has_##name(), row.name())
   IRSIG_STORE_TRY(database.run(
       insert_signature_statement(), job.job_id, job.view.viewpoint_id, *condition_id, *band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
       row.energy_gain(),
-      row.reflections() IRSIG_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)));
+      row.reflections() IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)
+          IRSIG_INPUT_QUANTITIES(IRSIG_INPUT_ARGUMENT)));
 #undef IRSIG_VALUE_ARGUMENTS
 #undef IRSIG_NUMBER_ARGUMENT
+#undef IRSIG_INPUT_ARGUMENT
   return database.last_insert_rowid();
 }
 
@@ -138,6 +148,7 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
                                  part.intensity_w_sr().stderr()));
   }
   IRSIG_STORE_TRY(insert_ledger(database, names, *signature_id, row));
+  IRSIG_STORE_TRY(insert_inputs(database, *signature_id, row));
   for (const schema::ProfileRow& p : row.profile()) {
     IRSIG_STORE_TRY(insert_profile_row(database, *signature_id, p));
   }
@@ -188,6 +199,16 @@ absl::Status store_temperatures(Database& database, const LeasedJob& job,
   return (*savepoint)->keep();
 }
 
+absl::StatusOr<std::vector<std::string>> uncertain_inputs_of(Database& database,
+                                                             std::int64_t sweep_id) {
+  absl::StatusOr<Rows> row = database.query(sql::uncertain_inputs, sweep_id);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) return absl::InternalError("a job of no sweep");
+  return std::vector<std::string>(absl::StrSplit(row->text(), ',', absl::SkipEmpty()));
+}
+
 absl::Status store_view(Database& database, const LeasedJob& job, const schema::JobResult& result,
                         const std::string& worker_name) {
   const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
@@ -200,6 +221,9 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
   if (!profile_rows.ok()) return profile_rows.status();
   const absl::StatusOr<LedgerNames> names = ledger_names(database);
   if (!names.ok()) return names.status();
+  const absl::StatusOr<std::vector<std::string>> inputs =
+      uncertain_inputs_of(database, job.sweep_id);
+  if (!inputs.ok()) return inputs.status();
   IRSIG_STORE_TRY(check_result(
       result, {.job_key = job.job_key,
                .condition_index = job.view.condition_index,
@@ -207,7 +231,8 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
                .parts = parts->size(),
                .profile_rows = static_cast<std::size_t>(*profile_rows),
                .thumbnail = thumbnail.ok() ? std::optional<bool>(*thumbnail != 0) : std::nullopt,
-               .ledger = *names}));
+               .ledger = *names,
+               .inputs = *inputs}));
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();
   IRSIG_STORE_TRY(make_room(database, job, result.view()));

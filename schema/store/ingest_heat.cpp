@@ -32,6 +32,7 @@ absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job)
 }  // namespace
 
 std::int64_t computed_temperatures_of(const schema::HeatRun& run) {
+  if (run.input_size() > 0) return 0;  // by how much they change is no temperature
   return std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0) *
          run.time_utc_size();
 }

@@ -6,6 +6,7 @@
 #include "schema/store/digest.h"
 #include "schema/store/find_contents.h"
 #include "schema/store/find_heat.h"
+#include "schema/store/find_inputs.h"
 #include "schema/store/find_ledger.h"
 #include "schema/store/find_profiles.h"
 #include "schema/store/find_signatures.h"
@@ -71,6 +72,10 @@ class SqliteReader final : public StoreReader {
   absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) override {
     IRSIG_STORE_TRY(check_exists(signature_id));
     return find_ledger(database_, signature_id);
+  }
+  absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id) override {
+    IRSIG_STORE_TRY(check_exists(signature_id));
+    return find_inputs(database_, signature_id);
   }
 
   absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) override {

@@ -198,6 +198,9 @@ struct StoredSignature {
   IRSIG_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
 #undef IRSIG_VALUE_MEMBERS
 #undef IRSIG_NUMBER_MEMBER
+  // The three inputs that contribute most to input_uncertainty_w_sr, beyond the noise of their
+  // difference: "name=+gain, ..." [W/sr]. Empty: none is known.
+  std::string dominant_inputs;
   std::optional<std::uint64_t> reflections;  // nullopt: of format version 4 or older
   std::string stop_reason;
   bool energy_gain;
@@ -236,6 +239,16 @@ struct StoredEffect {
   double bound_w_sr, apparent_bound_w_sr, contrast_bound_w_sr;
   double share_w_sr;
   double time_s;  // of the whole view, an estimate: spent (on) or saved (off)
+};
+
+// What a signature gains if an uncertain input is one sigma higher.
+struct StoredInput {
+  std::string input;  // a key of [uncertainty]
+  struct Gain {
+    double contribution_w_sr, stderr_w_sr;
+    double curvature_w_sr;  // half the sum of both sides' gains; kNotComputed: one side only
+  };
+  Gain source, apparent, contrast;
 };
 
 // Where light that the sensor would send out ends.
@@ -337,6 +350,7 @@ struct StoredValue {
   std::uint64_t row;
   double aspect_azimuth_deg, aspect_elevation_deg;
   double value, value_stderr, numerical_error;
+  double input_uncertainty = kNotComputed;  // known where it was taken from a signature
 };
 // All must be given: it is one condition and band from one range.
 struct ValueFilter {
@@ -371,6 +385,8 @@ class StoreReader {
   virtual absl::StatusOr<StoredSweep> sweep(const std::string& name) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) = 0;
+  // In the order of the grammar; none of a sweep without [uncertainty].
+  virtual absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<std::optional<schema::Thumbnail>> thumbnail(std::int64_t signature_id) = 0;
   // In the order of sweeps, rows, profiles, points and numbers of reflections.
   virtual absl::StatusOr<std::vector<StoredProfileRow>> profiles(const ProfileFilter& filter) = 0;

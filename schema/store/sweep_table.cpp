@@ -15,6 +15,7 @@
 #include "schema/store/check_sweep.h"
 #include "schema/store/heat_time.h"
 #include "schema/store/ingest_heat.h"
+#include "schema/store/ingest_inputs.h"
 #include "schema/store/queue.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
@@ -172,6 +173,8 @@ class SweepUpdate {
       rows += points * static_cast<std::uint64_t>(profile.reflections_size());
     }
     IRSIG_STORE_TRY(database_.run(sql::set_profile_rows, sweep_id_, rows));
+    IRSIG_STORE_TRY(database_.run(sql::set_uncertain_inputs, sweep_id_,
+                                  absl::StrJoin(input_names(sweep_), ",")));
     IRSIG_STORE_TRY(database_.run(sql::clear_published, sweep_id_));
     for (int i = 0; i < sweep.published_size(); ++i) {
       const schema::Published& p = sweep.published(i);

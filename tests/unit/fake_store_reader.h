@@ -35,6 +35,7 @@ class FakeStoreReader : public StoreReader {
   std::vector<StoredSignature> signatures;
   std::map<std::int64_t, schema::Spectrum> spectra;
   std::map<std::int64_t, std::vector<StoredPart>> stored_parts;
+  std::map<std::int64_t, std::vector<StoredInput>> input;
   std::map<std::int64_t, StoredLedger> ledgers;
   std::map<std::int64_t, schema::Thumbnail> thumbnails;
   std::map<std::string, StoredSweep> sweeps;
@@ -100,6 +101,9 @@ class FakeStoreReader : public StoreReader {
   }
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t id) override {
     return stored_parts.at(id);
+  }
+  absl::StatusOr<std::vector<StoredInput>> inputs(std::int64_t id) override {
+    return input.contains(id) ? input.at(id) : std::vector<StoredInput>();
   }
   absl::StatusOr<StoredLedger> ledger(std::int64_t id) override {
     return ledgers.contains(id) ? ledgers.at(id) : StoredLedger{};

@@ -125,6 +125,31 @@ inline void fill_numbers(google::protobuf::Message& message, double& next) {
   }
 }
 
+// What uncertain inputs leave of a row, if the sweep states some.
+inline void fill_inputs(const schema::ResolvedSweep& sweep, schema::SignatureRow& row,
+                        double& next) {
+  row.clear_input_uncertainty_w_sr();
+  row.clear_apparent_input_uncertainty_w_sr();
+  row.clear_contrast_input_uncertainty_w_sr();
+  const schema::Uncertainty& stated = sweep.sweep().uncertainty();
+  std::vector<const google::protobuf::FieldDescriptor*> fields;
+  stated.GetReflection()->ListFields(stated, &fields);
+  if (fields.empty()) return;
+  for (const auto* field : fields) {
+    schema::InputContribution& input = *row.add_input();
+    input.set_input(field->name());
+    for (schema::Estimate* e :
+         {input.mutable_contribution_w_sr(), input.mutable_apparent_contribution_w_sr(),
+          input.mutable_contrast_contribution_w_sr()}) {
+      e->set_value(-(next += 0.25));
+      e->set_stderr(0.125);
+    }
+  }
+  row.set_input_uncertainty_w_sr(next += 0.25);
+  row.set_apparent_input_uncertainty_w_sr(next += 0.25);
+  row.set_contrast_input_uncertainty_w_sr(next += 0.25);
+}
+
 inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
                                      int wavelengths = 5, std::size_t png_bytes = 40,
                                      std::size_t exr_bytes = 200) {
@@ -138,6 +163,7 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       row.set_condition_index(c);
       row.set_band_index(b);
       fill_numbers(row, next);
+      fill_inputs(sweep, row, next);
       row.mutable_contrast_intensity_w_sr()->set_value(-row.contrast_intensity_w_sr().value());
       row.set_path_transmittance(1 / row.path_transmittance());
       row.set_backface_share(0);  // else a warning
@@ -313,7 +339,7 @@ inline std::string without_what_came_after(int version) {
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
       "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
       "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
-      "DROP TABLE heat_job;"
+      "DROP TABLE heat_job; DROP TABLE input_contribution; ALTER TABLE sweep DROP COLUMN uncertain_inputs;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"

@@ -75,16 +75,21 @@ double SceneExposure::touching_m() const { return 1e-5 * target_.radius_m; }
 double SceneExposure::surface_z_m() const { return request_.beneath.surface_z_m + touching_m(); }
 
 SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
-                             const SceneHeatRequest& request, SceneKnots knots)
+                             const SceneHeatRequest& request, SceneKnots knots,
+                             const SceneExposure* near)
     : target_(target),
       faces_(faces),
       request_(request),
       knots_(std::move(knots)),
       covered_(covered_faces(target, faces, request.beneath.surface_z_m, touching_m())),
       emissivity_(emissivities(request, target, faces, covered_)),
-      factors_(exchange_factors(
-          target, faces, {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = surface_z_m()})),
-      long_wave_(factors_, emissivity_, covered_),
+      factors_(
+          near != nullptr
+              ? near->factors_
+              : std::make_shared<const ExchangeFactors>(exchange_factors(
+                    target, faces,
+                    {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = surface_z_m()}))),
+      long_wave_(*factors_, emissivity_, covered_),
       own_(faces.size()),
       emitted_(faces.size()) {
   for (std::size_t k = 0; k < this->knots(); ++k) {
@@ -107,9 +112,9 @@ void SceneExposure::light() {
   std::vector<float> lit(faces);
   std::vector<double> own(faces), total(faces), kept(faces), nothing(faces);
   for (std::uint32_t i = 0; i < faces; ++i) kept[i] = part_of(i).solar_absorptance;
-  Radiosity sunlight(factors_, kept, covered_);
+  Radiosity sunlight(*factors_, kept, covered_);
   const auto from_below = [&](std::size_t i) {
-    return request_.beneath.solar_albedo * static_cast<double>(factors_.lower[i]);
+    return request_.beneath.solar_albedo * static_cast<double>(factors_->lower[i]);
   };
   const auto gathered = [&](const auto& store) {
     total = own;
@@ -118,12 +123,12 @@ void SceneExposure::light() {
   };
   // What is not exposed is not lit.
   const auto of_exposed = [&](std::size_t i) {
-    return factors_.exposed[i] > 0
-               ? static_cast<double>(std::min(lit[i] / factors_.exposed[i], 1.0f))
+    return factors_->exposed[i] > 0
+               ? static_cast<double>(std::min(lit[i] / factors_->exposed[i], 1.0f))
                : 0.0;
   };
   for (std::size_t i = 0; i < faces; ++i)
-    own[i] = covered_[i] ? 0 : static_cast<double>(factors_.sky[i]) + from_below(i);
+    own[i] = covered_[i] ? 0 : static_cast<double>(factors_->sky[i]) + from_below(i);
   diffuse_.resize(faces);
   gathered([&](std::size_t i, float value) { diffuse_[i] = value; });
   for (std::size_t k = 0; k < knots(); ++k) {
@@ -156,8 +161,8 @@ void SceneExposure::long_wave(std::size_t k, std::span<const float> kelvin, doub
                below = b.emissivity * ground + (1 - b.emissivity) * sky;
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     own_[i] = covered_[i] ? (b.water ? 0 : ground)
-                          : static_cast<double>(factors_.sky[i]) * sky +
-                                static_cast<double>(factors_.lower[i]) * below;
+                          : static_cast<double>(factors_->sky[i]) * sky +
+                                static_cast<double>(factors_->lower[i]) * below;
     emitted_[i] = emissivity_[i] * kStefanBoltzmannWM2K4 * power4(static_cast<double>(kelvin[i]));
   }
   long_wave_.solve(own_, emitted_, tolerance_w_m2, incoming_w_m2);

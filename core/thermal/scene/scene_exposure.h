@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct SceneKnots {
 class SceneExposure {
  public:
   // All of them are kept by the caller. Traces what exchange and sunlight need.
+  //   near  of the same faces and knots, whose exchange factors are this one's too; null: none
   SceneExposure(const Target& target, const ThermalFaces& faces, const SceneHeatRequest& request,
-                SceneKnots knots);
+                SceneKnots knots, const SceneExposure* near = nullptr);
 
   [[nodiscard]] const ThermalFaces& faces() const { return faces_; }
   [[nodiscard]] std::size_t knots() const { return knots_.of_request.size(); }
@@ -40,7 +42,7 @@ class SceneExposure {
   }
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
   // Whether faces send anything to each other.
-  [[nodiscard]] bool exchanges() const { return !factors_.to.empty(); }
+  [[nodiscard]] bool exchanges() const { return !factors_->to.empty(); }
 
   // Long-wave irradiance of every face at a knot when they are so warm; `incoming_w_m2` comes with
   // a guess. All [face].
@@ -76,7 +78,7 @@ class SceneExposure {
   double in_water_w_m2_k_ = 0;
   std::vector<bool> covered_;       // [face] under water or ground
   std::vector<double> emissivity_;  // [face]
-  ExchangeFactors factors_;
+  std::shared_ptr<const ExchangeFactors> factors_;
   Radiosity long_wave_;
   std::vector<double> own_, emitted_;    // [face], scratch
   std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]

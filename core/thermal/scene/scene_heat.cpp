@@ -99,12 +99,9 @@ std::vector<float> largest_differences(const std::vector<float>& a, const std::v
   return out;
 }
 
-}  // namespace
-
-absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
-                                                 const SceneHeatRequest& request) {
+absl::Status check(const Target& target, const ThermalFaces& faces,
+                   const SceneHeatRequest& request) {
   if (const absl::Status status = check(target, request); !status.ok()) return status;
-  const ThermalFaces faces = make_thermal_faces(target);
   if (faces.size() > kMostFaceKnots / request.knot_s.size())
     return absl::InvalidArgumentError(absl::StrCat(
         faces.size(), " faces at ", request.knot_s.size(), " times are more than ", kMostFaceKnots,
@@ -114,18 +111,30 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   for (std::size_t k = 1; k < request.knot_s.size(); ++k)
     if (!(request.knot_s[k] > request.knot_s[k - 1]))
       return absl::InvalidArgumentError("knot_s: increasing");
-  SceneKnots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
+  return absl::OkStatus();
+}
+
+// With half the rays and other points.
+SceneKnots every_second_knot(const SceneHeatRequest& request) {
   SceneKnots half{{},
                   request.day_knots / 2,
                   std::max(request.rays / 2, 1u),
                   std::max(request.sun_points / 2, 1u),
                   request.seed + 0x5bd1e995u};
-  for (std::size_t k = 0; k < request.knot_s.size(); ++k) {
-    all.of_request.push_back(k);
-    if (k % 2 == 0) half.of_request.push_back(k);
-  }
+  for (std::size_t k = 0; k < request.knot_s.size(); k += 2) half.of_request.push_back(k);
+  return half;
+}
+
+}  // namespace
+
+absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
+                                                 const SceneHeatRequest& request) {
+  const ThermalFaces faces = make_thermal_faces(target);
+  if (const absl::Status status = check(target, faces, request); !status.ok()) return status;
+  SceneKnots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
+  for (std::size_t k = 0; k < request.knot_s.size(); ++k) all.of_request.push_back(k);
   SceneExposure fine_exposure(target, faces, request, std::move(all)),
-      coarse_exposure(target, faces, request, std::move(half));
+      coarse_exposure(target, faces, request, every_second_knot(request));
   // One grid for both, so that the one goes on from where the other's day begins.
   const double shortest_s =
       std::min(shortest_step_s(fine_exposure), shortest_step_s(coarse_exposure));
@@ -185,6 +194,49 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
         error += 0.5 * std::abs(static_cast<double>(out.kelvin[o][f] - fine.kelvin(k, back)));
       out.error_k[o][f] = static_cast<float>(error);
+    }
+  }
+  return out;
+}
+
+absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
+    const Target& target, const SceneHeatRequest& request,
+    std::span<const SceneHeatRequest> moved) {
+  const ThermalFaces faces = make_thermal_faces(target);
+  // What passes and days leave is to be small against what one input changes.
+  constexpr double kFiner = 0.2;
+  const auto finer = [](SceneHeatRequest r) {
+    r.tolerance_k *= kFiner;
+    r.exchange_tolerance_k *= kFiner;
+    return r;
+  };
+  const SceneHeatRequest base_request = finer(request);
+  if (const absl::Status status = check(target, faces, base_request); !status.ok()) return status;
+  SceneExposure exposure(target, faces, base_request, every_second_knot(request));
+  // Without halving, both sides take the same steps, whose errors are the same.
+  const double shortest_s = shortest_step_s(exposure);
+  SceneWalls base(exposure, base_request, shortest_s);
+  if (const absl::Status status = base.check(); !status.ok()) return status;
+  if (const absl::Status status = base.settle(); !status.ok()) return status;
+  std::vector<TemperatureChange> out;
+  for (const SceneHeatRequest& each : moved) {
+    const SceneHeatRequest moved_request = finer(each);
+    if (const absl::Status status = check(target, faces, moved_request); !status.ok())
+      return status;
+    if (each.knot_s != request.knot_s || each.output_knot != request.output_knot)
+      return absl::InvalidArgumentError("a moved input has other knots than the temperatures");
+    SceneExposure changed_exposure(target, faces, moved_request, every_second_knot(request),
+                                   &exposure);
+    SceneWalls changed(changed_exposure, moved_request, shortest_s);
+    if (const absl::Status status = changed.check(); !status.ok()) return status;
+    changed.start_near(base);
+    if (const absl::Status status = changed.settle(); !status.ok()) return status;
+    TemperatureChange& change = out.emplace_back();
+    for (const std::size_t knot : request.output_knot) {
+      std::vector<float>& kelvin = change.emplace_back(faces.fronts, NAN);
+      for (std::uint32_t f = 0; f < faces.fronts; ++f)
+        if (exposure.part_of(f).build_up && faces.area_m2[f] > 0)
+          kelvin[f] = changed.kelvin(knot / 2, f) - base.kelvin(knot / 2, f);
     }
   }
   return out;

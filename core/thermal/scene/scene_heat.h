@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -84,15 +85,25 @@ struct SceneHeatResult {
 };
 
 // Two computations: of all knots, and of every second one with half the rays and other points.
-// error_k is the sum of what conduction is not sure of; what further passes would change; the difference of the two computations (or its root mean square over the three hours
-// around, if larger: one difference may be small by luck); how much places of a facet differ that
-// the sun does not reach alike, and the neighbours in its plane (difference / sqrt(2)): its
-// temperature is not that of all of it; and, of sheets, half of what their two faces differ. An
-// estimate; of the stated model alone.
+// error_k is the sum of what conduction is not sure of; what further passes would change; the
+// difference of the two computations (or its root mean square over the three hours around, if
+// larger: one difference may be small by luck); how much places of a facet differ that the sun does
+// not reach alike, and the neighbours in its plane (difference / sqrt(2)): its temperature is not
+// that of all of it; and, of sheets, half of what their two faces differ. An estimate; of the
+// stated model alone.
 //
 // INVALID_ARGUMENT: what is wrong in the request or in a build-up, by name; more faces x knots than
 // fit into memory.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
+
+// By how much temperatures are others under other requests (of the same faces, knots and outputs:
+// another weather, other walls). [output][facet], not a number as above                         [K]
+using TemperatureChange = std::vector<std::vector<float>>;
+// Of every second knot, with half the rays, as the second computation above: both sides of each
+// difference have its errors, which cancel but for what they change of the difference. Each begins
+// at the temperatures of `request`, so that few rounds are left. Errors as above.
+[[nodiscard]] absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
+    const Target& target, const SceneHeatRequest& request, std::span<const SceneHeatRequest> moved);
 
 }  // namespace irsig

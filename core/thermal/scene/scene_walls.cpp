@@ -402,6 +402,18 @@ void SceneWalls::start_from(const SceneWalls& coarse) {
   incoming_known_ = true;
 }
 
+void SceneWalls::start_near(const SceneWalls& other) {
+  level_ = other.level_;
+  for (std::size_t w = 0; w < wall_.size(); ++w) {
+    const Wall& from = other.wall_[w];
+    const ConductionGrid grid = make_grid(build_up_of(wall_[w]).layers, shortest_s_, level_);
+    if (from.begin_k.size() == (grid.last() + 1) * wall_[w].face.size())
+      wall_[w].begin_k = from.begin_k;
+  }
+  incoming_ = other.incoming_;
+  incoming_known_ = true;
+}
+
 absl::Status SceneWalls::sharpen(std::vector<float> off_k) {
   const std::vector<float> at_begin = kelvin_;
   const std::size_t day_end = exposure_.day_intervals(), last = exposure_.knots() - 1;

@@ -33,6 +33,9 @@ class SceneWalls {
   void refine();
   // From what walls of the same level with every second knot have found.
   void start_from(const SceneWalls& coarse);
+  // From what walls of the same level, knots and build-ups have found in a world that is nearly
+  // this one; walls that are cut otherwise begin anew.
+  void start_near(const SceneWalls& other);
   // Walls whose conduction is not known to tolerance_k once more, among the others as they are,
   // with cells and steps that are halved until it is.
   //   off_k  [face] what the last halving has changed at any knot

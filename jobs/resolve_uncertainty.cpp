@@ -1,0 +1,104 @@
+#include "jobs/resolve_uncertainty.h"
+
+#include <string>
+#include <vector>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "bridge/inputs/moved_sweep.h"
+#include "jobs/resolve.h"
+
+namespace irsig {
+namespace {
+
+// What a sweep must have for an input to matter.
+std::string expected_for(const std::string& input) {
+  if (input == "air_temperature_k")
+    return "weather at the surface (air_temperature_k, relative_humidity_percent and pressure_pa, a "
+           "weather_file or a day), or homogeneous air";
+  if (input == "dew_point_k")
+    return "weather at the surface: relative_humidity_percent, a weather_file or a day";
+  if (absl::StartsWith(input, "wind_speed_"))
+    return "a rough sea, the Navy's aerosol or computed temperatures ([heat]), and a wind";
+  if (input == "visibility_relative") return "air.visibility_m or a season's";
+  if (input == "cloud_cover")
+    return "computed temperatures ([heat]), and radiation that the weather file does not state";
+  if (input == "solar_absorptance" || input == "conductivity_relative")
+    return "computed temperatures ([heat])";
+  if (input == "inside_temperature_k")
+    return "computed temperatures ([heat]) of a build_up with inside_temperature_k";
+  if (input == "part_temperature_k")
+    return "a part whose temperature is stated or read from a temperature_field";
+  if (input == "emissivity") return "a part whose material states one";
+  return absl::StrCat("surroundings with ", input);
+}
+
+// Whether the temperatures of a run depend on what has been moved.
+bool changes(const schema::ResolvedSweep& sweep, const MovedSweep& moved,
+             const UncertainInput& input, int run) {
+  for (const char* of_walls :
+       {"solar_absorptance", "emissivity", "conductivity_relative", "inside_temperature_k"})
+    if (input.name == of_walls) return moved.values > 0;
+  return sweep.heat(run).SerializeAsString() != moved.sweep.heat(run).SerializeAsString();
+}
+
+void check_input(const schema::ResolvedSweep& resolved, const UncertainInput& input,
+                 Findings& findings) {
+  const std::string path = absl::StrCat("uncertainty.", input.name);
+  if (findings.any_at(path)) return;
+  const MovedSweep moved = moved_sweep(resolved, input, 1);
+  if (!moved.without.empty()) {
+    findings.add(path, absl::StrCat(path, ": the emissivity of \"",
+                                    one_line(absl::StrJoin(moved.without, "\", \"")),
+                                    "\" follows from other properties and cannot be moved by itself, "
+                                    "expected materials with a stated emissivity (lambert, "
+                                    "sandford_robertson, prisse, cook_torrance with "
+                                    "normal_emissivity)"));
+  } else if (moved.values == 0) {
+    findings.add(path, absl::StrCat(path, " changes nothing in this sweep, expected ",
+                                    expected_for(input.name)));
+  } else if (moved.share == 0 && moved_sweep(resolved, input, -1).share == 0) {
+    findings.add(path, absl::StrCat(path, " = ", input.sigma,
+                                    " leaves no value within its range, expected a smaller one"));
+  }
+}
+
+}  // namespace
+
+void resolve_uncertainty(schema::ResolvedSweep& resolved, Findings& findings) {
+  if (!resolved.sweep().has_uncertainty() || !findings.empty()) return;
+  schema::Uncertainty& stated = *resolved.mutable_sweep()->mutable_uncertainty();
+  const SectionCheck check(stated, "uncertainty", findings);
+  (void)check.one_of("sides", {"one", "both"});
+  (void)check.at_most_one({"wind_speed_m_s", "wind_speed_relative"});
+  const std::vector<UncertainInput> inputs = uncertain_inputs(stated);
+  if (inputs.empty())
+    findings.add("uncertainty",
+                 "[uncertainty] says no input, expected one sigma of one or more: "
+                 "air_temperature_k = 1");
+  for (const UncertainInput& input : inputs) check_input(resolved, input, findings);
+  if (!findings.empty()) return;
+  if (!stated.has_sides()) stated.set_sides("one");
+
+  const schema::ResolvedSweep nominal = resolved;
+  std::vector<schema::HeatRun> runs(nominal.heat().begin(), nominal.heat().end());
+  for (const UncertainInput& input : inputs)
+    for (const double move : moves_of(nominal, input)) {
+      const MovedSweep moved = moved_sweep(nominal, input, move);
+      for (int r = 0; r < nominal.heat_size(); ++r) {
+        if (!changes(nominal, moved, input, r)) continue;
+        schema::InputMove& asked = *runs[static_cast<std::size_t>(r)].add_input();
+        asked.set_name(input.name);
+        asked.set_sigma(input.sigma);
+        asked.set_move(move);
+      }
+    }
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    if (runs[r].input_size() == 0) continue;
+    runs[r].set_base(static_cast<std::uint32_t>(r));
+    *resolved.add_heat() = std::move(runs[r]);
+  }
+}
+
+}  // namespace irsig

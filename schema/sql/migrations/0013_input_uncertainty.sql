@@ -1,0 +1,73 @@
+-- What inputs that are not known exactly leave of a row: one sigma of all of them together, and what each contributes.
+-- NULL, and no line: the sweep states no [uncertainty], or the row is older.
+
+ALTER TABLE signature ADD COLUMN input_uncertainty_w_sr REAL CHECK (input_uncertainty_w_sr >= 0);
+ALTER TABLE signature ADD COLUMN apparent_input_uncertainty_w_sr REAL CHECK (apparent_input_uncertainty_w_sr >= 0);
+ALTER TABLE signature ADD COLUMN contrast_input_uncertainty_w_sr REAL CHECK (contrast_input_uncertainty_w_sr >= 0);
+
+-- The keys of [uncertainty], separated by commas: each row of the sweep has a line for each.
+ALTER TABLE sweep ADD COLUMN uncertain_inputs TEXT NOT NULL DEFAULT '';
+
+-- What a row gains if an input is one sigma higher; stderr: of that difference, on paths that both sides share.
+-- curvature: half of what the gains of both sides sum up to; NULL: one side only.
+CREATE TABLE input_contribution (
+  signature_id INTEGER NOT NULL REFERENCES signature ON DELETE CASCADE,
+  input_index INTEGER NOT NULL CHECK (input_index >= 0),  -- in the order of the grammar
+  input TEXT NOT NULL,                                    -- a key of [uncertainty]
+  contribution_w_sr REAL NOT NULL,
+  contribution_stderr_w_sr REAL NOT NULL CHECK (contribution_stderr_w_sr >= 0),
+  apparent_contribution_w_sr REAL NOT NULL,
+  apparent_contribution_stderr_w_sr REAL NOT NULL CHECK (apparent_contribution_stderr_w_sr >= 0),
+  contrast_contribution_w_sr REAL NOT NULL,
+  contrast_contribution_stderr_w_sr REAL NOT NULL CHECK (contrast_contribution_stderr_w_sr >= 0),
+  curvature_w_sr REAL, apparent_curvature_w_sr REAL, contrast_curvature_w_sr REAL,
+  PRIMARY KEY (signature_id, input_index)
+) STRICT, WITHOUT ROWID;
+
+DROP VIEW signature_view;
+CREATE VIEW signature_view AS
+SELECT s.signature_id,
+       (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 AS row,
+       w.name AS sweep, c.season, c.time_utc, b.name AS band, b.lambda_min_um, b.lambda_max_um,
+       v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m, s.sun_azimuth_deg, s.sun_zenith_deg,
+       s.intensity_w_sr, s.intensity_stderr_w_sr, s.numerical_error_w_sr,
+       CASE WHEN s.numerical_error_w_sr = 0 THEN 0.0
+            ELSE s.numerical_error_w_sr / abs(s.intensity_w_sr) END AS relative_error,
+       s.truncation_bound_w_sr, s.quadrature_bound_w_sr,
+       s.apparent_intensity_w_sr, s.apparent_intensity_stderr_w_sr, s.apparent_numerical_error_w_sr,
+       s.projected_area_m2, s.projected_area_stderr_m2, s.apparent_temperature_k,
+       s.emitted_w_sr, s.emitted_stderr_w_sr, s.sun_reflected_w_sr, s.sun_reflected_stderr_w_sr,
+       s.sky_reflected_w_sr, s.sky_reflected_stderr_w_sr, s.sea_reflected_w_sr, s.sea_reflected_stderr_w_sr,
+       s.parts_reflected_w_sr, s.parts_reflected_stderr_w_sr,
+       s.unseen_bound_w_sr, s.basis_bound_w_sr, s.sky_bound_w_sr,
+       s.contrast_intensity_w_sr, s.contrast_intensity_stderr_w_sr, s.contrast_numerical_error_w_sr,
+       s.background_radiance_w_m2_sr, s.background_radiance_stderr_w_m2_sr,
+       s.model_error_w_sr, s.apparent_model_error_w_sr, s.contrast_model_error_w_sr,
+       s.path_transmittance, s.path_radiance_w_m2_sr,
+       s.omitted_bound_w_sr, s.apparent_omitted_bound_w_sr, s.contrast_omitted_bound_w_sr, s.absolute_floor_w_sr,
+       s.depth_bound_w_sr, s.unseen_stderr_w_sr, s.apparent_unseen_stderr_w_sr, s.contrast_unseen_stderr_w_sr,
+       s.background_bound_w_sr, s.backface_share, s.temperature_bound_w_sr, s.apparent_temperature_bound_w_sr,
+       s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr, s.contrast_input_uncertainty_w_sr,
+       (SELECT group_concat(printf('%s=%+.4g', input, contribution_w_sr), ', ')
+        FROM (SELECT i.input, i.contribution_w_sr FROM input_contribution i
+              WHERE i.signature_id = s.signature_id AND abs(i.contribution_w_sr) > 2 * i.contribution_stderr_w_sr
+              ORDER BY abs(i.contribution_w_sr) DESC, i.input_index LIMIT 3)) AS dominant_inputs,
+       s.reflections,
+       r.name AS stop_reason, s.energy_gain,
+       CASE WHEN s.backface_share > 0
+            THEN coalesce(nullif(c.warning, '') || char(10), '') ||
+                 'back faces: one-sided facets of the silhouette are seen from behind and send nothing: ' ||
+                 'two_sided = true for parts that are sheets, `irsig model check --repair` for facets inside out'
+            ELSE c.warning END AS warning,
+       p.samples, p.replicates, p.target_paths, p.rays, p.seconds,
+       p.guarded_backface_hits, p.guarded_nonfinite, p.guarded_path_limit, p.guarded_negative,
+       j.job_key, (j.superseded OR c.superseded OR b.superseded) AS superseded, p.seed_hex, p.physics_version,
+       p.determinism_class, p.build_id, p.worker_name
+FROM signature s
+JOIN viewpoint v USING (viewpoint_id)
+JOIN sweep w ON w.sweep_id = v.sweep_id
+JOIN condition c USING (condition_id)
+JOIN band b USING (band_id)
+JOIN stop_reason r USING (stop_reason)
+JOIN job j USING (job_id)
+JOIN provenance p USING (job_id);

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "schema/store/database.h"
+#include "schema/store/store.h"
+
+namespace irsig {
+
+// StoreReader::inputs.
+[[nodiscard]] absl::StatusOr<std::vector<StoredInput>> find_inputs(Database& database,
+                                                                   std::int64_t signature_id);
+
+}  // namespace irsig
