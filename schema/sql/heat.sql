@@ -33,6 +33,12 @@ WHERE EXISTS (SELECT 1 FROM job old WHERE old.job_id = t.job_id AND old.sweep_id
 DELETE FROM job
 WHERE sweep_id = ?1 AND superseded = 1 AND job_id IN (SELECT job_id FROM heat_job WHERE season = ?2);
 
+-- Of changes alone, which have no temperatures of their own: those stay until their own successors are stored.
+-- name: delete_superseded_changes_of_season
+DELETE FROM job
+WHERE sweep_id = ?1 AND superseded = 1 AND job_id IN (SELECT job_id FROM heat_job WHERE season = ?2)
+  AND NOT EXISTS (SELECT 1 FROM computed_temperature t WHERE t.job_id = job.job_id);
+
 -- Storing a result.
 
 -- name: resolved_sweep_by_id

@@ -29,6 +29,14 @@ absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job)
   return sweep.heat(static_cast<int>(job.heat_index));
 }
 
+// What this run has replaced.
+absl::Status delete_superseded(Database& database, std::int64_t sweep_id,
+                               const schema::HeatRun& run) {
+  if (run.input_size() > 0)
+    return database.run(sql::delete_superseded_changes_of_season, sweep_id, run.season());
+  return database.run(sql::delete_superseded_heat_jobs_of_season, sweep_id, run.season());
+}
+
 }  // namespace
 
 std::int64_t computed_temperatures_of(const schema::HeatRun& run) {
@@ -58,7 +66,7 @@ absl::Status store_heat(Database& database, const LeasedJob& job, const schema::
                                  (*parts)[part.part_index()], part.mean_k(), part.coldest_k(),
                                  part.hottest_k(), part.error_k()));
   }
-  return database.run(sql::delete_superseded_heat_jobs_of_season, job.sweep_id, run->season());
+  return delete_superseded(database, job.sweep_id, *run);
 }
 
 absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
@@ -74,8 +82,7 @@ absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
   IRSIG_STORE_TRY(database.run(sql::delete_computed_temperatures, job.job_id));
   IRSIG_STORE_TRY(database.run(sql::copy_computed_temperatures, job.job_id, *twin, job.sweep_id));
   IRSIG_STORE_TRY(database.run(sql::copy_provenance, job.job_id, *twin));
-  IRSIG_STORE_TRY(
-      database.run(sql::delete_superseded_heat_jobs_of_season, job.sweep_id, run->season()));
+  IRSIG_STORE_TRY(delete_superseded(database, job.sweep_id, *run));
   return true;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "schema/store/check_heat_result.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {
@@ -62,7 +63,9 @@ TEST_F(StoreInputs, WithinTheirNoiseAreNotNamed) {
   sqlite_text(path_,
               "UPDATE input_contribution SET contribution_stderr_w_sr = 0.51 * abs(contribution_w_sr)"
               " WHERE input <> 'emissivity'");
-  for (const StoredSignature& s : StoreReader::open(path_).value()->find({}).value()) {
+  const auto rows = StoreReader::open(path_).value()->find({}).value();
+  ASSERT_EQ(rows.size(), 16U);
+  for (const StoredSignature& s : rows) {
     EXPECT_EQ(s.dominant_inputs.rfind("emissivity=-", 0), 0U) << s.dominant_inputs;
     EXPECT_EQ(s.dominant_inputs.find(','), std::string::npos);
   }
@@ -101,12 +104,56 @@ TEST_F(StoreInputs, AreAbsentWhereNoneAreStated) {
   sweep_.mutable_sweep()->clear_uncertainty();
   ASSERT_NO_FATAL_FAILURE(write());
   auto reader = StoreReader::open(path_).value();
-  for (const StoredSignature& s : reader->find({}).value()) {
+  const auto rows = reader->find({}).value();
+  ASSERT_EQ(rows.size(), 16U);
+  for (const StoredSignature& s : rows) {
     EXPECT_TRUE(std::isnan(s.input_uncertainty_w_sr));
     EXPECT_TRUE(std::isnan(s.contrast_input_uncertainty_w_sr));
     EXPECT_EQ(s.dominant_inputs, "");
     EXPECT_TRUE(reader->inputs(s.signature_id).value().empty());
   }
+}
+
+// What heat jobs leave of moved inputs: a change for each, and no temperature.
+TEST(HeatChanges, ThatWereNotAskedForAreRefused) {
+  schema::HeatRun run;
+  run.set_season("winter");
+  run.add_time_utc("2025-06-21T01:30:00Z");
+  run.add_part_temperature_k(0);
+  for (const char* name : {"air_temperature_k", "emissivity"}) run.add_input()->set_name(name);
+  const auto checked = [&](auto change) {
+    schema::HeatField field;
+    field.add_unix_s(1750469400);
+    field.set_facets(3);
+    for (int input = 0; input < 2; ++input) {
+      std::string& bytes = *field.add_change_k();
+      for (const float value : {1.0F, -2.0F, NAN})
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    schema::JobResult result;
+    result.set_job_key("key");
+    change(field, *result.mutable_heat());
+    result.mutable_heat()->set_field(field.SerializeAsString());
+    return check_heat_result(result, "key", run);
+  };
+  ASSERT_OK(checked([](auto&, auto&) {}));
+  const auto refused = [&](auto change, const std::string& what) {
+    const absl::Status status = checked(change);
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_NE(status.message().find(what), absl::string_view::npos) << status;
+  };
+  refused([](auto& f, auto&) { f.mutable_change_k()->RemoveLast(); },
+          "has 1 changes for 2 inputs");
+  refused([](auto& f, auto&) { f.set_kelvin("hot"); }, "or temperatures");
+  refused([](auto& f, auto&) { f.mutable_change_k(1)->resize(8); },
+          "field.change_k[1] has 8 bytes for 1 times and 3 facets");
+  refused(
+      [](auto& f, auto&) {
+        const float infinite = INFINITY;
+        f.mutable_change_k(0)->replace(4, 4, reinterpret_cast<const char*>(&infinite), 4);
+      },
+      "field.change_k[0][1] is inf");
+  refused([](auto&, auto& heat) { heat.add_part()->set_mean_k(300); }, "was not asked for");
 }
 
 }  // namespace

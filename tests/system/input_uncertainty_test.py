@@ -1,0 +1,146 @@
+"""What uncertain inputs leave of a row: through every command that shows it, beside the numerical error and no part of it.
+
+usage: input_uncertainty_test.py <irsig>
+"""
+import csv, io, json, math, pathlib, subprocess, sys, tempfile, unittest
+
+IRSIG = pathlib.Path(sys.argv[1]).resolve()
+
+SWEEP = """
+name = "box"
+time = ["12:00Z", "13:00Z"]
+
+[model]
+generate = "box"
+triangles = 12
+
+[[material]]
+name = "paint"
+kind = "lambert"
+emissivity = 0.8
+
+[[part]]
+name = "body"
+match = ["*"]
+material = "paint"
+
+[[temperature_field]]
+name = "camera"
+file = "camera.csv"
+unit = "K"
+match = "index"
+error_k = 0
+
+[[season]]
+name = "any"
+date = 2025-06-21
+temperature_field = "camera"
+
+[[band]]
+name = "lwir"
+lambda_min_um = 8
+lambda_max_um = 12
+step_um = 0.5
+
+[viewpoints]
+kind = "ring"
+range_m = 1000
+count = 8
+elevation_deg = [20]
+
+[surroundings]
+kind = "none"
+sky_radiance_w_m2_sr_um = 0
+lower_radiance_w_m2_sr_um = 0
+
+[air]
+model = "vacuum"
+
+[transport]
+sun = false
+
+[output]
+thumbnail_px = 0
+"""
+STATED = "\n[uncertainty]\npart_temperature_k = 2\nemissivity = 0.02\n"
+
+
+class InputUncertainty(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        rows = "".join(f"{i},{290 + i}\n" for i in range(12))
+        (self.folder / "camera.csv").write_text("facet,temperature\n" + rows)
+
+    def irsig(self, *arguments):
+        done = subprocess.run([IRSIG, *map(str, arguments)], cwd=self.folder, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, f"{arguments}: {done.stderr}")
+        return done.stdout
+
+    def run_sweep(self, name, text, workers=1):
+        (self.folder / f"{name}.toml").write_text(text)
+        self.irsig("run", f"{name}.toml", "--db", f"{name}.sigdb", "--workers", workers)
+        return f"{name}.sigdb"
+
+    def rows(self, database):
+        return list(csv.DictReader(io.StringIO(self.irsig("query", database, "--format", "csv"))))
+
+    def test_everywhere(self):
+        plain, uncertain = self.run_sweep("plain", SWEEP), self.run_sweep("uncertain", SWEEP + STATED)
+        rows = self.rows(uncertain)
+        self.assertEqual(len(rows), 16)
+        for row, other in zip(rows, self.rows(plain)):
+            for key in ("intensity_w_sr", "numerical_error_w_sr", "stop_reason", "samples"):
+                self.assertEqual(row[key], other[key], "a row is the same whether its inputs are known or not")
+            self.assertEqual(other["input_uncertainty_w_sr"], "")
+            self.assertEqual(other["dominant_inputs"], "")
+            # 2 K at 300 K are 3.1 to 3.4 % of 8-12 um; 0.02 of 0.8 is 2.5 %, less of what is reflected.
+            relative = float(row["input_uncertainty_w_sr"]) / float(row["intensity_w_sr"])
+            self.assertTrue(math.hypot(0.029, 0.024) < relative < math.hypot(0.036, 0.0251), relative)
+            first, second = row["dominant_inputs"].split(", ")
+            self.assertEqual((first.split("=")[0], second.split("=")[0]), ("part_temperature_k", "emissivity"))
+            self.assertAlmostEqual(math.hypot(float(first.split("=")[1]), float(second.split("=")[1])),
+                                   float(row["input_uncertainty_w_sr"]),
+                                   delta=2e-3 * float(row["input_uncertainty_w_sr"]))
+        self.assertIn("input_uncertainty_w_sr", self.irsig("query", uncertain).splitlines()[0])
+        self.assertNotIn("input_uncertainty_w_sr", self.irsig("query", plain).splitlines()[0])
+
+        text = self.irsig("explain", uncertain, "--row", 3)
+        self.assertIn("uncertain inputs", text)
+        self.assertLess(text.index("part_temperature_k "), text.index("emissivity "))
+        self.assertNotIn("uncertain inputs", self.irsig("explain", plain, "--row", 3))
+        inputs = json.loads(self.irsig("explain", uncertain, "--row", 3, "--format", "json"))["inputs"]
+        self.assertEqual([i["input"] for i in inputs], ["emissivity", "part_temperature_k"])
+        self.assertIsNone(inputs[0]["curvature_w_sr"])
+
+        for kind in ("hours", "polar"):
+            for database, said in ((plain, False), (uncertain, True)):
+                self.irsig("plot", database, "--kind", kind, *(["--aspect", "0,20"] if kind == "hours" else []),
+                           "--out", "p.svg")
+                self.assertEqual("uncertain inputs" in (self.folder / "p.svg").read_text(), said, kind)
+        hours = list(csv.DictReader(io.StringIO(
+            self.irsig("plot", uncertain, "--kind", "hours", "--aspect", "0,20", "--out", "h.csv") or
+            (self.folder / "h.csv").read_text())))
+        self.assertEqual(len(hours), 2)
+        self.assertEqual(hours[0]["input_uncertainty_w_sr"], rows[0]["input_uncertainty_w_sr"])
+
+        self.irsig("export", uncertain, "--out", "u.nc")
+        dump = subprocess.run(["ncdump", "-v", "input,input_contribution_w_sr", "u.nc"], cwd=self.folder,
+                              capture_output=True, text=True)
+        if dump.returncode == 0:
+            self.assertIn('"emissivity", "part_temperature_k"', dump.stdout)
+            self.assertIn("double input_uncertainty_w_sr(", dump.stdout)
+
+    def test_same_bits_and_both_sides(self):
+        both = SWEEP + STATED + 'sides = "both"\n'
+        one, two = self.run_sweep("one", both), self.run_sweep("two", both, 2)
+        self.assertEqual(self.irsig("digest", one), self.irsig("digest", two))
+        inputs = json.loads(self.irsig("explain", one, "--row", 1, "--format", "json"))["inputs"]
+        # Of emission the second difference is positive; of a plate that only emits, emissivity has none.
+        self.assertGreater(inputs[1]["curvature_w_sr"], 0)
+        self.assertLess(inputs[1]["curvature_w_sr"], 0.03 * inputs[1]["contribution_w_sr"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
