@@ -1,0 +1,33 @@
+#pragma once
+
+#include "absl/status/status.h"
+
+namespace irsig {
+
+// Hot gas of a fire, a funnel or an engine, in local thermodynamic equilibrium; what is no gas
+// named here is nitrogen.
+struct GasState {
+  double temperature_k = 0;
+  double pressure_pa = 101325;
+  double h2o = 0, co2 = 0, co = 0;  // mole fractions
+  double soot = 0;                  // volume fraction
+};
+
+// A straight stretch of one state.
+struct GasSegment {
+  GasState state;
+  double length_m = 0;
+};
+
+// Where the tables hold. Below 300 K the numbers of water and of CO2 outside 4.3 um are those of
+// 300 K.
+inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 2000;
+inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
+
+// OUT_OF_RANGE or INVALID_ARGUMENT, with the quantity and its value: temperature and pressure
+// outside of the above, a mole fraction outside [0, 1] or all of them above 1 together, a soot
+// volume fraction outside [0, 1e-3], a length that is negative or not finite.
+[[nodiscard]] absl::Status check_gas(const GasState& state);
+[[nodiscard]] absl::Status check_gas(const GasSegment& segment);
+
+}  // namespace irsig

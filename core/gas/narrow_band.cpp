@@ -1,0 +1,70 @@
+#include "core/gas/narrow_band.h"
+
+#include <cmath>
+
+#include "core/gas/narrow_band_tables.h"
+
+namespace irsig {
+namespace {
+
+double share(HotGas gas, const GasState& s) {
+  switch (gas) {
+    case HotGas::kH2o:
+      return s.h2o;
+    case HotGas::kCo2:
+      return s.co2;
+    case HotGas::kCo:
+      return s.co;
+  }
+  return 0;
+}
+
+// Half width at 273 K and 1 atm of the partner [1/(cm atm)].            [ludwig1973, table 5-18]
+struct Widths {
+  double co2, h2o, co, n2, resonant, molar_mass_g;
+};
+constexpr Widths widths(HotGas gas) {
+  switch (gas) {
+    case HotGas::kH2o:
+      return {0.12, 0.09, 0.10, 0.09, 0.44, 18};
+    case HotGas::kCo2:
+      return {0.09, 0.07, 0.06, 0.07, 0.01, 44};
+    case HotGas::kCo:
+      return {0.07, 0.06, 0.06, 0.06, 0, 28};
+  }
+  return {};
+}
+
+}  // namespace
+
+NarrowBand narrow_band(HotGas gas, double wavenumber_cm1, double temperature_k) {
+  switch (gas) {
+    case HotGas::kH2o:
+      return h2o_band(wavenumber_cm1, temperature_k);
+    case HotGas::kCo2:
+      return co2_band(wavenumber_cm1, temperature_k);
+    case HotGas::kCo:
+      return co_band(wavenumber_cm1, temperature_k);
+  }
+  return {};
+}
+
+double lorentz_width_cm1(HotGas gas, const GasState& s) {
+  const Widths w = widths(gas);
+  const double cold = 273 / s.temperature_k;
+  const double n2 = std::fmax(0, 1 - s.h2o - s.co2 - s.co);
+  return s.pressure_pa / 101325 *
+         ((w.co2 * s.co2 + w.h2o * s.h2o + w.co * s.co + w.n2 * n2) * std::sqrt(cold) +
+          w.resonant * share(gas, s) * cold);
+}
+
+double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k) {
+  return 5.94e-6 * wavenumber_cm1 * std::sqrt(temperature_k / (273 * widths(gas).molar_mass_g));
+}
+
+double amount_cm_atm(HotGas gas, const GasSegment& segment) {
+  const GasState& s = segment.state;
+  return share(gas, s) * s.pressure_pa / 101325 * 100 * segment.length_m * 273 / s.temperature_k;
+}
+
+}  // namespace irsig

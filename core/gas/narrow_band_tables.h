@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "core/gas/curve_of_growth.h"
+
+namespace irsig {
+
+// S/d by wavenumber and temperature, linear in both (as the original reads it); temperatures beyond
+// the table's ends are its ends. Private to core/gas.
+class StrengthTable {
+ public:
+  explicit StrengthTable(std::string_view csv);
+  // 0 outside the wavenumbers of the table.                                        [1/(cm atm)]
+  [[nodiscard]] double at(double wavenumber_cm1, double temperature_k) const;
+
+ private:
+  std::vector<double> temperature_k_;
+  double first_cm1_ = 0, step_cm1_ = 0;
+  std::vector<std::vector<double>> row_;  // [wavenumber][temperature]
+};
+
+[[nodiscard]] const StrengthTable& h2o_strengths();
+[[nodiscard]] const StrengthTable& co2_15um_strengths();
+
+// hc/k and the reference temperature of the formulas, as they were fitted.
+inline constexpr double kRadcalC2CmK = 1.4388, kRadcalT0K = 300;
+
+// One gas each.
+[[nodiscard]] NarrowBand h2o_band(double wavenumber_cm1, double temperature_k);
+[[nodiscard]] NarrowBand co2_band(double wavenumber_cm1, double temperature_k);
+[[nodiscard]] NarrowBand co_band(double wavenumber_cm1, double temperature_k);
+
+}  // namespace irsig
