@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace irsig {
+
+// How a band's wavenumbers are grouped: terms by the cold air's absorption, and within each term
+// bins by the hot gas's, so that what is bright and what the air takes stay together.
+struct ColdTerms {
+  std::vector<std::vector<std::uint32_t>> point;  // [term]: of the grid, sorted by cold absorption
+  std::vector<double> weight;                     // [term], sum 1
+};
+
+// Terms of equal steps in ln k, each of at least one point.
+//   cold  absorption at the band's points, which begin at `first` of the grid
+[[nodiscard]] ColdTerms terms_by_ratio(const double* cold, std::size_t first, std::size_t count,
+                                       int terms);
+// Terms of given shares of the points, from the weakest on.
+[[nodiscard]] ColdTerms terms_by_share(const double* cold, std::size_t first, std::size_t count,
+                                       const std::vector<double>& share);
+
+// Mean absorption of the hot gas in each bin of each term, [term * shares + bin]; bins by the hot
+// absorption itself, of given shares of the term's points.
+[[nodiscard]] std::vector<double> hot_bins(const std::vector<double>& hot, const ColdTerms& terms,
+                                           const std::vector<double>& share);
+
+// The absorption that a term's mean transmittance shows where its depth at `reference` is 1.
+[[nodiscard]] double effective(const std::vector<double>& cold,
+                               const std::vector<std::uint32_t>& point, double reference);
+
+}  // namespace irsig
