@@ -8,12 +8,12 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <functional>
 #include <utility>
 #include <vector>
 
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
+#include "schema/store/check_schema.h"
 #include "schema/store/statements.h"
 
 namespace irsig {
@@ -128,6 +128,20 @@ absl::Status change_format(Database& database, const std::function<absl::Status(
   return status.ok() ? restored : status;
 }
 
+// For its owner alone: whoever lets others read it says so with chmod. SQLite would make it with
+// 0644; its journals take the file's own mode.
+absl::Status make_private_file(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600);
+  if (descriptor >= 0) {
+    ::close(descriptor);
+    return absl::OkStatus();
+  }
+  const int code = errno;
+  const std::string message = absl::StrCat(path, ": cannot be written: ", std::strerror(code));
+  return code == ENOSPC ? absl::ResourceExhaustedError(message)
+                        : absl::PermissionDeniedError(message);
+}
+
 absl::Status create(Database& database) {
   // 16 kB pages: a spectrum (2-5 kB) lies in one page, an image of 20 kB in two. CPU seconds of
   // 2000 completions (tests/benchmark/store_bench.cpp) with pages of 4, 8, 16, 32 kB: 1.09, 0.96,
@@ -164,7 +178,7 @@ absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::strin
   for (;;) {
     // Through no link: what it names might be somebody else's. O_NONBLOCK: a FIFO does not wait.
     const int descriptor =
-        ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644);
+        ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
     if (descriptor < 0) {
       const int code = errno;
       if (code == ELOOP || code == ENXIO || code == EISDIR) return no_lock_file(path);
@@ -202,7 +216,8 @@ WriterLock::~WriterLock() {
   ::close(descriptor_);
 }
 
-absl::Status migrate(Database& database, std::span<const MigrationStep> steps) {
+absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
+                     const std::function<absl::Status()>& check) {
   const absl::StatusOr<std::int64_t> from = database.integer("PRAGMA user_version");
   if (!from.ok()) return from.status();
   const int newest = steps.empty() ? 0 : steps.back().version;
@@ -211,7 +226,10 @@ absl::Status migrate(Database& database, std::span<const MigrationStep> steps) {
                                                    "; known are versions up to ", newest));
   }
   if (*from == newest) return absl::OkStatus();
-  return change_format(database, [&] { return run_steps(database, *from, steps); });
+  return change_format(database, [&]() -> absl::Status {
+    IRSIG_STORE_TRY(run_steps(database, *from, steps));
+    return check ? check() : absl::OkStatus();
+  });
 }
 
 absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
@@ -239,6 +257,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     remove_database(out.path);
   };
 
+  if (!existed) IRSIG_STORE_TRY(make_private_file(out.path));
   absl::StatusOr<std::unique_ptr<Database>> database =
       Database::open(path, Database::Mode::kReadWriteCreate);
   if (!database.ok()) return database.status();
@@ -257,7 +276,10 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     IRSIG_STORE_TRY(create(opened));
   } else {
     IRSIG_STORE_TRY(check_pragmas(path, opened));
-    IRSIG_STORE_TRY(name_the_reader(path, migrate(opened, all_steps())));
+    IRSIG_STORE_TRY(check_old_schema(path, opened));
+    const auto check = [&] { return check_schema(path, opened); };
+    IRSIG_STORE_TRY(name_the_reader(path, migrate(opened, all_steps(), check)));
+    IRSIG_STORE_TRY(check());
   }
   IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, opened)));
   IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL"));
@@ -287,6 +309,7 @@ absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& pa
         absl::StrCat(path, ": has the older format version ", *version,
                      "; open it once for writing (irsig run --resume) to bring it to ", kVersion));
   }
+  IRSIG_STORE_TRY(check_schema(path, **database));
   return database;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -47,7 +48,8 @@ struct WritableDatabase {
 };
 
 // Creates or opens for writing, brings to the newest version, switches to write-ahead logging.
-// Files that it refuses stay as they are; a file that it began to create does not stay behind when
+// Files that it refuses (schema/store/check_schema.h) stay as they are; a new one is its owner's
+// alone (mode 0600); a file that it began to create does not stay behind when
 // it fails.
 [[nodiscard]] absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path);
 
@@ -61,8 +63,9 @@ void remove_database(const std::string& path);
 // Never creates or changes anything.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path);
 
-// Runs the steps above the database's user_version, all in one transaction. INVALID_ARGUMENT: a
-// newer version.
-[[nodiscard]] absl::Status migrate(Database& database, std::span<const MigrationStep> steps);
+// Runs the steps above the database's user_version, all in one transaction, which ends as it began
+// unless `check` is content with what they have left. INVALID_ARGUMENT: a newer version.
+[[nodiscard]] absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
+                                   const std::function<absl::Status()>& check = nullptr);
 
 }  // namespace irsig

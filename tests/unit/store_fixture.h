@@ -356,19 +356,22 @@ inline std::string without_what_came_after(int version) {
   return script;
 }
 
-// Views are made again by the migration, or read only after it.
-inline std::string with_version(int version) {
-  return absl::StrCat(
-      "CREATE VIEW signature_view AS SELECT signature_id FROM signature;"
-      "CREATE VIEW profile_view AS SELECT signature_id FROM profile;"
-      "CREATE VIEW job_view AS SELECT job_id FROM job;"
-      "CREATE VIEW sweep_view AS SELECT sweep_id FROM sweep;"
-      "PRAGMA user_version = ",
-      version, "; SELECT 'older'");
+// Views are made again by the migration, but for that of profiles, which stays as it is.
+inline std::string with_version(int version, const std::string& profile_view) {
+  return absl::StrCat("CREATE VIEW signature_view AS SELECT signature_id FROM signature;",
+                      profile_view,
+                      ";CREATE VIEW job_view AS SELECT job_id FROM job;"
+                      "CREATE VIEW sweep_view AS SELECT sweep_id FROM sweep;"
+                      "PRAGMA user_version = ",
+                      version, "; SELECT 'older'");
+}
+
+inline std::string profile_view_of(const std::string& path) {
+  return sqlite_text(path, "SELECT sql FROM sqlite_schema WHERE name = 'profile_view'");
 }
 
 inline std::string back_to_version_4(const std::string& path) {
-  return sqlite_text(path, without_what_came_after(4) + with_version(4));
+  return sqlite_text(path, without_what_came_after(4) + with_version(4, profile_view_of(path)));
 }
 
 inline std::string back_to_version_2(const std::string& path) {
@@ -385,7 +388,7 @@ inline std::string back_to_version_2(const std::string& path) {
     for (const char* column : columns)
       absl::StrAppend(&script, "ALTER TABLE ", table, " DROP COLUMN ", column, ";");
   }
-  return sqlite_text(path, script + with_version(2));
+  return sqlite_text(path, script + with_version(2, profile_view_of(path)));
 }
 
 }  // namespace irsig

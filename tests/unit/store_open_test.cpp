@@ -417,5 +417,71 @@ TEST_F(StoreOpen, MigrationsRunInOrderOnceAndAllOrNothing) {
   EXPECT_TRUE(absl::IsInvalidArgument(migrate(database, std::vector{first})));
 }
 
+// A database is read with the views, and written with the triggers, that are in it: one that
+// another program has made or changed might never answer, or do something else as well.
+TEST_F(StoreOpen, ADatabaseWithDefinitionsOfSomebodyElseIsRefused) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  const std::string good = bytes_of(path_);
+  const std::pair<const char*, const char*> changes[] = {
+      {"DROP VIEW signature_view; CREATE VIEW signature_view AS WITH RECURSIVE n (i) AS "
+       "(SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i AS signature_id FROM n",
+       "view signature_view"},
+      {"CREATE TRIGGER harmless AFTER INSERT ON signature BEGIN DELETE FROM asset; END",
+       "trigger harmless"},
+      {"CREATE TABLE mine (x)", "table mine"},
+      {"CREATE INDEX slow ON signature (intensity_w_sr)", "index slow"},
+      {"DROP INDEX signature_by_job", "index signature_by_job"},
+      {"ALTER TABLE asset ADD COLUMN remark TEXT", "table asset"}};
+  for (const auto& [change, named] : changes) {
+    std::ofstream(path_, std::ios::binary) << good;
+    ASSERT_EQ(sqlite_text(path_, absl::StrCat(change, "; SELECT 'changed'")), "changed");
+    const std::string before = bytes_of(path_);
+    for (const absl::Status& status :
+         {StoreReader::open(path_).status(), StoreWriter::open(path_).status()}) {
+      EXPECT_TRUE(absl::IsInvalidArgument(status)) << change << ": " << status;
+      EXPECT_NE(status.message().find(named), absl::string_view::npos) << status;
+    }
+    EXPECT_EQ(bytes_of(path_), before) << change;
+  }
+  // What SQLite notes for itself is no definition.
+  std::ofstream(path_, std::ios::binary) << good;
+  ASSERT_EQ(sqlite_text(path_, "ANALYZE; SELECT 'analyzed'"), "analyzed");
+  EXPECT_TRUE(StoreReader::open(path_).ok());
+}
+
+// Its triggers would run while it is migrated.
+TEST_F(StoreOpen, AnOlderDatabaseWithATriggerIsNotMigrated) {
+  ASSERT_NO_FATAL_FAILURE(write());
+  ASSERT_EQ(back_to_version_4(path_), "older");
+  const std::string older = bytes_of(path_);
+  ASSERT_EQ(sqlite_text(path_,
+                        "CREATE TRIGGER harmless AFTER INSERT ON job BEGIN DELETE FROM "
+                        "asset; END; SELECT 'made'"),
+            "made");
+  const std::string before = bytes_of(path_);
+  const absl::Status status = StoreWriter::open(path_).status();
+  EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+  EXPECT_NE(status.message().find("trigger harmless"), absl::string_view::npos) << status;
+  EXPECT_EQ(bytes_of(path_), before);
+  std::ofstream(path_, std::ios::binary) << older;
+  ASSERT_EQ(sqlite_text(path_, "ALTER TABLE provenance ADD COLUMN remark TEXT; SELECT 'made'"),
+            "made");
+  EXPECT_TRUE(absl::IsInvalidArgument(StoreWriter::open(path_).status()));
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "4") << "undone";
+}
+
+TEST_F(StoreOpen, ANewDatabaseIsItsOwnersAlone) {
+  const mode_t before = umask(0);
+  const auto writer = StoreWriter::open(path_);
+  umask(before);
+  ASSERT_OK(writer.status());
+  ASSERT_OK(submit(**writer, sweep_, "sweep-a").status());
+  for (const std::string& name : folder_.names()) {
+    struct stat there {};
+    ASSERT_EQ(stat(folder_.file(name).c_str(), &there), 0) << name;
+    EXPECT_EQ(there.st_mode & 0777, 0600U) << name;
+  }
+}
+
 }  // namespace
 }  // namespace irsig

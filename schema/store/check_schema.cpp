@@ -1,0 +1,130 @@
+#include "schema/store/check_schema.h"
+
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "core/base/printable.h"
+#include "schema/store/statements.h"
+
+namespace irsig {
+namespace {
+
+// "view signature_view" -> its statement, without comments and with single spaces.
+using Definitions = std::map<std::string, std::string>;
+
+// What SQLite keeps is the text that made a table, so that equal definitions may differ in these.
+std::string without_layout(const std::string& sql) {
+  std::string out;
+  bool space = false;
+  for (std::size_t i = 0; i < sql.size();) {
+    const char c = sql[i];
+    if (sql.compare(i, 2, "--") == 0) {
+      i = std::min(sql.find('\n', i), sql.size());
+      space = true;
+    } else if (sql.compare(i, 2, "/*") == 0) {
+      const std::size_t end = sql.find("*/", i + 2);
+      i = end == std::string::npos ? sql.size() : end + 2;
+      space = true;
+    } else if (absl::ascii_isspace(static_cast<unsigned char>(c))) {
+      ++i;
+      space = true;
+    } else {
+      const bool tight = out.empty() || c == ')' || c == ',' || out.back() == '(';
+      if (space && !tight) out += ' ';
+      space = false;
+      if (c == '\'' || c == '"') {  // a text, as it is
+        const std::size_t end = std::min(sql.find(c, i + 1), sql.size() - 1);
+        out.append(sql, i, end + 1 - i);
+        i = end + 1;
+      } else {
+        out += c;
+        ++i;
+      }
+    }
+  }
+  return out;
+}
+
+absl::StatusOr<Definitions> definitions_of(Database& database) {
+  Definitions out;
+  absl::StatusOr<Rows> row =
+      database.query("SELECT type, name, coalesce(sql, '') FROM sqlite_schema");
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return out;
+    const std::string type = row->text(), name = row->text();
+    if (absl::StartsWith(name, "sqlite_stat")) continue;
+    out[absl::StrCat(type, " ", name)] = without_layout(row->text());
+  }
+}
+
+struct BuiltIn {
+  Definitions newest;
+  std::set<std::string> ever;  // of every version
+};
+
+absl::StatusOr<BuiltIn> make_built_in() {
+  absl::StatusOr<std::unique_ptr<Database>> memory =
+      Database::open(":memory:", Database::Mode::kReadWriteCreate);
+  if (!memory.ok()) return memory.status();
+  IRSIG_STORE_TRY((*memory)->script("PRAGMA foreign_keys = OFF"));
+  BuiltIn out;
+  for (const sql::Migration& migration : sql::kMigrations) {
+    IRSIG_STORE_TRY((*memory)->script(migration.script));
+    absl::StatusOr<Definitions> now = definitions_of(**memory);
+    if (!now.ok()) return now.status();
+    for (const auto& [name, sql] : *now) out.ever.insert(name);
+    out.newest = *std::move(now);
+  }
+  return out;
+}
+
+// Made once for a process.
+const absl::StatusOr<BuiltIn>& built_in() {
+  static const absl::StatusOr<BuiltIn> made = make_built_in();
+  return made;
+}
+
+absl::Status foreign(const std::string& path, const std::string& what) {
+  return absl::InvalidArgumentError(one_line(
+      absl::StrCat(path, ": ", what, ": another program has changed it, and it is not trusted")));
+}
+
+}  // namespace
+
+absl::Status check_schema(const std::string& path, Database& database) {
+  const absl::StatusOr<BuiltIn>& expected = built_in();
+  if (!expected.ok()) return expected.status();
+  const absl::StatusOr<Definitions> there = definitions_of(database);
+  if (!there.ok()) return there.status();
+  for (const auto& [name, sql] : *there) {
+    const auto known = expected->newest.find(name);
+    if (known == expected->newest.end())
+      return foreign(path, absl::StrCat("has the ", name, ", which is none of the format's"));
+    if (known->second != sql)
+      return foreign(path, absl::StrCat("its ", name, " is not defined as the format has it"));
+  }
+  for (const auto& [name, sql] : expected->newest)
+    if (!there->contains(name)) return foreign(path, absl::StrCat("lacks the ", name));
+  return absl::OkStatus();
+}
+
+absl::Status check_old_schema(const std::string& path, Database& database) {
+  const absl::StatusOr<BuiltIn>& expected = built_in();
+  if (!expected.ok()) return expected.status();
+  const absl::StatusOr<Definitions> there = definitions_of(database);
+  if (!there.ok()) return there.status();
+  for (const auto& [name, sql] : *there)
+    if (!expected->ever.contains(name))
+      return foreign(path, absl::StrCat("has the ", name, ", which no version of the format had"));
+  return absl::OkStatus();
+}
+
+}  // namespace irsig
