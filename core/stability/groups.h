@@ -12,6 +12,7 @@ namespace irsig {
 [[nodiscard]] std::vector<HardCase> atmosphere_cases();
 [[nodiscard]] std::vector<HardCase> determinism_cases();
 [[nodiscard]] std::vector<HardCase> geometry_cases();
+[[nodiscard]] std::vector<HardCase> heat_cases();
 [[nodiscard]] std::vector<HardCase> honesty_cases();
 [[nodiscard]] std::vector<HardCase> material_cases();
 [[nodiscard]] std::vector<HardCase> planck_cases();
