@@ -94,8 +94,8 @@ absl::StatusOr<SweepTemperatures> moved_temperatures(const SweepTemperatures& no
     if (!change.ok()) return change.status();
     const double shift_k = condition.temperature_field().shift_k();
     if (change->empty() && shift_k == 0) continue;
-    auto to = std::make_shared<EmitterTemperatures>(
-        *nominal.condition[static_cast<std::size_t>(c)]);
+    auto to =
+        std::make_shared<EmitterTemperatures>(*nominal.condition[static_cast<std::size_t>(c)]);
     std::vector<double> sum(to->kelvin.size(), 0.0), count(to->kelvin.size(), 0.0);
     for (std::size_t f = 0; f < emitter.size() && !change->empty(); ++f) {
       if (std::isnan((*change)[f])) continue;
@@ -106,8 +106,8 @@ absl::StatusOr<SweepTemperatures> moved_temperatures(const SweepTemperatures& no
     to->hottest_k = 0;
     for (std::size_t e = 0; e < to->kelvin.size(); ++e) {
       if (std::isnan(to->kelvin[e])) continue;
-      const double kelvin = static_cast<double>(to->kelvin[e]) + shift_k +
-                            (count[e] > 0 ? sum[e] / count[e] : 0);
+      const double kelvin =
+          static_cast<double>(to->kelvin[e]) + shift_k + (count[e] > 0 ? sum[e] / count[e] : 0);
       to->kelvin[e] = static_cast<float>(std::clamp(kelvin, 1.0, kMostEmitterK));
       to->coldest_k = std::min(to->coldest_k, static_cast<double>(to->kelvin[e]));
       to->hottest_k = std::max(to->hottest_k, static_cast<double>(to->kelvin[e]));

@@ -15,8 +15,8 @@
 namespace irsig {
 
 // The uncertain inputs of one sweep: what its views are asked for with each of them moved, and what
-// comes of it. What it makes of an input it keeps from view to view: an environment where the air is
-// another, a prepared scene where materials are.
+// comes of it. What it makes of an input it keeps from view to view: an environment where the air
+// is another, a prepared scene where materials are.
 class InputViews {
  public:
   // scene: its own; kept only if materials are to be moved. heat: what its heat jobs have left.

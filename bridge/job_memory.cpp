@@ -52,7 +52,9 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   memory.shared_bytes = kSharedBytes;
   memory.fixed_bytes =
       kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
-      (environment == nullptr ? 0 : kBytesPerWeather * weathers_of(sweep).count * (1 + moved_environments(sweep))) +
+      (environment == nullptr
+           ? 0
+           : kBytesPerWeather * weathers_of(sweep).count * (1 + moved_environments(sweep))) +
       row * (parts + directions) + kFieldBytes * static_cast<double>(field_bytes) +
       kWeightsPerEmitter * elements * carried * kNumber * sweep.sweep().accuracy().replicates();
   return memory;

@@ -15,7 +15,8 @@ namespace {
 // What a sweep must have for an input to matter.
 std::string expected_for(const std::string& input) {
   if (input == "air_temperature_k")
-    return "weather at the surface (air_temperature_k, relative_humidity_percent and pressure_pa, a "
+    return "weather at the surface (air_temperature_k, relative_humidity_percent and pressure_pa, "
+           "a "
            "weather_file or a day), or homogeneous air";
   if (input == "dew_point_k")
     return "weather at the surface: relative_humidity_percent, a weather_file or a day";
@@ -49,12 +50,13 @@ void check_input(const schema::ResolvedSweep& resolved, const UncertainInput& in
   if (findings.any_at(path)) return;
   const MovedSweep moved = moved_sweep(resolved, input, 1);
   if (!moved.without.empty()) {
-    findings.add(path, absl::StrCat(path, ": the emissivity of \"",
-                                    one_line(absl::StrJoin(moved.without, "\", \"")),
-                                    "\" follows from other properties and cannot be moved by itself, "
-                                    "expected materials with a stated emissivity (lambert, "
-                                    "sandford_robertson, prisse, cook_torrance with "
-                                    "normal_emissivity)"));
+    findings.add(path,
+                 absl::StrCat(path, ": the emissivity of \"",
+                              one_line(absl::StrJoin(moved.without, "\", \"")),
+                              "\" follows from other properties and cannot be moved by itself, "
+                              "expected materials with a stated emissivity (lambert, "
+                              "sandford_robertson, prisse, cook_torrance with "
+                              "normal_emissivity)"));
   } else if (moved.values == 0) {
     findings.add(path, absl::StrCat(path, " changes nothing in this sweep, expected ",
                                     expected_for(input.name)));

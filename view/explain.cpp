@@ -219,8 +219,8 @@ std::string inputs(const Explained& e) {
     return fmt::format("{:+.4g} +- {:.1g}", g.contribution_w_sr, g.stderr_w_sr);
   };
   for (const StoredInput& i : sorted)
-    out += fmt::format("  {:<22} {:>20} {:>20} {:>20}\n", i.input, gain(i.source),
-                       gain(i.apparent), gain(i.contrast));
+    out += fmt::format("  {:<22} {:>20} {:>20} {:>20}\n", i.input, gain(i.source), gain(i.apparent),
+                       gain(i.contrast));
   return out + fmt::format("  {:<22} {:>20.4g} {:>20.4g} {:>20.4g}\n", "together, one sigma",
                            s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr,
                            s.contrast_input_uncertainty_w_sr);
@@ -321,13 +321,13 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
       for (const double v : {g->contribution_w_sr, g->stderr_w_sr, g->curvature_w_sr})
         cells.push_back(known(v));
   }
-  if (auto status = write_array(
-          "inputs",
-          {"input", "contribution_w_sr", "contribution_stderr_w_sr", "curvature_w_sr",
-           "apparent_contribution_w_sr", "apparent_contribution_stderr_w_sr",
-           "apparent_curvature_w_sr", "contrast_contribution_w_sr",
-           "contrast_contribution_stderr_w_sr", "contrast_curvature_w_sr"},
-          inputs, out);
+  if (auto status =
+          write_array("inputs",
+                      {"input", "contribution_w_sr", "contribution_stderr_w_sr", "curvature_w_sr",
+                       "apparent_contribution_w_sr", "apparent_contribution_stderr_w_sr",
+                       "apparent_curvature_w_sr", "contrast_contribution_w_sr",
+                       "contrast_contribution_stderr_w_sr", "contrast_curvature_w_sr"},
+                      inputs, out);
       !status.ok())
     return status;
   out << ",\n";

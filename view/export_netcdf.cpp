@@ -247,8 +247,8 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
       value_stderr = value;
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const StoredInput& input : inputs_of_row[i]) {
-      const auto at = static_cast<std::size_t>(
-          std::find(names.begin(), names.end(), input.input) - names.begin());
+      const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), input.input) -
+                                               names.begin());
       const std::size_t to = layout.index(layout.cell[i]) * names.size() + at;
       value[to] = input.source.contribution_w_sr;
       value_stderr[to] = input.source.stderr_w_sr;

@@ -128,10 +128,9 @@ std::string plot_hours(const Hours& hours) {
       std::any_of(hours.value.begin(), hours.value.end(), [&](const HourlyValue& v) {
         return !std::isnan(input_uncertainty_of(columns_of(hours.quantity), v.row.signature));
       });
-  std::string shaded =
-      temperatures ? "Shaded: from a part's coldest facet to its hottest; values "
-                     "\u00b1 2 numerical errors"
-                   : "Shaded: \u00b1 2 numerical errors";
+  std::string shaded = temperatures ? "Shaded: from a part's coldest facet to its hottest; values "
+                                      "\u00b1 2 numerical errors"
+                                    : "Shaded: \u00b1 2 numerical errors";
   if (inputs) shaded += "; lighter: \u00b1 2\u03c3 of uncertain inputs";
   return plot_curves(title, shaded, panels, columns);
 }

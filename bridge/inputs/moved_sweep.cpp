@@ -15,8 +15,8 @@ namespace {
 
 // What values can be.
 constexpr double kColdestK = 1, kHottestK = 20000;
-constexpr double kColdestAirK = 180, kHottestAirK = 340;      // outdoors
-constexpr double kDriestK = 120;                              // dew point
+constexpr double kColdestAirK = 180, kHottestAirK = 340;  // outdoors
+constexpr double kDriestK = 120;                          // dew point
 constexpr double kColdestSurfaceK = 100, kHottestSurfaceK = 400;
 constexpr double kMostWindMS = 20, kMostWindOfWallsMS = 100;  // sea and aerosol; walls
 constexpr double kLeastVisibilityM = 100, kMostVisibilityM = 100e3;
@@ -49,8 +49,7 @@ void move_air(Mover& mover, schema::WeatherRecord& r) {
 void move_dew_point(Mover& mover, schema::Weather& w) {
   if (!w.surface_stated()) return;
   const double air_k = w.air_temperature_k();
-  w.set_relative_humidity_percent(
-      percent_of(mover.moved(dew_point_of(w), kDriestK, air_k), air_k));
+  w.set_relative_humidity_percent(percent_of(mover.moved(dew_point_of(w), kDriestK, air_k), air_k));
 }
 
 bool asks_for_wind(const schema::Weather& w, const schema::Surroundings& s) {
@@ -134,7 +133,9 @@ class SweepMover {
   }
 
   void move_surface(const std::string& input, schema::Surroundings& s) {
-    const auto moved = [&](double k) { return mover_.moved(k, kColdestSurfaceK, kHottestSurfaceK); };
+    const auto moved = [&](double k) {
+      return mover_.moved(k, kColdestSurfaceK, kHottestSurfaceK);
+    };
     if (input == "sea_temperature_k" && s.kind() == "sea" && s.has_sea_temperature_k())
       s.set_sea_temperature_k(moved(s.sea_temperature_k()));
     if (input == "ground_temperature_k" && s.kind() == "ground" && s.has_ground_temperature_k())

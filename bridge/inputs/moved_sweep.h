@@ -22,13 +22,14 @@ struct UncertainInput {
 // A resolved sweep as it would be if an input were `move` sigmas higher: every value of it in
 // conditions, heat runs, materials and build-ups, and nothing else. One weather drives all:
 //
-//   air_temperature_k    air at the surface and in the course, at the same dew point (or at the air's,
-//                        if that is lower); long-wave radiation of the sky that a weather file states
-//                        goes with the fourth power of the air's temperature
+//   air_temperature_k    air at the surface and in the course, at the same dew point (or at the
+//   air's,
+//                        if that is lower); long-wave radiation of the sky that a weather file
+//                        states goes with the fourth power of the air's temperature
 //   dew_point_k          at most that of the air
-//   wind_speed_*         of the course; and of conditions where a rough sea or the Navy's aerosol asks
-//   emissivity           of the materials of parts: in the bands, and thermal_emissivity if stated
-//   part_temperature_k   those that are stated or read from files
+//   wind_speed_*         of the course; and of conditions where a rough sea or the Navy's aerosol
+//   asks emissivity           of the materials of parts: in the bands, and thermal_emissivity if
+//   stated part_temperature_k   those that are stated or read from files
 //
 // Values stay within the range that they can have (emissivity up to 1, wind from 0): `share` is how
 // much of the move they could make, on average; 0: none.

@@ -83,12 +83,12 @@ namespace irsig {
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
 // Of rows whose sweep says how well its inputs are known; others have none.
-#define IRSIG_INPUT_QUANTITIES(NUMBER)                                                           \
-  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                        \
-         "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error")       \
-  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                               \
-         "the same of apparent_intensity_w_sr")                                                  \
-  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                               \
+#define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
+  NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                  \
+         "of intensity_w_sr: one sigma that uncertain inputs leave; no part of any error") \
+  NUMBER(apparent_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                         \
+         "the same of apparent_intensity_w_sr")                                            \
+  NUMBER(contrast_input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                         \
          "the same of contrast_intensity_w_sr")
 
 #define IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \

@@ -32,8 +32,8 @@ LightLayout layout_of(const ConditionSpec& condition, const SourceGeometry& geom
   out.paths = out.light = SourceLayout(parts, geometry);
   if (condition.emitter && condition.emitter->hottest_k > 0) {
     out.nodes = BlackbodyNodes(condition.emitter->coldest_k, condition.emitter->hottest_k);
-    out.light = SourceLayout::with_emitters(
-        static_cast<std::uint32_t>(parts) + out.nodes.count(), geometry);
+    out.light = SourceLayout::with_emitters(static_cast<std::uint32_t>(parts) + out.nodes.count(),
+                                            geometry);
   }
   return out;
 }
@@ -75,9 +75,8 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
 
   std::optional<ViewSurroundings> surroundings;
   if (request.environment == nullptr || request.environment != measured.request.environment) {
-    auto made =
-        ViewSurroundings::make(request, scene.target, measured.request.viewpoint.range_m,
-                               scene.axis.node_um(), &measured.view.environments.behind);
+    auto made = ViewSurroundings::make(request, scene.target, measured.request.viewpoint.range_m,
+                                       scene.axis.node_um(), &measured.view.environments.behind);
     if (!made.ok()) return made.status();
     surroundings.emplace(*std::move(made));
   }
@@ -112,10 +111,10 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
       const SignatureResult& row = measured.result.row[out.size()];
       ReplicateStatistics change(3);
       for (std::size_t r = 0; r < values.size(); ++r)
-        change.add(std::array{values[r][0] - row.replicate_w_sr[r],
-                              values[r][kApparentQuantity] - row.replicate_apparent_w_sr[r],
-                              values[r][contrast_quantity(parts)] -
-                                  row.replicate_contrast_w_sr[r]});
+        change.add(
+            std::array{values[r][0] - row.replicate_w_sr[r],
+                       values[r][kApparentQuantity] - row.replicate_apparent_w_sr[r],
+                       values[r][contrast_quantity(parts)] - row.replicate_contrast_w_sr[r]});
       out.push_back({change.estimate(0), change.estimate(1), change.estimate(2)});
     }
   }

@@ -100,10 +100,12 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
                    kGrazing,
                quarter = std::numbers::pi / 2;
   line.end = out.end_;
-  line.behind = behind != nullptr ? *behind : BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
-                                      std::sin(std::min(elevation + reach, quarter)),
-                                      request.environment->horizons_z(line),
-                                      std::atan2(-towards.y, -towards.x));
+  line.behind = behind != nullptr
+                    ? *behind
+                    : BehindNodes::spanning(std::sin(std::max(elevation - reach, -quarter)),
+                                            std::sin(std::min(elevation + reach, quarter)),
+                                            request.environment->horizons_z(line),
+                                            std::atan2(-towards.y, -towards.x));
   out.behind_ = line.behind;
   out.horizon_ = request.environment->horizon(line);
   auto look = request.environment->look(line);

@@ -36,13 +36,12 @@ absl::StatusOr<Simulator::MeasuredWithMoves> Simulator::measure(
   auto prepared = prepared_for(scene_, request, planned.plan, planned.prepared);
   if (!prepared.ok()) return prepared.status();
   std::vector<PathWeights> paths;
-  auto view = measure_view(scene_, request, planned.plan, *prepared,
-                           moved.empty() ? nullptr : &paths);
+  auto view =
+      measure_view(scene_, request, planned.plan, *prepared, moved.empty() ? nullptr : &paths);
   if (!view.ok()) return view.status();
   MeasuredWithMoves out{*std::move(view), {}};
   for (const MovedView& each : moved) {
-    auto change =
-        row_changes({scene_, request, planned.plan, **prepared, out.view, paths}, each);
+    auto change = row_changes({scene_, request, planned.plan, **prepared, out.view, paths}, each);
     if (!change.ok()) return change.status();
     out.change.push_back(*std::move(change));
   }

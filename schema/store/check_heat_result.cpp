@@ -80,9 +80,9 @@ absl::Status check_changes(const schema::HeatField& field, const schema::HeatRun
   for (int i = 0; i < field.change_k_size(); ++i) {
     const std::string name = absl::StrCat("field.change_k[", i, "]");
     if (field.change_k(i).size() != sizeof(float) * numbers)
-      return wrong(name, absl::StrCat("has ", field.change_k(i).size(), " bytes for ",
-                                      field.unix_s_size(), " times and ", field.facets(),
-                                      " facets"));
+      return wrong(
+          name, absl::StrCat("has ", field.change_k(i).size(), " bytes for ", field.unix_s_size(),
+                             " times and ", field.facets(), " facets"));
     for (std::size_t k = 0; k < numbers; ++k)
       if (const float kelvin = number_at(field.change_k(i), k); std::isinf(kelvin))
         return wrong(absl::StrCat(name, "[", k, "]"), absl::StrCat("is ", kelvin));

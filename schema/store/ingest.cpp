@@ -103,7 +103,8 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
 #define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
   , row.name().value(), row.name().stderr()
 #define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
-#define IRSIG_INPUT_ARGUMENT(name, kind, unit, since, what) , if_stated(row.has_##name(), row.name())
+#define IRSIG_INPUT_ARGUMENT(name, kind, unit, since, what) \
+  , if_stated(row.has_##name(), row.name())
   IRSIG_STORE_TRY(database.run(
       insert_signature_statement(), job.job_id, job.view.viewpoint_id, *condition_id, *band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),

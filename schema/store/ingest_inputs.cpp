@@ -42,8 +42,9 @@ absl::Status check_inputs(const schema::SignatureRow& row, const std::vector<std
         !input.has_contrast_contribution_w_sr())
       return wrong(absl::StrCat(".input[", i, "] is incomplete"));
   }
-  for (const bool has : {row.has_input_uncertainty_w_sr(), row.has_apparent_input_uncertainty_w_sr(),
-                         row.has_contrast_input_uncertainty_w_sr()})
+  for (const bool has :
+       {row.has_input_uncertainty_w_sr(), row.has_apparent_input_uncertainty_w_sr(),
+        row.has_contrast_input_uncertainty_w_sr()})
     if (has == names.empty())
       return wrong(names.empty() ? ".input_uncertainty_w_sr was not asked for"
                                  : ".input_uncertainty_w_sr is missing");

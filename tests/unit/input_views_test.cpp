@@ -1,7 +1,7 @@
 // Rationale: what an uncertain input leaves of a row is a difference of two rows on the same paths;
 // it must be that of the physics, and nothing of it may leak into the row itself. Expected: closed
-// forms of a grey plate in a vacuum; sweeps whose inputs were changed by hand; walls whose balance is
-// known. Source: planck_integrals (tests/physics/planck_test.cpp), arithmetic here.
+// forms of a grey plate in a vacuum; sweeps whose inputs were changed by hand; walls whose balance
+// is known. Source: planck_integrals (tests/physics/planck_test.cpp), arithmetic here.
 #include "bridge/input_views.h"
 
 #include <gmock/gmock.h>
@@ -103,7 +103,8 @@ TEST(InputViews, OfAGreyPlateAreClosedForms) {
   const std::string dark =
       absl::StrReplaceAll(kPlate, {{"sky_temperature_k = 250", "sky_radiance_w_m2_sr_um = 0"}});
   const auto row = view_of(resolved(dark + "[uncertainty]\npart_temperature_k = 0.5\n"
-                                           "emissivity = 0.02\n")).row(0);
+                                           "emissivity = 0.02\n"))
+                       .row(0);
   const double i = row.intensity_w_sr().value();
   EXPECT_NEAR(gain(row, "part_temperature_k") / i, plate_w_m2_sr(300.5) / plate_w_m2_sr(300) - 1,
               1e-6);
@@ -113,7 +114,8 @@ TEST(InputViews, OfAGreyPlateAreClosedForms) {
 
   // Of both sides the slope and the curvature: of B, by differences that are central, too.
   const auto both = view_of(resolved(dark + "[uncertainty]\npart_temperature_k = 5\n"
-                                            "sides = \"both\"\n")).row(0);
+                                            "sides = \"both\"\n"))
+                        .row(0);
   const double up = plate_w_m2_sr(305) / plate_w_m2_sr(300) - 1,
                down = plate_w_m2_sr(295) / plate_w_m2_sr(300) - 1;
   const auto& t = input(both, "part_temperature_k");
@@ -126,7 +128,8 @@ TEST(InputViews, OfAGreyPlateAreClosedForms) {
               t.contribution_w_sr().value() / i, 1e-3 * t.contribution_w_sr().value() / i);
 }
 
-// A plate that reflects half a sky: three independent inputs, noise of the sampled reflection alone.
+// A plate that reflects half a sky: three independent inputs, noise of the sampled reflection
+// alone.
 TEST(InputViews, OfThreeInputsAddInSquares) {
   const std::string stated =
       "[uncertainty]\npart_temperature_k = 0.5\nemissivity = 0.02\nsky_temperature_k = 4\n";
@@ -164,7 +167,10 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
 
   // By hand, with the same seed.
   const auto by_hand = [&](const char* from, const char* to) {
-    return view_of(resolved(absl::StrReplaceAll(kPlate, {{from, to}}))).row(0).intensity_w_sr().value() -
+    return view_of(resolved(absl::StrReplaceAll(kPlate, {{from, to}})))
+               .row(0)
+               .intensity_w_sr()
+               .value() -
            plain.row(0).intensity_w_sr().value();
   };
   const double i = plain.row(0).intensity_w_sr().value();
@@ -175,9 +181,9 @@ TEST(InputViews, OfThreeInputsAddInSquares) {
 
 // Emissivity ends at 1: the other side is looked at, and the sign is still that of more of it.
 TEST(InputViews, OfAnInputAtItsLimitIsThatOfItsOtherSide) {
-  const std::string text = absl::StrReplaceAll(
-      kPlate, {{"emissivity = 0.8", "emissivity = 0.99"},
-               {"sky_temperature_k = 250", "sky_radiance_w_m2_sr_um = 0"}});
+  const std::string text =
+      absl::StrReplaceAll(kPlate, {{"emissivity = 0.8", "emissivity = 0.99"},
+                                   {"sky_temperature_k = 250", "sky_radiance_w_m2_sr_um = 0"}});
   const auto row = view_of(resolved(text + "[uncertainty]\nemissivity = 0.02\n")).row(0);
   EXPECT_NEAR(gain(row, "emissivity") / row.intensity_w_sr().value(), 0.02 / 0.99, 1e-6);
 }
@@ -300,12 +306,12 @@ TEST(InputViews, OfWallsThatHoldATemperatureAreThatTemperatures) {
 
 // A sheet that keeps no heat: what changes it is what a run with changed inputs says.
 TEST(InputViews, OfWallsAreWhatOtherRunsSay) {
-  const std::string sheet =
-      absl::StrReplaceAll(kBox, {{"inside = \"temperature\"\ninside_temperature_k = 320",
-                                  "inside = \"adiabatic\""}});
-  const auto sweep = resolved(
-      sheet + "[uncertainty]\nair_temperature_k = 1\nwind_speed_relative = 0.25\n"
-              "solar_absorptance = 0.05\nemissivity = 0.05\nground_temperature_k = 2\n");
+  const std::string sheet = absl::StrReplaceAll(
+      kBox, {{"inside = \"temperature\"\ninside_temperature_k = 320", "inside = \"adiabatic\""}});
+  const auto sweep =
+      resolved(sheet +
+               "[uncertainty]\nair_temperature_k = 1\nwind_speed_relative = 0.25\n"
+               "solar_absorptance = 0.05\nemissivity = 0.05\nground_temperature_k = 2\n");
   const auto heat = heat_outputs(sweep, {});
   ASSERT_TRUE(heat.ok()) << heat.status();
   const schema::HeatField nominal = field_of((*heat)[0]), changes = field_of((*heat)[1]);
@@ -333,8 +339,9 @@ TEST(InputViews, OfWallsAreWhatOtherRunsSay) {
   EXPECT_EQ(plain.intensity_w_sr().value(), row.intensity_w_sr().value());
   for (const int i : {0, 1, 4}) {
     const std::string name = sweep.sweep().has_uncertainty() ? sweep.heat(1).input(i).name() : "";
-    const auto changed = view_of(resolved(absl::StrReplaceAll(
-                                     sheet, {{by_hand[i].first, by_hand[i].second}}))).row(0);
+    const auto changed =
+        view_of(resolved(absl::StrReplaceAll(sheet, {{by_hand[i].first, by_hand[i].second}})))
+            .row(0);
     const auto near = [&](double here, double there, double stated) {
       EXPECT_NEAR(stated, there - here, 0.03 * std::abs(there - here) + 1e-5 * here) << name;
     };

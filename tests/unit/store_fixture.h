@@ -339,7 +339,8 @@ inline std::string without_what_came_after(int version) {
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
       "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
       "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
-      "DROP TABLE heat_job; DROP TABLE input_contribution; ALTER TABLE sweep DROP COLUMN uncertain_inputs;"
+      "DROP TABLE heat_job; DROP TABLE input_contribution; ALTER TABLE sweep DROP COLUMN "
+      "uncertain_inputs;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"

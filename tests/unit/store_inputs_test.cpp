@@ -60,9 +60,10 @@ TEST_F(StoreInputs, ComeBackAsTheyCame) {
 // Noise is not called dominant.
 TEST_F(StoreInputs, WithinTheirNoiseAreNotNamed) {
   ASSERT_NO_FATAL_FAILURE(write());
-  sqlite_text(path_,
-              "UPDATE input_contribution SET contribution_stderr_w_sr = 0.51 * abs(contribution_w_sr)"
-              " WHERE input <> 'emissivity'");
+  sqlite_text(
+      path_,
+      "UPDATE input_contribution SET contribution_stderr_w_sr = 0.51 * abs(contribution_w_sr)"
+      " WHERE input <> 'emissivity'");
   const auto rows = StoreReader::open(path_).value()->find({}).value();
   ASSERT_EQ(rows.size(), 16U);
   for (const StoredSignature& s : rows) {
@@ -142,8 +143,7 @@ TEST(HeatChanges, ThatWereNotAskedForAreRefused) {
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
     EXPECT_NE(status.message().find(what), absl::string_view::npos) << status;
   };
-  refused([](auto& f, auto&) { f.mutable_change_k()->RemoveLast(); },
-          "has 1 changes for 2 inputs");
+  refused([](auto& f, auto&) { f.mutable_change_k()->RemoveLast(); }, "has 1 changes for 2 inputs");
   refused([](auto& f, auto&) { f.set_kelvin("hot"); }, "or temperatures");
   refused([](auto& f, auto&) { f.mutable_change_k(1)->resize(8); },
           "field.change_k[1] has 8 bytes for 1 times and 3 facets");
