@@ -25,9 +25,9 @@ constexpr Ending kEndings[] = {
     {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
     {".sli", "envi"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},   {".pdf", ""},
     {".gif", ""},     {".tif", ""},    {".tiff", ""},     {".eps", ""},    {".exr", ""},
-    {".obj", "obj"},  {".toml", ""},   {".sigdb", ""},    {".db", ""},     {".sqlite", ""},
-    {".stl", ""},     {".ply", ""},    {".gltf", ""},     {".glb", ""},    {".xlsx", ""},
-    {".html", ""}};
+    {".obj", "obj"},  {".vdb", "vdb"}, {".toml", ""},     {".sigdb", ""},  {".db", ""},
+    {".sqlite", ""},  {".stl", ""},    {".ply", ""},      {".gltf", ""},   {".glb", ""},
+    {".xlsx", ""},    {".html", ""}};
 
 const Ending* ending_of(const std::string& name) {
   const std::string lower = absl::AsciiStrToLower(name);

@@ -76,8 +76,8 @@ class Model {
 };
 
 State step(const Model& model, const State& y, double h) {
-  const State a = model.slope(y), b = model.slope(y + 0.5 * h * a), c = model.slope(y + 0.5 * h * b),
-              d = model.slope(y + h * c);
+  const State a = model.slope(y), b = model.slope(y + 0.5 * h * a),
+              c = model.slope(y + 0.5 * h * b), d = model.slope(y + h * c);
   return y + h / 6 * (a + 2 * b + 2 * c + d);
 }
 
@@ -88,10 +88,13 @@ absl::Status check(const PlumeExit& exit, const PlumeAir& air, double length_m) 
   };
   if (!in(exit.diameter_m, 1e-3, 100)) return refuse("diameter", exit.diameter_m, "0.001 to 100 m");
   if (!in(exit.velocity_m_s, 0.1, 500))
-    return refuse("exit velocity", exit.velocity_m_s,
-                  "0.1 to 500 m/s: slower gas does not fill its opening, faster gas is compressible");
-  if (!in(air.temperature_k, 180, 340)) return refuse("air temperature", air.temperature_k, "180 to 340 K");
-  if (!in(air.pressure_pa, 1e4, 1.2e5)) return refuse("air pressure", air.pressure_pa, "10 to 120 kPa");
+    return refuse(
+        "exit velocity", exit.velocity_m_s,
+        "0.1 to 500 m/s: slower gas does not fill its opening, faster gas is compressible");
+  if (!in(air.temperature_k, 180, 340))
+    return refuse("air temperature", air.temperature_k, "180 to 340 K");
+  if (!in(air.pressure_pa, 1e4, 1.2e5))
+    return refuse("air pressure", air.pressure_pa, "10 to 120 kPa");
   if (!in(air.wind_m_s, 0, 150)) return refuse("relative wind", air.wind_m_s, "0 to 150 m/s");
   if (!in(exit.temperature_k, air.temperature_k + 1, 3000))
     return refuse("exit temperature", exit.temperature_k,

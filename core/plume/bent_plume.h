@@ -17,31 +17,33 @@ struct PlumeAir {
 
 // A cross-section of the plume, perpendicular to its axis: uniform over its radius.
 struct PlumeStation {
-  double s_m = 0;              // along the axis
+  double s_m = 0;                // along the axis
   double x_m = 0, height_m = 0;  // downwind and above the opening
-  double angle_rad = 0;        // of the axis above the horizontal
+  double angle_rad = 0;          // of the axis above the horizontal
   double radius_m = 0;
   double velocity_m_s = 0;  // along the axis
   double share = 1;         // of exhaust gas in the mass (and in the moles), the rest is air
 };
 
 // Coefficients of entrainment: of a plume that rises by itself, and of one carried by wind.
-// beta = 0.6 makes the bent plume rise as Briggs found, 1.6 F^(1/3) x^(2/3) / U. [hoult1972, briggs1984]
+// beta = 0.6 makes the bent plume rise as Briggs found, 1.6 F^(1/3) x^(2/3) / U. [hoult1972,
+// briggs1984]
 inline constexpr double kEntrainmentAlong = 0.11, kEntrainmentAcross = 0.6;
 
-// The axis of a buoyant plume in a wind, by the integral model of Hoult, Fay and Forney [hoult1969]:
-// steady fluxes (divided by pi) of mass m = rho u R^2, of momentum and of heat,
+// The axis of a buoyant plume in a wind, by the integral model of Hoult, Fay and Forney
+// [hoult1969]: steady fluxes (divided by pi) of mass m = rho u R^2, of momentum and of heat,
 //
 //   dm/ds = 2 R rho_a (alpha |u - U cos theta| + beta U |sin theta|)
 //   d(m u cos theta)/ds = U dm/ds,  d(m u sin theta)/ds = g (rho_a - rho) R^2
 //
-// with share = m_0 / m and T = T_a + share (T_0 - T_a): exhaust and air of one molar mass and one heat
-// capacity, adiabatic mixing, no stratification, no downwash behind the funnel. Not Boussinesq.
+// with share = m_0 / m and T = T_a + share (T_0 - T_a): exhaust and air of one molar mass and one
+// heat capacity, adiabatic mixing, no stratification, no downwash behind the funnel. Not
+// Boussinesq.
 //
 // From the opening to where the axis is length_m long. Steps are a share of the radius (Runge and
 // Kutta, fourth order): halving them changes nothing by more than 1e-7.
-// INVALID_ARGUMENT: dimensions that are none, gas that is not hotter than the air, more than 3000 K,
-// slower than 0.1 m/s or faster than 500 m/s (the model is incompressible).
+// INVALID_ARGUMENT: dimensions that are none, gas that is not hotter than the air, more than 3000
+// K, slower than 0.1 m/s or faster than 500 m/s (the model is incompressible).
 [[nodiscard]] absl::StatusOr<std::vector<PlumeStation>> bent_plume(const PlumeExit& exit,
                                                                    const PlumeAir& air,
                                                                    double length_m,

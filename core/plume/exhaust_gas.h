@@ -4,17 +4,17 @@
 
 namespace irsig {
 
-// What leaves an engine: fuel of one carbon atom and hydrogen_per_carbon hydrogen atoms (1.85: marine
-// diesel), burnt with more air than it needs.
+// What leaves an engine: fuel of one carbon atom and hydrogen_per_carbon hydrogen atoms (1.85:
+// marine diesel), burnt with more air than it needs.
 struct ExhaustSpec {
   double hydrogen_per_carbon = 1.85;
-  double excess_air = 1.2;    // 0: just enough; 1.2: 2.2 times as much, a diesel engine at load
-  double carbon_as_co = 0;    // share of the fuel's carbon
-  double soot_g_per_kg = 0;   // of fuel
+  double excess_air = 1.2;   // 0: just enough; 1.2: 2.2 times as much, a diesel engine at load
+  double carbon_as_co = 0;   // share of the fuel's carbon
+  double soot_g_per_kg = 0;  // of fuel
 };
 
-// Mole fractions in the wet exhaust; soot: volume fraction at the temperature and pressure of the exit.
-// The air is dry, 20.95 % oxygen, without CO2: what the plume has beside the air around it.
+// Mole fractions in the wet exhaust; soot: volume fraction at the temperature and pressure of the
+// exit. The air is dry, 20.95 % oxygen, without CO2: what the plume has beside the air around it.
 struct ExhaustGas {
   double co2 = 0, h2o = 0, co = 0, soot = 0;
 };

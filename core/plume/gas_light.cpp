@@ -23,11 +23,12 @@ SegmentSource segment_source(const GasSegment& segment,
   if (!(spread > 0)) return {blackbody(segment.temperature_k), 0};
   const double low = blackbody(segment.temperature_k - spread);
   const double high = blackbody(segment.temperature_k + spread);
-  return {0.5 * (low + high), (high - low) / (2 * spread) * segment.temperature_change_k};
+  return {0.5 * (low + high), (high - low) / (2 * spread) * segment.temperature_change_k,
+          0.5 * std::abs(high - low)};
 }
 
-GasLight light_through(std::span<const double> optical_depth,
-                       std::span<const SegmentSource> source, double background) {
+GasLight light_through(std::span<const double> optical_depth, std::span<const SegmentSource> source,
+                       double background) {
   IRSIG_CHECK(optical_depth.size() == source.size());
   GasLight out;
   double in_front = 0;
@@ -57,7 +58,16 @@ double step_error(std::span<const double> optical_depth, std::span<const Segment
         light_through(coarse_optical_depth.subspan(i, 1), coarse_source.subspan(i, 1));
     const double error = std::exp(-in_front) * (fine.emitted - one.emitted);
     squares += error * error;
-    for (std::size_t j = first; j < first + count; ++j) in_front += optical_depth[j];
+    for (std::size_t j = first; j < first + count; ++j) {
+      const SegmentSource& own = source[j];
+      if (own.spread > 0) {
+        const double share = own.spread / own.mean;
+        const double left_out = std::exp(-in_front) * -std::expm1(-optical_depth[j]) * own.mean *
+                                share * share * share / 3;
+        squares += left_out * left_out;
+      }
+      in_front += optical_depth[j];
+    }
     first += count;
   }
   IRSIG_CHECK(first == source.size());

@@ -29,8 +29,8 @@ GasSegment merged(const GasSegment& a, const GasSegment& b) {
   out.pressure_pa = fa * a.pressure_pa + fb * b.pressure_pa;
   const double step_k = b.temperature_k - a.temperature_k;
   out.temperature_k = a.temperature_k + fb * step_k;
-  out.temperature_change_k = 6 * fa * fb * step_k + fa * fa * a.temperature_change_k +
-                             fb * fb * b.temperature_change_k;
+  out.temperature_change_k =
+      6 * fa * fb * step_k + fa * fa * a.temperature_change_k + fb * fb * b.temperature_change_k;
   out.temperature_spread_k =
       std::sqrt(fa * a.temperature_spread_k * a.temperature_spread_k +
                 fb * b.temperature_spread_k * b.temperature_spread_k + fa * fb * step_k * step_k);
@@ -68,12 +68,14 @@ void SegmentBuilder::add(const GasPiece& piece) {
     const bool touches = next.start_m - last.end_m <= 1e-6 * (next.end_m - last.start_m);
     const bool same_pressure = std::abs(next.pressure_pa - first_pressure_pa_) <=
                                steps_.pressure_step * first_pressure_pa_;
-    GasPiece both = open_;
-    both.segment = merged(last, next);
-    both.widen(piece);
-    if (touches && same_pressure && both.is_fine(steps_)) {
-      open_ = both;
-      return;
+    if (touches && same_pressure) {
+      GasPiece both = open_;
+      both.segment = merged(last, next);
+      both.widen(piece);
+      if (both.is_fine(steps_)) {
+        open_ = both;
+        return;
+      }
     }
     out_.push_back(last);
   }

@@ -11,14 +11,14 @@ namespace irsig {
 // conditions can be shaded from it (docs/decisions/0001): absorption from temperature, pressure,
 // amounts and length; emission from the temperature's mean, change and spread.
 //
-// Temperatures are weighted by the amount of gas (GasSums::weight). Merging two pieces keeps amounts,
-// length, mean, change and spread of the temperature exactly.
+// Temperatures are weighted by the amount of gas (GasSums::weight). Merging two pieces keeps
+// amounts, length, mean, change and spread of the temperature exactly.
 struct GasSegment {
   double start_m = 0, end_m = 0;  // along the ray
   // CO2, H2O, CO [mol/m2]; soot: volume fraction times length [m].
   std::array<double, kPlumeSpecies> amount{};
-  double weight = 0;                // moles that temperature and pressure are weighted with [mol/m2]
-  double temperature_k = 0;         // mean
+  double weight = 0;         // moles that temperature and pressure are weighted with [mol/m2]
+  double temperature_k = 0;  // mean
   double temperature_change_k = 0;  // of the best straight line in amount, far end less near end
   double temperature_spread_k = 0;  // standard deviation, the line's included
   double pressure_pa = 0;           // mean
@@ -38,9 +38,9 @@ struct GreyAbsorption {
 
 // When pieces of a ray are one segment.
 struct SegmentSteps {
-  // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey optical
-  // depth exceeds optical_depth_step, so many times less. Cells of the grid in which it is exceeded
-  // are halved, at most 8 times.
+  // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey
+  // optical depth exceeds optical_depth_step, so many times less. Cells of the grid in which it is
+  // exceeded are halved, at most 8 times.
   double temperature_step = 0.02;
   double optical_depth_step = 0.25;
   GreyAbsorption grey{};  // 0: temperature alone decides
@@ -55,8 +55,8 @@ struct SegmentSteps {
                            double composition_change) const;
 };
 
-// One piece to be added: a segment, and the extremes of its temperature and of the shares of species
-// in its weight.
+// One piece to be added: a segment, and the extremes of its temperature and of the shares of
+// species in its weight.
 struct GasPiece {
   GasSegment segment;
   double least_k = 0, most_k = 0;
@@ -85,9 +85,9 @@ class SegmentBuilder {
 [[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
 
 // With steps twice as large: neighbours merged two by two, what is left alone without change and
-// spread. What this changes is an estimate of what the finite steps cost (step_error in gas_light.h).
-// Not merged are neighbours whose temperatures differ by more than twice what either's own course
-// covers: a jump of the field is no step.
+// spread. What this changes is an estimate of what the finite steps cost (step_error in
+// gas_light.h). Not merged are neighbours whose temperatures differ by more than twice what
+// either's own course covers: a jump of the field is no step.
 struct CoarseStep {
   GasSegment segment;
   std::size_t count = 1;  // of segments that it stands for

@@ -22,8 +22,8 @@ double dot(Place a, Place b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 // The axis as a line of straight pieces, with the profile at each of its corners.
 class AxisOfPlume {
  public:
-  AxisOfPlume(const std::vector<PlumeStation>& stations, Vec<Body> downwind,
-              const PlumeExit& exit, double air_k, double spacing_m) {
+  AxisOfPlume(const std::vector<PlumeStation>& stations, Vec<Body> downwind, const PlumeExit& exit,
+              double air_k, double spacing_m) {
     double last = -1;
     for (const PlumeStation& s : stations) {
       if (last >= 0 && s.s_m < last + spacing_m && &s != &stations.back()) continue;
@@ -51,7 +51,8 @@ class AxisOfPlume {
     return best;
   }
 
-  // Share of exhaust gas at a place whose nearest piece is known. 0 below the opening, beyond the end.
+  // Share of exhaust gas at a place whose nearest piece is known. 0 below the opening, beyond the
+  // end.
   [[nodiscard]] double share(Place p, std::size_t piece) const {
     const double t = along(p, piece);
     if ((piece == 0 && t < 0) || (piece + 1 == pieces() && t > 1)) return 0;
@@ -129,16 +130,15 @@ absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume) {
   for (const double x : {plume.wind_m_s, plume.wind_from_deg, plume.ship_speed_m_s})
     if (!std::isfinite(x)) return absl::InvalidArgumentError("wind or ship speed is not finite");
   if (!(plume.wind_m_s >= 0))
-    return absl::InvalidArgumentError(fmt::format("wind {:g} m/s, expected 0 or more", plume.wind_m_s));
-  if (!(plume.voxel_m > 0) || plume.voxel_m > plume.exit.diameter_m)
     return absl::InvalidArgumentError(
-        fmt::format("voxel_m {:g}, expected more than 0 and at most the diameter of the opening, {:g}",
-                    plume.voxel_m, plume.exit.diameter_m));
-  const Vec<Body> wind =
-      relative_wind(plume.wind_m_s, plume.wind_from_deg, plume.ship_speed_m_s);
+        fmt::format("wind {:g} m/s, expected 0 or more", plume.wind_m_s));
+  if (!(plume.voxel_m > 0) || plume.voxel_m > plume.exit.diameter_m)
+    return absl::InvalidArgumentError(fmt::format(
+        "voxel_m {:g}, expected more than 0 and at most the diameter of the opening, {:g}",
+        plume.voxel_m, plume.exit.diameter_m));
+  const Vec<Body> wind = relative_wind(plume.wind_m_s, plume.wind_from_deg, plume.ship_speed_m_s);
   const PlumeAir air{length(wind), plume.air_temperature_k, plume.air_pressure_pa};
-  absl::StatusOr<std::vector<PlumeStation>> stations =
-      bent_plume(plume.exit, air, plume.length_m);
+  absl::StatusOr<std::vector<PlumeStation>> stations = bent_plume(plume.exit, air, plume.length_m);
   if (!stations.ok()) return stations.status();
   const absl::StatusOr<ExhaustGas> gas =
       exhaust_gas(plume.exhaust, plume.exit.temperature_k, plume.air_pressure_pa);

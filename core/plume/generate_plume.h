@@ -16,7 +16,7 @@ namespace irsig {
 // those that there are.
 struct GeneratedPlume {
   VoxelVolume volume;
-  PlumeGrids grids;  // as they are to be read, at the origin of the body frame
+  PlumeGrids grids;                // as they are to be read, at the origin of the body frame
   std::vector<PlumeStation> axis;  // of a funnel's plume
   Vec<Body> downwind{};
 };
@@ -33,17 +33,17 @@ struct FunnelPlume {
 };
 
 // The bent plume (bent_plume.h) with a profile across: the share of exhaust gas is
-// f0 exp(-(r / b)^m), with flux and second moment of the uniform section: f0 = 1 and m from a top hat
-// down to 2 near the opening, then a Gaussian (m = 2) whose f0 falls. Cut where it is a thousandth of
-// f0, and at both ends. Voxels hold means of 2^3 points, amounts and their temperatures.
-// Mole fractions are the exhaust's own, without what the air has of CO2 and H2O.
+// f0 exp(-(r / b)^m), with flux and second moment of the uniform section: f0 = 1 and m from a top
+// hat down to 2 near the opening, then a Gaussian (m = 2) whose f0 falls. Cut where it is a
+// thousandth of f0, and at both ends. Voxels hold means of 2^3 points, amounts and their
+// temperatures. Mole fractions are the exhaust's own, without what the air has of CO2 and H2O.
 // INVALID_ARGUMENT: as bent_plume and exhaust_gas; voxels larger than the opening; more than
 // kMostGeneratedBlocks.
 [[nodiscard]] absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume);
 
-// A homogeneous body: "slab" (length x width x height along x, y, z), "cylinder" (radius, length along
-// x) or "sphere" (radius), centred. Faces of voxels at whole multiples of voxel_m; voxels that the
-// surface cuts have the fractions times the share of 6^3 points that lies inside.
+// A homogeneous body: "slab" (length x width x height along x, y, z), "cylinder" (radius, length
+// along x) or "sphere" (radius), centred. Faces of voxels at whole multiples of voxel_m; voxels
+// that the surface cuts have the fractions times the share of 6^3 points that lies inside.
 struct UniformPlume {
   std::string kind;
   double length_m = 0, width_m = 0, height_m = 0, radius_m = 0;
@@ -58,8 +58,7 @@ inline constexpr std::uint64_t kMostGeneratedBlocks = 100'000;
 
 // The relative wind that such a ship feels, as a vector that says where it blows: x forward,
 // y starboard. [m/s]
-[[nodiscard]] Vec<Body> relative_wind(double wind_m_s, double wind_from_deg,
-                                      double ship_speed_m_s);
+[[nodiscard]] Vec<Body> relative_wind(double wind_m_s, double wind_from_deg, double ship_speed_m_s);
 
 // A section's profile across (see above).
 struct PlumeProfile {

@@ -14,8 +14,8 @@ struct Extent {
 absl::StatusOr<Extent> extent_of(const UniformPlume& p) {
   const auto wrong = [&](const char* what, double is) {
     return absl::InvalidArgumentError(
-        fmt::format("{}: {} {:g}, expected at least a voxel ({:g} m) and at most 1e5 m", p.kind, what,
-                    is, p.voxel_m));
+        fmt::format("{}: {} {:g}, expected at least a voxel ({:g} m) and at most 1e5 m", p.kind,
+                    what, is, p.voxel_m));
   };
   const auto good = [&](double x) { return x >= p.voxel_m && x <= 1e5; };
   if (p.kind == "sphere") {
@@ -47,8 +47,8 @@ bool inside(const UniformPlume& p, const Extent& half, double x, double y, doubl
 GeneratedVolume::GeneratedVolume(double voxel_m, double pressure_pa,
                                  const std::array<double, kPlumeSpecies>& fraction)
     : value_() {
-  volume_.world_from_index = {voxel_m, 0, 0, voxel_m / 2, 0,       voxel_m,
-                              0,       voxel_m / 2, 0, 0, voxel_m, voxel_m / 2};
+  volume_.world_from_index = {voxel_m, 0,           0, voxel_m / 2, 0,       voxel_m,
+                              0,       voxel_m / 2, 0, 0,           voxel_m, voxel_m / 2};
   volume_.channel = {"temperature"};
   GridOrConstant* species[] = {&grids_.co2, &grids_.h2o, &grids_.co, &grids_.soot};
   const char* names[] = {"co2", "h2o", "co", "soot"};
@@ -103,9 +103,10 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
   if (const auto checked = check_plume_grids(said); !checked.ok()) return checked.status();
   const double sum = plume.co2 + plume.h2o + plume.co;
   if (!(plume.co2 >= 0 && sum <= 1 && sum + plume.soot > 0))
-    return absl::InvalidArgumentError(fmt::format(
-        "mole fractions co2 {:g}, h2o {:g} and co {:g}, expected 0 to 1 in all, and some gas or soot",
-        plume.co2, plume.h2o, plume.co));
+    return absl::InvalidArgumentError(
+        fmt::format("mole fractions co2 {:g}, h2o {:g} and co {:g}, expected 0 to 1 in all, and "
+                    "some gas or soot",
+                    plume.co2, plume.h2o, plume.co));
 
   const double h = plume.voxel_m;
   const auto blocks = [&](double x) { return static_cast<std::int32_t>(std::ceil(x / (8 * h))); };
@@ -129,7 +130,8 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
     for (std::int32_t y = -blocks(half->y); y < blocks(half->y); ++y)
       for (std::int32_t z = -blocks(half->z); z < blocks(half->z); ++z) {
         for (int v = 0; v < 512; ++v)
-          if (const double in = share(8 * x + (v >> 6), 8 * y + (v >> 3 & 7), 8 * z + (v & 7)); in > 0)
+          if (const double in = share(8 * x + (v >> 6), 8 * y + (v >> 3 & 7), 8 * z + (v & 7));
+              in > 0)
             volume.set(static_cast<unsigned>(v), plume.temperature_k, in, in);
         volume.add_block({8 * x, 8 * y, 8 * z});
       }

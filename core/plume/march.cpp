@@ -50,7 +50,10 @@ std::int32_t whole_in(double x, std::int32_t low, std::int32_t high) {
 class Marcher {
  public:
   Marcher(const PlumeField& field, const PlumeRay& ray, const SegmentSteps& steps)
-      : field_(field), steps_(steps), builder_(steps), linear_(field.interpolation() == PlumeInterpolation::kLinear) {
+      : field_(field),
+        steps_(steps),
+        builder_(steps),
+        linear_(field.interpolation() == PlumeInterpolation::kLinear) {
     // Distances count from a place near the gas: a far origin then costs no digits of steps.
     const PlumeField::Box box = field.bounds();
     std::array<double, 3> middle{};
@@ -192,8 +195,7 @@ class Marcher {
 
   GasSums between_corners(const Cell& cell, double t) const {
     double share[3];
-    for (std::size_t a = 0; a < 3; ++a)
-      share[a] = std::clamp(ray_.at(a, t) - cell[a], 0.0, 1.0);
+    for (std::size_t a = 0; a < 3; ++a) share[a] = std::clamp(ray_.at(a, t) - cell[a], 0.0, 1.0);
     GasSums out;
     for (unsigned n = 0; n < 8; ++n) {
       const double w = ((n & 4) != 0 ? share[0] : 1 - share[0]) *

@@ -8,8 +8,9 @@
 
 namespace irsig {
 
-// A step over an interval of a ray with gas at its ends and middle known, halved until its temperature
-// is nearly constant. Sums are those of Simpson's rule: exact where they are cubic in the distance.
+// A step over an interval of a ray with gas at its ends and middle known, halved until its
+// temperature is nearly constant. Sums are those of Simpson's rule: exact where they are cubic in
+// the distance.
 template <typename Gas>
 class IntervalMarcher {
  public:
@@ -37,8 +38,8 @@ class IntervalMarcher {
     builder_.add(piece);
   }
 
-  static double share(std::size_t species, double amount, double weight) {
-    return amount * (species == kSoot ? kSootMolPerM3 : 1) / weight;
+  static double share(std::size_t species, double amount, double per_weight) {
+    return amount * (species == kSoot ? kSootMolPerM3 : 1) * per_weight;
   }
 
   static GasPiece piece_of(double a, const GasSums& at_a, const GasSums& at_m, double b,
@@ -53,21 +54,23 @@ class IntervalMarcher {
       s.amount[k] = simpson(at_a.amount[k], at_m.amount[k], at_b.amount[k]);
     s.weight = simpson(at_a.weight, at_m.weight, at_b.weight);
     if (!(s.weight > 0)) return out;
-    s.temperature_k = simpson(at_a.weight_temperature, at_m.weight_temperature,
-                              at_b.weight_temperature) / s.weight;
+    s.temperature_k =
+        simpson(at_a.weight_temperature, at_m.weight_temperature, at_b.weight_temperature) /
+        s.weight;
     s.pressure_pa =
         simpson(at_a.weight_pressure, at_m.weight_pressure, at_b.weight_pressure) / s.weight;
-    // Where an end has no gas its temperature has no weight, but still a value: that towards which it
-    // goes there, of which thick gas shows much.
+    // Where an end has no gas its temperature has no weight, but still a value: that towards which
+    // it goes there, of which thick gas shows much.
     const GasSums* ends[] = {&at_a, &at_m, &at_b};
     double t[3], weight[3];
     out.least_k = out.most_k = s.temperature_k;
+    const double per_weight = 1 / s.weight;
     for (std::size_t k = 0; k < kPlumeSpecies; ++k)
-      out.least_share[k] = out.most_share[k] = share(k, s.amount[k], s.weight);
+      out.least_share[k] = out.most_share[k] = share(k, s.amount[k], per_weight);
     for (int i = 0; i < 3; ++i) {
       weight[i] = (i == 1 ? 4.0 : 1.0) / 6 * ends[i]->weight * length / s.weight;
-      t[i] = ends[i]->weight > 0 ? ends[i]->weight_temperature / ends[i]->weight - s.temperature_k
-                                 : 0;
+      t[i] =
+          ends[i]->weight > 0 ? ends[i]->weight_temperature / ends[i]->weight - s.temperature_k : 0;
     }
     if (!(at_a.weight > 0)) t[0] = 2 * t[1] - t[2];
     if (!(at_b.weight > 0)) t[2] = 2 * t[1] - t[0];
@@ -75,8 +78,9 @@ class IntervalMarcher {
       out.least_k = std::min(out.least_k, s.temperature_k + t[i]);
       out.most_k = std::max(out.most_k, s.temperature_k + t[i]);
       if (!(ends[i]->weight > 0)) continue;
+      const double per_own = 1 / ends[i]->weight;
       for (std::size_t k = 0; k < kPlumeSpecies; ++k) {
-        const double own = share(k, ends[i]->amount[k], ends[i]->weight);
+        const double own = share(k, ends[i]->amount[k], per_own);
         out.least_share[k] = std::min(out.least_share[k], own);
         out.most_share[k] = std::max(out.most_share[k], own);
       }

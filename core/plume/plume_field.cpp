@@ -60,11 +60,14 @@ GasSums PlumeField::at_voxel(const CellBlock& block, unsigned x, unsigned y, uns
     return q.channel < 0 ? q.constant : static_cast<double>(v[q.channel]);
   };
   const double temperature_k = value(temperature_), pressure_pa = value(pressure_);
-  const double all_mol_m3 = pressure_pa / (kGasConstantJMolK * temperature_k);
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
     const PlumeQuantity& q = species_[s];
-    out.amount[s] = q.channel >= 0 ? static_cast<double>(v[q.channel])
-                                   : q.constant * (s == kSoot ? 1 : all_mol_m3);
+    if (q.channel >= 0) {
+      out.amount[s] = static_cast<double>(v[q.channel]);
+    } else if (q.constant > 0) {
+      const double all_mol_m3 = pressure_pa / (kGasConstantJMolK * temperature_k);
+      out.amount[s] = q.constant * (s == kSoot ? 1 : all_mol_m3);
+    }
     out.weight += out.amount[s] * (s == kSoot ? kSootMolPerM3 : 1);
   }
   out.weight_temperature = out.weight * temperature_k;
@@ -88,7 +91,8 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> import_plume(std::string_view 
                                                                const std::string& file_name,
                                                                const PlumeGrids& grids) {
   const auto named = [&](const absl::Status& status) {
-    return absl::Status(status.code(), fmt::format("{}: {}", file_name, std::string(status.message())));
+    return absl::Status(status.code(),
+                        fmt::format("{}: {}", file_name, std::string(status.message())));
   };
   const absl::StatusOr<PlumeReading> reading = check_plume_grids(grids);
   if (!reading.ok()) return named(reading.status());

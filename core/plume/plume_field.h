@@ -16,12 +16,12 @@
 namespace irsig {
 
 // The gas at a place, as the field's interpolation takes it together: sums over centres of voxels
-// times their shares. `carbon` is what temperatures are weighted with: moles of CO2, H2O, CO, and of
-// soot as carbon of 1800 kg/m3, so that a plume of soot alone has a temperature too.
+// times their shares. `carbon` is what temperatures are weighted with: moles of CO2, H2O, CO, and
+// of soot as carbon of 1800 kg/m3, so that a plume of soot alone has a temperature too.
 struct GasSums {
-  double weight = 0;                          // [mol/m3]
-  double weight_temperature = 0;              // [mol K/m3]
-  double weight_pressure = 0;                 // [mol Pa/m3]
+  double weight = 0;                           // [mol/m3]
+  double weight_temperature = 0;               // [mol K/m3]
+  double weight_pressure = 0;                  // [mol Pa/m3]
   std::array<double, kPlumeSpecies> amount{};  // CO2, H2O, CO [mol/m3]; soot volume fraction
 };
 inline constexpr double kSootMolPerM3 = 1800 / 0.012011;  // carbon atoms in solid soot
@@ -41,9 +41,9 @@ struct PlumeReport {
 class PlumeField {
  public:
   // INVALID_ARGUMENT names the grid, what is there and the first voxel: not finite, temperatures of
-  // 0 to 1, gas colder than kLeastPlumeK, a fraction outside 0 to 1 or a sum of mole fractions above
-  // 1, gas without temperature or pressure, a species whose background is not 0, no gas at all; a
-  // singular or badly conditioned lattice, one larger than 1e6 m.
+  // 0 to 1, gas colder than kLeastPlumeK, a fraction outside 0 to 1 or a sum of mole fractions
+  // above 1, gas without temperature or pressure, a species whose background is not 0, no gas at
+  // all; a singular or badly conditioned lattice, one larger than 1e6 m.
   static absl::StatusOr<std::shared_ptr<const PlumeField>> make(VoxelVolume volume,
                                                                 const PlumeReading& reading);
 
@@ -62,11 +62,12 @@ class PlumeField {
   [[nodiscard]] Box bounds() const { return bounds_; }
   [[nodiscard]] std::size_t bytes() const;
 
-  // For the marcher. A cell is what a ray crosses in one step: between 8 centres (kLinear; cell i is
-  // [i, i + 1]) or around one (kConstant; cell i is [i - 1/2, i + 1/2]).
+  // For the marcher. A cell is what a ray crosses in one step: between 8 centres (kLinear; cell i
+  // is [i, i + 1]) or around one (kConstant; cell i is [i - 1/2, i + 1/2]).
   struct CellBlock {
     VoxelMask filled{};  // cells that hold gas
-    // kLinear: the blocks of values at +0 or +8 along x (bit 2), y (1), z (0); kConstant: the first.
+    // kLinear: the blocks of values at +0 or +8 along x (bit 2), y (1), z (0); kConstant: the
+    // first.
     std::array<std::int32_t, 8> values{};  // -1: none
     bool uniform = false;                  // the whole block is one gas
   };

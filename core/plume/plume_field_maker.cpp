@@ -71,9 +71,9 @@ absl::Status PlumeFieldMaker::check_lattice() {
                     reading_.grid[0], condition, kMostCondition));
   field_->voxel_volume_m3_ = std::abs(det);
   if (!(std::cbrt(std::abs(det)) >= 1e-6 && std::cbrt(std::abs(det)) <= 1e4))
-    return refuse(fmt::format(
-        "grid \"{}\": a voxel of {:.3g} m, expected 1e-6 to 1e4 m: is unit_m right?",
-        reading_.grid[0], std::cbrt(std::abs(det))));
+    return refuse(
+        fmt::format("grid \"{}\": a voxel of {:.3g} m, expected 1e-6 to 1e4 m: is unit_m right?",
+                    reading_.grid[0], std::cbrt(std::abs(det))));
   return absl::OkStatus();
 }
 
@@ -107,7 +107,8 @@ PlumeFieldMaker::Voxel PlumeFieldMaker::voxel_of(const VoxelMask* masks, unsigne
     any_species = any_species || (there && q.channel >= 0);
     if (q.channel < 0 || !there) continue;
     const double x = out.fraction[s];
-    if (out.finite && !(x >= 0 && x <= 1)) outside_[static_cast<std::size_t>(q.channel)].add(out.at, x);
+    if (out.finite && !(x >= 0 && x <= 1))
+      outside_[static_cast<std::size_t>(q.channel)].add(out.at, x);
   }
   // A constant species is where the temperature is; where that is constant too, where a species is.
   const bool there = reading_.temperature.channel >= 0 ? out.has_temperature : any_species;
@@ -117,14 +118,15 @@ PlumeFieldMaker::Voxel PlumeFieldMaker::voxel_of(const VoxelMask* masks, unsigne
     const int q = reading_.species[s].channel;
     if (q < 0 || !there || holds(masks[channel_[static_cast<std::size_t>(q)]], offset)) continue;
     const float background = volume_.background[channel_[static_cast<std::size_t>(q)]];
-    if (background != 0) background_[static_cast<std::size_t>(q)].add(out.at, static_cast<double>(background));
+    if (background != 0)
+      background_[static_cast<std::size_t>(q)].add(out.at, static_cast<double>(background));
   }
   return out;
 }
 
 bool PlumeFieldMaker::has_gas(const Voxel& voxel) {
-  const bool any = std::any_of(voxel.fraction.begin(), voxel.fraction.end(),
-                               [](double x) { return x > 0; });
+  const bool any =
+      std::any_of(voxel.fraction.begin(), voxel.fraction.end(), [](double x) { return x > 0; });
   if (!any && voxel.has_temperature) ++field_->report_.warm_without_gas;
   return any;
 }
@@ -133,8 +135,7 @@ void PlumeFieldMaker::check_gas(const Voxel& v) {
   if (!v.has_temperature) return without_temperature_.add(v.at, 0);
   if (!v.has_pressure) return without_pressure_.add(v.at, 0);
   const PlumeQuantity& t = reading_.temperature;
-  most_raw_temperature_ =
-      std::max(most_raw_temperature_, (v.temperature_k - t.offset) / t.scale);
+  most_raw_temperature_ = std::max(most_raw_temperature_, (v.temperature_k - t.offset) / t.scale);
   if (v.temperature_k < kLeastPlumeK) cold_.add(v.at, v.temperature_k);
   if (v.temperature_k > kMostPlumeK) hot_.add(v.at, v.temperature_k);
   if (!(v.pressure_pa >= kLeastPlumePa && v.pressure_pa <= kMostPlumePa))
@@ -142,7 +143,8 @@ void PlumeFieldMaker::check_gas(const Voxel& v) {
   const double sum = v.fraction[0] + v.fraction[1] + v.fraction[2];
   if (sum > 1 + 1e-6) sum_.add(v.at, sum);
   PlumeReport& report = field_->report_;
-  report.least_k = report.gas_voxels == 0 ? v.temperature_k : std::min(report.least_k, v.temperature_k);
+  report.least_k =
+      report.gas_voxels == 0 ? v.temperature_k : std::min(report.least_k, v.temperature_k);
   report.most_k = std::max(report.most_k, v.temperature_k);
   ++report.gas_voxels;
 }
@@ -158,8 +160,7 @@ void PlumeFieldMaker::store(const Voxel& v, std::uint64_t voxels, float* to) {
   for (std::size_t s = 0; s < kPlumeSpecies; ++s) {
     const double amount = v.fraction[s] * (s == kSoot ? 1 : all_mol_m3);
     put(reading_.species[s], amount);
-    field_->report_.amount[s] +=
-        amount * field_->voxel_volume_m3_ * static_cast<double>(voxels);
+    field_->report_.amount[s] += amount * field_->voxel_volume_m3_ * static_cast<double>(voxels);
   }
 }
 
@@ -193,9 +194,9 @@ void PlumeFieldMaker::take_block(std::size_t b, std::size_t& read, std::size_t& 
   }
   read += stored;
   if (voxels.empty()) return;
-  values.form = uniform                               ? Form::kUniform
+  values.form = uniform                         ? Form::kUniform
                 : dense && voxels.size() >= 256 ? Form::kDense
-                                                      : Form::kPacked;
+                                                : Form::kPacked;
   if (uniform) {
     values.gas.fill(~0ULL);
     field_->report_.gas_voxels += 511;
@@ -210,8 +211,7 @@ void PlumeFieldMaker::take_block(std::size_t b, std::size_t& read, std::size_t& 
   const std::size_t room = values.form == Form::kDense ? 512 : voxels.size();
   std::fill(to, to + room * out, 0.0F);
   for (std::size_t v = 0; v < voxels.size(); ++v)
-    store(voxels[v], uniform ? 512 : 1,
-          to + (values.form == Form::kDense ? offsets[v] : v) * out);
+    store(voxels[v], uniform ? 512 : 1, to + (values.form == Form::kDense ? offsets[v] : v) * out);
   written += room;
   origin_.push_back(block.origin);
   field_->value_blocks_.push_back(values);
@@ -227,7 +227,8 @@ absl::Status PlumeFieldMaker::faults() const {
   };
   const auto grid = [&](const PlumeQuantity& q) {
     return q.channel < 0 ? std::string(q.name)
-                         : fmt::format("grid \"{}\" ({})", reading_.grid[static_cast<std::size_t>(q.channel)], q.name);
+                         : fmt::format("grid \"{}\" ({})",
+                                       reading_.grid[static_cast<std::size_t>(q.channel)], q.name);
   };
   for (std::size_t c = 0; c < channel_.size(); ++c)
     say(not_finite_[c], fmt::format("grid \"{}\": not finite", reading_.grid[c]),
@@ -245,8 +246,10 @@ absl::Status PlumeFieldMaker::faults() const {
   }
   say(hot_, fmt::format("{}: gas hotter than {} K", t, kMostPlumeK),
       fmt::format("{:g} K", hot_.value));
-  say(without_temperature_, fmt::format("{}: gas without a temperature, where the grid is not active", t));
-  say(without_pressure_, fmt::format("{}: gas without a pressure, where the grid is not active", p));
+  say(without_temperature_,
+      fmt::format("{}: gas without a temperature, where the grid is not active", t));
+  say(without_pressure_,
+      fmt::format("{}: gas without a pressure, where the grid is not active", p));
   say(pressure_, fmt::format("{}: outside {:g} to {:g} Pa", p, kLeastPlumePa, kMostPlumePa),
       fmt::format("{:g} Pa", pressure_.value));
   for (const PlumeQuantity& q : reading_.species) {

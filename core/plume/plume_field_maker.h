@@ -54,8 +54,8 @@ class PlumeFieldMaker {
   VoxelVolume volume_;
   const PlumeReading reading_;
   std::unique_ptr<PlumeField> field_;
-  std::vector<std::size_t> channel_;  // of the volume, for each of the reading
-  std::vector<BlockTree::Cell> origin_;  // of value blocks
+  std::vector<std::size_t> channel_;                      // of the volume, for each of the reading
+  std::vector<BlockTree::Cell> origin_;                   // of value blocks
   std::vector<Fault> not_finite_, outside_, background_;  // by channel of the reading
   Fault cold_, hot_, without_temperature_, without_pressure_, pressure_, sum_, far_;
   double most_raw_temperature_ = 0;

@@ -60,8 +60,7 @@ class Checker {
                                      (most - out.offset) / out.scale, unit->name));
     } else if (std::find(reading_.grid.begin(), reading_.grid.end(), said.grid) !=
                reading_.grid.end()) {
-      wrong_.push_back(
-          fmt::format("{}: grid \"{}\" is another quantity already", name, said.grid));
+      wrong_.push_back(fmt::format("{}: grid \"{}\" is another quantity already", name, said.grid));
     } else {
       out.channel = static_cast<int>(reading_.grid.size());
       reading_.grid.push_back(said.grid);
@@ -94,8 +93,7 @@ void check_axes(const PlumeGrids& grids, PlumeReading& reading, std::vector<std:
     return;
   }
   if (!(grids.unit_m > 0) || !std::isfinite(grids.unit_m))
-    wrong.push_back(
-        fmt::format("unit_m = {}, expected a positive number of metres", grids.unit_m));
+    wrong.push_back(fmt::format("unit_m = {}, expected a positive number of metres", grids.unit_m));
   const double at[] = {grids.position_m.x, grids.position_m.y, grids.position_m.z};
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
@@ -114,8 +112,8 @@ absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids) {
   PlumeReading out;
   std::vector<std::string> wrong;
   Checker checker(out, wrong);
-  out.temperature = checker.check("temperature", grids.temperature, kTemperatureUnits, kLeastPlumeK,
-                                  kMostPlumeK);
+  out.temperature =
+      checker.check("temperature", grids.temperature, kTemperatureUnits, kLeastPlumeK, kMostPlumeK);
   out.pressure =
       checker.check("pressure", grids.pressure, kPressureUnits, kLeastPlumePa, kMostPlumePa);
   const GridOrConstant* species[] = {&grids.co2, &grids.h2o, &grids.co, &grids.soot};
@@ -131,8 +129,9 @@ absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids) {
   if (wrong.empty() && !any)
     wrong.push_back("no gas: co2, h2o, co and soot are all the constant 0");
   if (wrong.empty() && !grid)
-    wrong.push_back("no grid: temperature and all species are constants, so that nothing says "
-                    "where the gas is");
+    wrong.push_back(
+        "no grid: temperature and all species are constants, so that nothing says "
+        "where the gas is");
   if (wrong.empty()) return out;
   std::string text;
   for (const std::string& what : wrong) text += (text.empty() ? "" : "\n") + what;

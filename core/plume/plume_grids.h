@@ -10,8 +10,8 @@
 
 namespace irsig {
 
-// A quantity of the gas: a grid of the file or one number for all gas. Exactly one must be said: for
-// a species that is not there, constant 0.
+// A quantity of the gas: a grid of the file or one number for all gas. Exactly one must be said:
+// for a species that is not there, constant 0.
 struct GridOrConstant {
   std::string grid;
   std::optional<double> constant;
@@ -22,7 +22,8 @@ struct GridOrConstant {
 
 // How the field lies between the centres of voxels.
 enum class PlumeInterpolation {
-  // Amounts (number densities, soot volume fraction) are trilinear between centres and 0 at those of
+  // Amounts (number densities, soot volume fraction) are trilinear between centres and 0 at those
+  // of
   // empty voxels; temperature and pressure are means of the centres around, weighted by their
   // amounts: what is empty never cools an edge. The amount of gas is that of the voxels.
   kLinear,
@@ -62,8 +63,9 @@ struct PlumeReading {
 };
 
 // INVALID_ARGUMENT with all that is wrong, a line for each: a quantity with neither or both of grid
-// and constant, an unknown unit, one grid for two quantities, a constant out of range (temperature 100
-// to 5000 K, pressure 100 Pa to 10 MPa, fractions 0 to 1), no species at all, axes that are none.
+// and constant, an unknown unit, one grid for two quantities, a constant out of range (temperature
+// 100 to 5000 K, pressure 100 Pa to 10 MPa, fractions 0 to 1), no species at all, axes that are
+// none.
 [[nodiscard]] absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids);
 
 // Bounds of both constants and voxels. Below 100 K there is no exhaust; above 5000 K no molecule.

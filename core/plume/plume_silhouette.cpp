@@ -36,21 +36,23 @@ GasWindow gas_window(const PlumeField& field, Vec<Body> direction) {
   return out;
 }
 
-ProjectedGas projected_gas(const PlumeField& field, Vec<Body> direction,
-                           const GreyAbsorption& grey, double threshold, int rays_across) {
+ProjectedGas projected_gas(const PlumeField& field, Vec<Body> direction, const GreyAbsorption& grey,
+                           double threshold, int rays_across) {
   IRSIG_CHECK(rays_across > 0);
   const GasWindow window = gas_window(field, direction);
   SegmentSteps steps;
   steps.temperature_step = 1e9;  // amounts are all that counts
   const auto n = static_cast<std::size_t>(rays_across);
-  const double du = 2 * window.half_width_m / rays_across, dv = 2 * window.half_height_m / rays_across;
+  const double du = 2 * window.half_width_m / rays_across,
+               dv = 2 * window.half_height_m / rays_across;
   std::vector<bool> in(n * n);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) {
-      const Vec<Body> at = window.center +
-                           ((static_cast<double>(i) + 0.5) * du - window.half_width_m) * window.right +
-                           ((static_cast<double>(j) + 0.5) * dv - window.half_height_m) * window.up +
-                           window.front_m * direction;
+      const Vec<Body> at =
+          window.center +
+          ((static_cast<double>(i) + 0.5) * du - window.half_width_m) * window.right +
+          ((static_cast<double>(j) + 0.5) * dv - window.half_height_m) * window.up +
+          window.front_m * direction;
       double depth = 0;
       for (const GasSegment& s :
            march(field, {at, direction, 0, window.back_m - window.front_m}, steps))
@@ -63,11 +65,14 @@ ProjectedGas projected_gas(const PlumeField& field, Vec<Body> direction,
       const bool own = in[i * n + j];
       inside += own;
       // Outside of the window there is nothing.
-      const auto differs = [&](bool there, std::size_t other) { return (there && in[other]) != own; };
+      const auto differs = [&](bool there, std::size_t other) {
+        return (there && in[other]) != own;
+      };
       edge += differs(i > 0, (i - 1) * n + j) || differs(i + 1 < n, (i + 1) * n + j) ||
               differs(j > 0, i * n + j - 1) || differs(j + 1 < n, i * n + j + 1);
     }
-  return {static_cast<double>(inside) * du * dv, std::sqrt(static_cast<double>(edge) / 12) * du * dv};
+  return {static_cast<double>(inside) * du * dv,
+          std::sqrt(static_cast<double>(edge) / 12) * du * dv};
 }
 
 }  // namespace irsig

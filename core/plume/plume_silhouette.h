@@ -6,9 +6,9 @@
 
 namespace irsig {
 
-// Corners of a box in the body frame outside of which there is no gas: what rays are aimed at. It is
-// the box of the voxels that hold gas on the grid's own axes, half a voxel (kConstant) or one (kLinear)
-// wider.
+// Corners of a box in the body frame outside of which there is no gas: what rays are aimed at. It
+// is the box of the voxels that hold gas on the grid's own axes, half a voxel (kConstant) or one
+// (kLinear) wider.
 [[nodiscard]] std::array<Vec<Body>, 8> gas_corners(const PlumeField& field);
 
 // The rectangle across a direction that holds the box, for parallel rays.
@@ -23,8 +23,8 @@ struct GasWindow {
 struct ProjectedGas {
   double area_m2 = 0, stderr_m2 = 0;
 };
-// By rays_across^2 parallel rays on a lattice over the window, at middles of its pixels. stderr_m2: of
-// pixels that the edge crosses, each a uniform error of half a pixel either way.
+// By rays_across^2 parallel rays on a lattice over the window, at middles of its pixels. stderr_m2:
+// of pixels that the edge crosses, each a uniform error of half a pixel either way.
 [[nodiscard]] ProjectedGas projected_gas(const PlumeField& field, Vec<Body> direction,
                                          const GreyAbsorption& grey, double threshold,
                                          int rays_across = 200);

@@ -116,8 +116,8 @@ std::string encode_volume(const absl::StatusOr<VoxelVolume>& volume) {
     names.push_back('\0');
   }
   out.reserve(out.size() + volume->value.size() * sizeof(float) +
-              volume->mask.size() * sizeof(VoxelMask) +
-              volume->block.size() * sizeof(VoxelBlock) + names.size() + 256);
+              volume->mask.size() * sizeof(VoxelMask) + volume->block.size() * sizeof(VoxelBlock) +
+              names.size() + 256);
   put(names, out);
   put(volume->background, out);
   put(volume->block, out);
@@ -131,8 +131,7 @@ absl::StatusOr<VoxelVolume> decode_volume(std::string_view bytes) {
     return absl::InvalidArgumentError(std::string(bytes.substr(kRefused.size())));
   const absl::Status broken = absl::DataLossError("no complete volume");
   VoxelVolume volume;
-  if (!bytes.starts_with(kVolume) ||
-      bytes.size() < kVolume.size() + sizeof volume.world_from_index)
+  if (!bytes.starts_with(kVolume) || bytes.size() < kVolume.size() + sizeof volume.world_from_index)
     return broken;
   bytes.remove_prefix(kVolume.size());
   std::memcpy(volume.world_from_index.data(), bytes.data(), sizeof volume.world_from_index);

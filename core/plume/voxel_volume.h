@@ -70,8 +70,8 @@ inline constexpr std::uint64_t kMostBlocks = 4'000'000;
 
 // As bytes between two processes of one build on one machine: a volume, or why there is none.
 [[nodiscard]] std::string encode_volume(const absl::StatusOr<VoxelVolume>& volume);
-// Trusts nothing: DATA_LOSS where the bytes are no complete volume of the shape above (finiteness is
-// not looked at); INVALID_ARGUMENT with what the other process said.
+// Trusts nothing: DATA_LOSS where the bytes are no complete volume of the shape above (finiteness
+// is not looked at); INVALID_ARGUMENT with what the other process said.
 [[nodiscard]] absl::StatusOr<VoxelVolume> decode_volume(std::string_view bytes);
 
 }  // namespace irsig

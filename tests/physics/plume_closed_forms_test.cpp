@@ -1,8 +1,8 @@
-// Rationale: homogeneous slabs, spheres and cylinders, a Gaussian plume and layers have closed forms from
-// optical depths of 1e-12 to 1e4; a march and a formula that lose digits at either end cannot meet them.
-// Expected: all rows to 1e-6. Slabs are voxels (kConstant: the exact field); what is round is given to
-// the same marcher as a function, and as voxels it converges.
-// Source: values/08_plume.csv.
+// Rationale: homogeneous slabs, spheres and cylinders, a Gaussian plume and layers have closed
+// forms from optical depths of 1e-12 to 1e4; a march and a formula that lose digits at either end
+// cannot meet them. Expected: all rows to 1e-6. Slabs are voxels (kConstant: the exact field); what
+// is round is given to the same marcher as a function, and as voxels it converges. Source:
+// values/08_plume.csv.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -63,9 +63,8 @@ double sphere(double tau, double t, const std::function<double(double)>& b) {  /
 }
 double cylinder(double tau, double t, const std::function<double(double)>& b) {  // of 2 R length
   const double m2_mol = tau / (2 * density(t));
-  return towards_one([&](double y) {
-    return chord(2 * std::sqrt((1 - y) * (1 + y)), t, m2_mol, b).emitted;
-  });
+  return towards_one(
+      [&](double y) { return chord(2 * std::sqrt((1 - y) * (1 + y)), t, m2_mol, b).emitted; });
 }
 
 // 16 voxels of 0.25 m thick, at its temperature everywhere; 4 m from face to face.
@@ -74,7 +73,9 @@ std::shared_ptr<const PlumeField> slab_field(double t) {
   auto& field = made[t];
   if (!field)
     field = field_of(volume_of({0, -40, -40}, {15, 40, 40}, cubes(0.25),
-                               [&](int, int, int) { return Gas{t, 0.1, 0.05}; }),
+                               [&](int, int, int) {
+                                 return Gas{t, 0.1, 0.05};
+                               }),
                      PlumeInterpolation::kConstant);
   return field;
 }
@@ -169,13 +170,15 @@ double voxel_sphere_error(double size_m, PlumeInterpolation interpolation) {
     int in = 0;
     for (int n = 0; n < points * points * points; ++n) {
       const auto at = [&](int c, int m) { return size_m * (c + (m + 0.5) / points - 0.5); };
-      const double x = at(i, n % points), y = at(j, n / points % points), z = at(k, n / points / points);
+      const double x = at(i, n % points), y = at(j, n / points % points),
+                   z = at(k, n / points / points);
       in += x * x + y * y + z * z < 1;
     }
     return Gas{kT, 0.1 * in / (points * points * points), 0};
   };
-  const auto field = field_of(
-      volume_of({-reach, -reach, -reach}, {reach, reach, reach}, cubes(size_m), gas), interpolation);
+  const auto field =
+      field_of(volume_of({-reach, -reach, -reach}, {reach, reach, reach}, cubes(size_m), gas),
+               interpolation);
   const GreyAbsorption grey = grey_co2(kTau / (2 * density(kT)));
   constexpr int kRays = 120;
   double sum = 0;

@@ -1,7 +1,6 @@
-// Rationale: rays that lie on what separates voxels, and gas at the ends of what there is, are where
-// marches hang, skip or count twice.
-// Expected: amounts from the definition of the field, to rounding.
-// Source: sums by hand.
+// Rationale: rays that lie on what separates voxels, and gas at the ends of what there is, are
+// where marches hang, skip or count twice. Expected: amounts from the definition of the field, to
+// rounding. Source: sums by hand.
 #include <gmock/gmock.h>
 
 #include "core/spectral/planck.h"
@@ -65,8 +64,8 @@ TEST(PlumeHard, RayThroughTheCornerOfATile) {
     const auto field = field_of(volume, how);
     const Vec<Body> diagonal = normalized(Vec<Body>{1, 1, 1});
     const double whole = amount(march(*field, {{-3, -3, -3}, diagonal, 0, 1000}, {}));
-    // 8 voxels each; linear: cubic ramps of length root3 at ends, joined where blocks touch: the sum
-    // of (1 - s)^3 over a ramp is a quarter, of 1 - 3 s (1 - s) over the joint a half.
+    // 8 voxels each; linear: cubic ramps of length root3 at ends, joined where blocks touch: the
+    // sum of (1 - s)^3 over a ramp is a quarter, of 1 - 3 s (1 - s) over the joint a half.
     const double n = density(kWarm), joint = 0.5 * root3;
     const double expected =
         how == kConstant ? 24 * root3 * n : (3 * 7 * root3 + 4 * root3 / 4 + joint) * n;
@@ -104,7 +103,8 @@ TEST(PlumeHard, OneVoxel) {
 
 // 1e9 voxels of nothing between two voxels, and far ones aside: few steps, both found.
 TEST(PlumeHard, FarAwayVoxel) {
-  VoxelVolume volume = volume_of({0, 0, 0}, {0, 0, 0}, cubes(0.001), [](int, int, int) { return kWarm; });
+  VoxelVolume volume =
+      volume_of({0, 0, 0}, {0, 0, 0}, cubes(0.001), [](int, int, int) { return kWarm; });
   const VoxelVolume one = volume;
   for (const std::array<std::int32_t, 3> origin :
        {std::array<std::int32_t, 3>{1'000'000'000, 0, 0}, {0, -800'000'000, 0}, {4096, 4096, 0}}) {
@@ -125,14 +125,13 @@ TEST(PlumeHard, FarAwayVoxel) {
 TEST(PlumeHard, ThinAndThickInOneRay) {
   const double thin = 1e-12, thick = 1e4, per_m = thick / (4 * density({2000, 0.5, 0}));
   const double thin_x = thin / (per_m * 4) * kR * 300 / kPressurePa;
-  const auto field =
-      field_of(volume_of({0, -8, -8}, {23, 8, 8}, cubes(1),
-                         [&](int i, int, int) {
-                           if (i >= 4 && i < 12) return Gas{};
-                           if (i < 4) return Gas{300, thin_x, 0};
-                           return i >= 16 && i < 20 ? Gas{2000, 0.5, 0} : Gas{};
-                         }),
-               kConstant);
+  const auto field = field_of(volume_of({0, -8, -8}, {23, 8, 8}, cubes(1),
+                                        [&](int i, int, int) {
+                                          if (i >= 4 && i < 12) return Gas{};
+                                          if (i < 4) return Gas{300, thin_x, 0};
+                                          return i >= 16 && i < 20 ? Gas{2000, 0.5, 0} : Gas{};
+                                        }),
+                              kConstant);
   const GreyAbsorption grey = grey_co2(per_m);
   const auto b = [](double t) { return planck_radiance_w_m2_sr_um(4.3, t); };
   const auto from_thin = march(*field, {{-5, 0, 0}, {1, 0, 0}, 0, 100}, {});

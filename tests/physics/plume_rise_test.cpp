@@ -1,8 +1,8 @@
-// Rationale: an integral model lives by its conserved fluxes and by its limits; a sign or a factor in
-// entrainment, buoyancy or wind shows there and nowhere else.
-// Expected: Morton, Taylor and Turner's plume in calm air and the two-thirds law in wind to the order
-// of what they leave out; fluxes of CO2 and of heat through the voxels' cross-sections constant.
-// Source: morton1956, briggs1984; balance of atoms by hand.
+// Rationale: an integral model lives by its conserved fluxes and by its limits; a sign or a factor
+// in entrainment, buoyancy or wind shows there and nowhere else. Expected: Morton, Taylor and
+// Turner's plume in calm air and the two-thirds law in wind to the order of what they leave out;
+// fluxes of CO2 and of heat through the voxels' cross-sections constant. Source: morton1956,
+// briggs1984; balance of atoms by hand.
 #include <gmock/gmock.h>
 
 #include <numbers>
@@ -24,8 +24,8 @@ std::vector<PlumeStation> plume(const PlumeExit& exit, const PlumeAir& air, doub
   return *std::move(out);
 }
 
-// From a pure plume's own start: R = 6/5 alpha z', w = 5/(6 alpha) (9/10 alpha F)^(1/3) z'^(-1/3), F per
-// pi. Slightly warm gas: the closed form is Boussinesq's.
+// From a pure plume's own start: R = 6/5 alpha z', w = 5/(6 alpha) (9/10 alpha F)^(1/3) z'^(-1/3),
+// F per pi. Slightly warm gas: the closed form is Boussinesq's.
 TEST(PlumeRise, CalmAirIsMortonTaylorTurner) {
   const double alpha = kEntrainmentAlong, diameter = 1, start = diameter / 2 / (1.2 * alpha);
   PlumeAir air;
@@ -51,8 +51,8 @@ TEST(PlumeRise, CalmAirIsMortonTaylorTurner) {
   EXPECT_NEAR(stations.back().height_m, 200, 1e-9);
 }
 
-// Far away, whatever the opening was: z = (3 F / (2 beta^2 U^3))^(1/3) x^(2/3), with beta = 0.6 Briggs'
-// 1.6 F^(1/3) x^(2/3) / U.
+// Far away, whatever the opening was: z = (3 F / (2 beta^2 U^3))^(1/3) x^(2/3), with beta = 0.6
+// Briggs' 1.6 F^(1/3) x^(2/3) / U.
 TEST(PlumeRise, TwoThirdsLawInWind) {
   const PlumeExit exit{1.2, 25, 650};
   for (const double wind : {3.0, 10.0}) {
@@ -156,7 +156,8 @@ double through_plane(const PlumeField& field, const GeneratedPlume& made, const 
   const double reach = 3 * s.radius_m, step = 0.1 * s.radius_m;
   double co2 = 0;
   for (double u = -reach + step / 2; u < reach; u += step)
-    for (const GasSegment& g : march(field, {at + u * across - reach * side, side, 0, 2 * reach}, {}))
+    for (const GasSegment& g :
+         march(field, {at + u * across - reach * side, side, 0, 2 * reach}, {}))
       co2 += step * g.amount[0];
   return co2 * s.velocity_m_s;
 }
@@ -206,16 +207,21 @@ TEST(PlumeRise, WhatIsNoFunnel) {
     return std::string(made.status().message());
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exit.temperature_k = 280; }), HasSubstr("exit temperature 280"));
-  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exit.velocity_m_s = 0; }), HasSubstr("exit velocity 0"));
+  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exit.temperature_k = 280; }),
+              HasSubstr("exit temperature 280"));
+  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exit.velocity_m_s = 0; }),
+              HasSubstr("exit velocity 0"));
   EXPECT_THAT(refusal([](FunnelPlume& f) { f.exit.diameter_m = -1; }), HasSubstr("voxel_m"));
   EXPECT_THAT(refusal([](FunnelPlume& f) { f.voxel_m = 2; }), HasSubstr("voxel_m 2"));
-  EXPECT_THAT(refusal([](FunnelPlume& f) { f.voxel_m = 0.01; }), HasSubstr("more than 100000 blocks"));
+  EXPECT_THAT(refusal([](FunnelPlume& f) { f.voxel_m = 0.01; }),
+              HasSubstr("more than 100000 blocks"));
   EXPECT_THAT(refusal([](FunnelPlume& f) { f.length_m = 0; }), HasSubstr("length 0"));
   EXPECT_THAT(refusal([](FunnelPlume& f) { f.wind_m_s = kNan; }), HasSubstr("not finite"));
   EXPECT_THAT(refusal([](FunnelPlume& f) { f.wind_m_s = -1; }), HasSubstr("wind -1"));
-  EXPECT_THAT(refusal([](FunnelPlume& f) { f.air_temperature_k = kNan; }), HasSubstr("air temperature"));
-  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exhaust.excess_air = -1; }), HasSubstr("excess air -1"));
+  EXPECT_THAT(refusal([](FunnelPlume& f) { f.air_temperature_k = kNan; }),
+              HasSubstr("air temperature"));
+  EXPECT_THAT(refusal([](FunnelPlume& f) { f.exhaust.excess_air = -1; }),
+              HasSubstr("excess air -1"));
 }
 
 // Bodies of known volume: the amounts in their voxels.
@@ -236,13 +242,15 @@ TEST(PlumeRise, UniformBodiesHoldTheirVolume) {
     EXPECT_NEAR(amount[kSoot] / (1e-8 * volume_m3), 1, 2e-3);
   }
   body.kind = "cone";
-  EXPECT_THAT(std::string(generate_uniform_plume(body).status().message()), HasSubstr("plume \"cone\""));
+  EXPECT_THAT(std::string(generate_uniform_plume(body).status().message()),
+              HasSubstr("plume \"cone\""));
   body.kind = "sphere";
   body.co2 = 1.1;
   EXPECT_FALSE(generate_uniform_plume(body).ok());
   body.co2 = 0.1;
   body.temperature_k = 90;
-  EXPECT_THAT(std::string(generate_uniform_plume(body).status().message()), HasSubstr("constant 90 K"));
+  EXPECT_THAT(std::string(generate_uniform_plume(body).status().message()),
+              HasSubstr("constant 90 K"));
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ TEST(PlumeSilhouette, AreaAboveAThreshold) {
   for (const double threshold : {0.5, 3.0, 5.0}) {
     const double chord = threshold / per_m;
     const double area = std::numbers::pi * (1 - chord * chord / 4);
-    for (const Vec<Body> to : {Vec<Body>{1, 0, 0}, normalized(Vec<Body>{1, -2, 0.5}), Vec<Body>{0, 0, 1}}) {
+    for (const Vec<Body> to :
+         {Vec<Body>{1, 0, 0}, normalized(Vec<Body>{1, -2, 0.5}), Vec<Body>{0, 0, 1}}) {
       const ProjectedGas got = projected_gas(*field, to, grey, threshold, 120);
       // 4 sigma of the lattice, and what voxels of 0.04 m make of the chord.
       EXPECT_NEAR(got.area_m2, area, 4 * got.stderr_m2 + 0.012 * area) << threshold;
@@ -54,8 +55,8 @@ TEST(PlumeSilhouette, NothingOutsideTheWindow) {
   double all = 0, inside = 0;
   for (int i = -30; i < 30; ++i)
     for (int j = -30; j < 30; ++j) {
-      const Vec<Body> at = window.center + 0.1 * (i + 0.5) * window.right +
-                           0.1 * (j + 0.5) * window.up;
+      const Vec<Body> at =
+          window.center + 0.1 * (i + 0.5) * window.right + 0.1 * (j + 0.5) * window.up;
       const bool in = std::abs(0.1 * (i + 0.5)) < window.half_width_m &&
                       std::abs(0.1 * (j + 0.5)) < window.half_height_m;
       for (const GasSegment& s : march(*field, {at - 100.0 * to, to, 0, 200}, {})) {

@@ -49,8 +49,9 @@ double centre_amount(const PlumeField& field) {
 
 TEST(PlumeImport, AsItIsMeant) {
   for (const bool stream : {false, true}) {
-    const auto field = import_plume(vdb_file({co2(), warm(), {.name = "other", .type = "vector"}}, stream),
-                                    "a.vdb", two_grids());
+    const auto field =
+        import_plume(vdb_file({co2(), warm(), {.name = "other", .type = "vector"}}, stream),
+                     "a.vdb", two_grids());
     ASSERT_TRUE(field.ok()) << field.status();
     EXPECT_EQ((*field)->report().gas_voxels, 64U);
     EXPECT_NEAR((*field)->report().most_k, 650, 1e-4);
@@ -87,13 +88,16 @@ TEST(PlumeImport, GridsThatAreNone) {
               AllOf(HasSubstr("a.vdb: no grid \"co2\""), HasSubstr("\"temperature\" (float)")));
   EXPECT_THAT(refusal(vdb_file({warm(), changed(co2(), [](VdbGrid& g) { g.name = ""; })})),
               AllOf(HasSubstr("no grid \"co2\""), HasSubstr("(without a name) (float)")));
-  EXPECT_THAT(refusal(vdb_file({warm(), co2(), co2()})), HasSubstr("grid \"co2\" is there 2 times"));
+  EXPECT_THAT(refusal(vdb_file({warm(), co2(), co2()})),
+              HasSubstr("grid \"co2\" is there 2 times"));
   for (const char* type : {"double", "vector", "bool"})
     EXPECT_THAT(refusal(warm(), changed(co2(), [&](VdbGrid& g) { g.type = type; })),
-                AllOf(HasSubstr("grid \"co2\" is of "), HasSubstr("expected float"))) << type;
+                AllOf(HasSubstr("grid \"co2\" is of "), HasSubstr("expected float")))
+        << type;
   for (const char* kind : {"level set", "staggered"})
     EXPECT_THAT(refusal(changed(warm(), [&](VdbGrid& g) { g.kind = kind; }), co2()),
-                HasSubstr("grid \"temperature\" is a ")) << kind;
+                HasSubstr("grid \"temperature\" is a "))
+        << kind;
   EXPECT_THAT(refusal(warm(), changed(co2(), [](VdbGrid& g) { g.size = 0; })),
               HasSubstr("grid \"co2\" is empty"));
   EXPECT_THAT(refusal(vdb_file({})), HasSubstr("the file has no grids"));
@@ -145,24 +149,25 @@ TEST(PlumeImport, ValuesThatAreNone) {
   EXPECT_THAT(refusal(warm(), odd(co2(), 0.96)), HasSubstr("add up to more than 1"));
   EXPECT_THAT(refusal(odd(warm(), 650, false), co2()),
               HasSubstr("gas without a temperature, where the grid is not active (1 voxel"));
-  EXPECT_THAT(refusal(warm(), odd(changed(co2(), [](VdbGrid& g) { g.background = 0.04; }), 0, false)),
-              HasSubstr("not active where the gas is, and its background is 0.04"));
+  EXPECT_THAT(
+      refusal(warm(), odd(changed(co2(), [](VdbGrid& g) { g.background = 0.04; }), 0, false)),
+      HasSubstr("not active where the gas is, and its background is 0.04"));
   // Without any constant species there is no gas in it.
   PlumeGrids dry = two_grids();
   dry.h2o.constant = 0;
   EXPECT_THAT(refusal(vdb_file({warm(), changed(co2(), [](VdbGrid& g) { g.value = 0; })}), dry),
               HasSubstr("no gas: in the 64 active voxels"));
   // Where there is no gas, the temperature may be anything.
-  const auto field = import_plume(
-      vdb_file({odd(warm(), 0), odd(co2(), 0)}), "a.vdb", dry);
+  const auto field = import_plume(vdb_file({odd(warm(), 0), odd(co2(), 0)}), "a.vdb", dry);
   ASSERT_TRUE(field.ok()) << field.status();
   EXPECT_EQ((*field)->report().gas_voxels, 63U);
   EXPECT_EQ((*field)->report().warm_without_gas, 1U);
 }
 
 TEST(PlumeImport, HalfFloatsAndTiles) {
-  const auto half = import_plume(
-      vdb_file({changed(warm(), [](VdbGrid& g) { g.type = "half"; }), co2()}), "a.vdb", two_grids());
+  const auto half =
+      import_plume(vdb_file({changed(warm(), [](VdbGrid& g) { g.type = "half"; }), co2()}), "a.vdb",
+                   two_grids());
   ASSERT_TRUE(half.ok()) << half.status();
   EXPECT_NEAR((*half)->report().most_k, 650, 0.5);
   const auto tiles = [](int level) {
@@ -174,7 +179,8 @@ TEST(PlumeImport, HalfFloatsAndTiles) {
     ASSERT_TRUE(field.ok()) << field.status();
     EXPECT_EQ((*field)->report().gas_voxels, level == 1 ? 512U : 128U * 128 * 128);
   }
-  EXPECT_THAT(refusal(tiles(3)), AllOf(HasSubstr("holds 134217728 blocks"), HasSubstr("is a background active?")));
+  EXPECT_THAT(refusal(tiles(3)),
+              AllOf(HasSubstr("holds 134217728 blocks"), HasSubstr("is a background active?")));
   // A tile of one, voxels of the other.
   const auto mixed = import_plume(
       vdb_file({changed(warm(), [](VdbGrid& g) { g.tile = 1; }), co2()}), "a.vdb", two_grids());
@@ -188,7 +194,9 @@ TEST(PlumeImport, SpecificationsThatAreWrong) {
     change(grids);
     return refusal("not even opened", grids);
   };
-  EXPECT_THAT(wrong([](PlumeGrids& g) { g.co = {"", std::nullopt, "1"}; }),
+  EXPECT_THAT(wrong([](PlumeGrids& g) {
+                g.co = {"", std::nullopt, "1"};
+              }),
               HasSubstr("co: neither a grid nor a constant; for none of it, constant 0"));
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.co2.constant = 0.1; }), HasSubstr("co2: both"));
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.co2.unit = "K"; }),
@@ -196,7 +204,8 @@ TEST(PlumeImport, SpecificationsThatAreWrong) {
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.co2.grid = "temperature"; }),
               HasSubstr("grid \"temperature\" is another quantity already"));
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.h2o.constant = 1.5; }), HasSubstr("h2o: constant 1.5"));
-  EXPECT_THAT(wrong([](PlumeGrids& g) { g.pressure.constant = 1; }), HasSubstr("pressure: constant 1"));
+  EXPECT_THAT(wrong([](PlumeGrids& g) { g.pressure.constant = 1; }),
+              HasSubstr("pressure: constant 1"));
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.up_axis = "+x"; }), HasSubstr("perpendicular"));
   EXPECT_THAT(wrong([](PlumeGrids& g) { g.unit_m = 0; }), HasSubstr("unit_m = 0"));
   EXPECT_THAT(wrong([](PlumeGrids& g) {
@@ -206,8 +215,8 @@ TEST(PlumeImport, SpecificationsThatAreWrong) {
               HasSubstr("no gas"));
 }
 
-// Every byte of a file may be wrong: an error or a field, never an end of this process; and the other
-// one is never told to be at fault for what a file did.
+// Every byte of a file may be wrong: an error or a field, never an end of this process; and the
+// other one is never told to be at fault for what a file did.
 TEST(PlumeImport, DamagedFiles) {
   const std::string file = vdb_file({warm(), co2()});
   int refused = 0;
@@ -253,7 +262,8 @@ TEST(PlumeImport, WrittenAndReadAgain) {
     EXPECT_NEAR(read->world_from_index[i], volume.world_from_index[i], 1e-12);
   ASSERT_EQ(read->block.size(), 3U);
   EXPECT_EQ(read->value.size(), volume.value.size());
-  for (std::size_t b = 0; b < 3; ++b) EXPECT_EQ(read->block[b].origin[1], b == 0 ? 16 : b == 1 ? 0 : 8);
+  for (std::size_t b = 0; b < 3; ++b)
+    EXPECT_EQ(read->block[b].origin[1], b == 0 ? 16 : b == 1 ? 0 : 8);
   EXPECT_EQ(read->block[0].form, VoxelBlock::Form::kUniform);
   // Blocks come back in their order in space: the first two swapped places with none.
   EXPECT_EQ(read->mask, volume.mask);

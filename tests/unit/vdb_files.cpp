@@ -32,7 +32,8 @@ GridBase::Ptr filled(const VdbGrid& how) {
   for (int i = 0; i < how.size && how.tile == 0; ++i)
     for (int j = 0; j < how.size; ++j)
       for (int k = 0; k < how.size; ++k) at.setValue(Coord(i, j, k), Value(how.value));
-  if (how.tile > 0) at.addTile(static_cast<Index>(how.tile), Coord(0, 0, 0), Value(how.value), true);
+  if (how.tile > 0)
+    at.addTile(static_cast<Index>(how.tile), Coord(0, 0, 0), Value(how.value), true);
   if (how.has_odd) {
     const Coord where(how.odd_at[0], how.odd_at[1], how.odd_at[2]);
     at.setValue(where, Value(how.odd));

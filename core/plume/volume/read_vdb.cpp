@@ -55,10 +55,11 @@ absl::StatusOr<VdbArchive::Entry*> find(VdbArchive& archive, const std::string& 
 // World from index, three rows of four; a reason where the map is not affine.
 absl::StatusOr<std::array<double, 12>> affine(const openvdb::math::Transform& transform) {
   if (!transform.isLinear())
-    return refuse(fmt::format(
-        "its transform is a {}, whose voxels are no parallelepipeds of one size: expected an affine "
-        "transform (resample the grid on one)",
-        transform.mapType()));
+    return refuse(
+        fmt::format("its transform is a {}, whose voxels are no parallelepipeds of one size: "
+                    "expected an affine "
+                    "transform (resample the grid on one)",
+                    transform.mapType()));
   const openvdb::math::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
   std::array<double, 12> rows{};
   for (int r = 0; r < 3; ++r)
@@ -194,8 +195,8 @@ absl::StatusOr<VoxelVolume> read(std::istream& in, const std::vector<std::string
     for_each_block(*grid, [&](const Coord& origin) { origins.push_back(origin); });
   add_blocks(grids, std::move(origins), out);
   if (out.block.size() > kMostBlocks)
-    return refuse(fmt::format("{} blocks of 8^3 voxels, expected at most {}", out.block.size(),
-                              kMostBlocks));
+    return refuse(
+        fmt::format("{} blocks of 8^3 voxels, expected at most {}", out.block.size(), kMostBlocks));
   return out;
 }
 

@@ -26,8 +26,8 @@ FloatGrid::Ptr grid_of(const VoxelVolume& volume, std::size_t channel) {
   grid->setGridClass(openvdb::GRID_FOG_VOLUME);
   const auto& m = volume.world_from_index;
   grid->setTransform(openvdb::math::Transform::createLinearTransform(
-      openvdb::math::Mat4d(m[0], m[4], m[8], 0.0, m[1], m[5], m[9], 0.0, m[2], m[6], m[10], 0.0, m[3],
-                           m[7], m[11], 1.0)));
+      openvdb::math::Mat4d(m[0], m[4], m[8], 0.0, m[1], m[5], m[9], 0.0, m[2], m[6], m[10], 0.0,
+                           m[3], m[7], m[11], 1.0)));
   const std::size_t channels = volume.channel.size();
   FloatGrid::Accessor at = grid->getAccessor();
   std::size_t first = 0;
