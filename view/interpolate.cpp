@@ -198,15 +198,10 @@ absl::StatusOr<SphereFit> SphereFit::at(const SphereSamples& samples, Vec<Body> 
   }
   fit.variance_factor_ = std::max(0.0, fit.variance_factor_);
 
-  fit.projector_.resize(n * n);
-  for (std::size_t j = 0; j < n; ++j) {
-    std::vector<double> unit(n, 0.0);
-    unit[j] = 1;
-    const std::vector<double> column = factored->c.solve(std::move(unit));
-    for (std::size_t i = 0; i < n; ++i) {
-      fit.projector_[i * n + j] = column[i] - factored->c_inv_one[i] * factored->c_inv_one[j] / one;
-    }
-  }
+  fit.projector_ = factored->c.inverse();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      fit.projector_[i * n + j] -= factored->c_inv_one[i] * factored->c_inv_one[j] / one;
   return fit;
 }
 

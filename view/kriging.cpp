@@ -53,6 +53,29 @@ std::vector<double> Cholesky::solve(std::vector<double> b) const {
   return b;
 }
 
+std::vector<double> Cholesky::inverse() const {
+  // All columns side by side: the same operations on each in the same order as solve(), but
+  // independent of each other, so that the processor need not wait for one before the next.
+  const std::size_t n = n_;
+  std::vector<double> b(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) b[i * n + i] = 1;
+  const auto subtract = [&](std::size_t i, double factor, std::size_t k, std::size_t columns) {
+    double* to = &b[i * n];
+    const double* from = &b[k * n];
+    for (std::size_t j = 0; j < columns; ++j) to[j] -= factor * from[j];
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    // Column j is 0 above its row j.
+    for (std::size_t k = 0; k < i; ++k) subtract(i, l_[i * n + k], k, k + 1);
+    for (std::size_t j = 0; j <= i; ++j) b[i * n + j] /= l_[i * n + i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) subtract(i, l_[k * n + i], k, n);
+    for (std::size_t j = 0; j < n; ++j) b[i * n + j] /= l_[i * n + i];
+  }
+  return b;
+}
+
 double Cholesky::log_determinant() const {
   double sum = 0;
   for (std::size_t i = 0; i < n_; ++i) sum += 2 * std::log(l_[i * n_ + i]);

@@ -16,6 +16,7 @@ class Cholesky {
   // Row-major n x n; only the lower triangle is read. false: not positive definite.
   [[nodiscard]] bool factor(std::vector<double> matrix, std::size_t n);
   [[nodiscard]] std::vector<double> solve(std::vector<double> b) const;
+  [[nodiscard]] std::vector<double> inverse() const;  // row-major: the bits of n calls of solve()
   [[nodiscard]] double log_determinant() const;
 
  private:

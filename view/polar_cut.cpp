@@ -20,7 +20,7 @@ constexpr int kAzimuthStepDeg = 2;
 constexpr double kSameDirection = 1e-7;
 // The 48 nearest of evenly spread samples lie within 4 spacings; those outside of so many are not
 // looked at, unless one of the 48 turns out to be as far away.
-constexpr double kBeltSpacings = 8;
+constexpr double kBeltSpacings = 5;
 constexpr std::size_t kWorthABelt = 1000;
 
 SphereSamples samples_of(std::span<const StoredValue> values) {

@@ -55,7 +55,7 @@ export function budget(row) {
   const rows = worth.map((p) => [
     html("span", { title: p.what }, `${p.name}${p.bound && p.name !== "bounds together" ? " bound" : ""}`, html("small", {}, p.what)),
     html("span", { "data-part": p.name, "data-value": p.error }, brief(p.error, 3)),
-    html("span", { class: "share" }, bar(p.share), `${brief(100 * p.share, 2)} %`)]);
+    html("span", { class: "share" }, bar(p.share), p.share < 1e-3 ? "< 0.1 %" : `${brief(100 * p.share, 2)} %`)]);
   const none = parts.filter((p) => !(p.error > 0)).map((p) => p.name);
   const relative = row.value === 0 ? "" : ` (${brief(100 * row.numerical_error / Math.abs(row.value), 2)} % of the value)`;
   return [
@@ -80,10 +80,14 @@ export function ledger(row) {
   if (temperatures.length > 0)
     out.push(table("Computed temperatures of the facets", ["Part", "mean K", "coldest", "hottest", "error"],
       temperatures.map((t) => [t.part, brief(t.mean_k), brief(t.coldest_k), brief(t.hottest_k), brief(t.error_k, 2)])));
-  if (effects.length > 0)
-    out.push(table("Effects", ["Effect", "State", "Bound in W/sr", "Share in W/sr", "Why"], effects.map((e) => [
-      e.effect.replaceAll("_", " "), html("span", { class: `state ${e.state}` }, e.state), brief(e.bound_w_sr, 3), brief(e.share_w_sr, 4), REASONS[e.reason] ?? e.reason])));
-  else out.push(html("p", { class: "note" }, "No ledger of effects: an older irsig stored this row."));
+  if (effects.length > 0) {
+    const words = (e) => e.effect.replaceAll("_", " ");
+    const absent = effects.filter((e) => e.state === "absent");
+    out.push(html("div", { class: "effects" },
+      table("Effects", ["Effect", "State", "Bound in W/sr", "Share in W/sr", "Why"], effects.filter((e) => e.state !== "absent").map((e) => [
+        words(e), html("span", { class: `state ${e.state}` }, e.state), brief(e.bound_w_sr, 3), brief(e.share_w_sr, 4), REASONS[e.reason] ?? e.reason])),
+      absent.length > 0 ? html("p", { class: "hint absent" }, `Nothing here causes: ${absent.map(words).join(", ")}.`) : null));
+  } else out.push(html("p", { class: "note" }, "No ledger of effects: an older irsig stored this row."));
   if (energy.length > 0)
     out.push(table("Where light that the sensor would send out ends", ["", "Share"], [
       ["absorbed", brief(energy[0].absorbed)], ["to the sky", brief(energy[0].escaped_to_sky)], ["to sea or ground", brief(energy[0].escaped_to_lower)],

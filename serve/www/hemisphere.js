@@ -116,7 +116,7 @@ export class Hemisphere {
   // Zooming keeps the chosen viewpoint in place.
   geometry(size) {
     const { right, up } = this.axes();
-    const radius = 0.43 * size * this.turn.zoom;
+    const radius = 0.38 * size * this.turn.zoom;
     const hold = this.turn.zoom > 1 && this.chosen >= 0 ? this.points[this.chosen] : null;
     const away = hold ? 1 - 1 / this.turn.zoom : 0;
     return { radius, x: size / 2 - (hold ? away * radius * dot(hold, right) : 0), y: size / 2 + (hold ? away * radius * dot(hold, up) : 0) };
@@ -160,10 +160,10 @@ export class Hemisphere {
     context.putImageData(picture, 0, 0);
     const flat = (p) => [cx + radius * dot(p, right), cy - radius * dot(p, up)];
     const visible = (p) => dot(p, towards) > -1e-3;
-    this.paintGrid(context, ratio, style, flat, visible);
+    this.paintGrid(context, ratio, style, flat, visible, radius, right);
     this.paintMarks(context, ratio, style, flat, visible, radius);
   }
-  paintGrid(context, ratio, style, flat, visible) {
+  paintGrid(context, ratio, style, flat, visible, radius, right) {
     context.lineWidth = ratio;
     context.strokeStyle = style.getPropertyValue("--dome-grid");
     const line = (points) => {
@@ -179,15 +179,15 @@ export class Hemisphere {
     for (const elevation of [0, 30, 60]) line(steps.map((s) => direction(360 * s, elevation)));
     for (let azimuth = 0; azimuth < 360; azimuth += 30) line(steps.map((s) => direction(azimuth, 75 * s)));
     context.fillStyle = style.color;
-    context.font = `${12 * ratio}px ${style.fontFamily}`;
-    context.textAlign = "center";
+    context.font = `${11 * ratio}px ${style.fontFamily}`;
     context.textBaseline = "middle";
     for (const [name, azimuth] of [["bow", 0], ["starboard", 90], ["stern", 180], ["port", 270]]) {
       const p = direction(azimuth, 0);
       if (!visible(p)) continue;
-      const [x, y] = flat(p.map((v) => 1.09 * v));
-      const half = context.measureText(name).width / 2;
-      context.fillText(name, Math.min(this.canvas.width - half, Math.max(half, x)), y);
+      const [x, y] = flat(p.map((v) => 1.07 * v));
+      const side = dot(p, right);
+      context.textAlign = side > 0.4 ? "left" : side < -0.4 ? "right" : "center";
+      context.fillText(name, side > 0.4 ? x - 0.05 * radius : side < -0.4 ? x + 0.05 * radius : x, y);
     }
   }
   paintMarks(context, ratio, style, flat, visible, radius) {

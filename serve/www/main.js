@@ -134,7 +134,7 @@ async function refresh() {
   if (map) {
     shown = map;
     chosen = choose();
-    showMap();
+    await fill("map", mine, showMap);
     await Promise.all([showRow(mine), showSpectrum(mine), showCut(mine)]);
     showImage(chosen);
   }

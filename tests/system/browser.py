@@ -103,15 +103,21 @@ class Page:
             time.sleep(0.02)
 
     def open(self, url):
+        self.call("Page.bringToFront")  # a page behind others is not painted
+        loaded = self.events["Page.loadEventFired"]
         self.call("Page.navigate", url=url)
+        begin = time.monotonic()
+        while self.events["Page.loadEventFired"] == loaded:
+            assert time.monotonic() - begin < TIMEOUT_S, f"{url} does not load"
+            self.note(json.loads(self.socket.recv()))
         self.settle()
 
     def settle(self):
         """Until everything that was asked for is shown."""
         time.sleep(0.05)
         self.wait("document.readyState === 'complete' && document.title !== '' && !document.body.hasAttribute('aria-busy') && "
-                  "(document.querySelector('main').hidden ? !document.getElementById('trouble').hidden : true) && "
-                  "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(true))))", "the page to settle")
+                  "(document.querySelector('main').hidden ? !document.getElementById('trouble').hidden : true)", "the page to settle")
+        self.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(r)))")  # drawn, too
 
     def text(self, selector):
         return self.run(f"document.querySelector({json.dumps(selector)})?.innerText ?? null")

@@ -60,9 +60,7 @@ class PageTest(unittest.TestCase):
         page.open((server or self.server).url + ("?" + urllib.parse.urlencode(state) if state else ""))
 
     def each(self):
-        for name, page in self.pages.items():
-            with self.subTest(name):
-                yield name, page
+        return self.pages.items()
 
     def state(self, page):
         return dict(urllib.parse.parse_qsl(page.run("location.search.slice(1)")))
@@ -252,7 +250,9 @@ class PageTest(unittest.TestCase):
                 self.assertAlmostEqual(width, max(0.005, stated[part]["share"]), delta=0.02)
             self.assertEqual(self.shown(page, "numerical_error", "#budget"), row["apparent_numerical_error_w_sr"])
             effects = page.run("[...document.querySelectorAll('#ledger table')].find(t => t.caption.textContent === 'Effects').tBodies[0].rows.length")
-            self.assertEqual(effects, len(explained["effects"]))
+            absent = [e["effect"].replace("_", " ") for e in explained["effects"] if e["state"] == "absent"]
+            self.assertEqual(effects + len(absent), len(explained["effects"]))
+            self.assertEqual(page.text("#ledger .absent"), f"Nothing here causes: {', '.join(absent)}.")
             self.open(page, quantity="background_radiance")
             self.assertIn("no bounds are stored", page.text("#budget .words"))
 
