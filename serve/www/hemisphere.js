@@ -116,7 +116,7 @@ export class Hemisphere {
   // Zooming keeps the chosen viewpoint in place.
   geometry(size) {
     const { right, up } = this.axes();
-    const radius = 0.38 * size * this.turn.zoom;
+    const radius = 0.36 * size * this.turn.zoom;
     const hold = this.turn.zoom > 1 && this.chosen >= 0 ? this.points[this.chosen] : null;
     const away = hold ? 1 - 1 / this.turn.zoom : 0;
     return { radius, x: size / 2 - (hold ? away * radius * dot(hold, right) : 0), y: size / 2 + (hold ? away * radius * dot(hold, up) : 0) };
@@ -184,10 +184,15 @@ export class Hemisphere {
     for (const [name, azimuth] of [["bow", 0], ["starboard", 90], ["stern", 180], ["port", 270]]) {
       const p = direction(azimuth, 0);
       if (!visible(p)) continue;
-      const [x, y] = flat(p.map((v) => 1.07 * v));
-      const side = dot(p, right);
-      context.textAlign = side > 0.4 ? "left" : side < -0.4 ? "right" : "center";
-      context.fillText(name, side > 0.4 ? x - 0.05 * radius : side < -0.4 ? x + 0.05 * radius : x, y);
+      const [x, y] = flat(p.map((v) => 1.09 * v));
+      // Beside the dome where there is room; never cut off, and readable on any colour.
+      const side = dot(p, right), wide = context.measureText(name).width;
+      const begin = side > 0.4 ? x - 0.05 * radius : side < -0.4 ? x + 0.05 * radius - wide : x - wide / 2;
+      const at = Math.min(this.canvas.width - wide - 2, Math.max(2, begin));
+      context.strokeStyle = style.getPropertyValue("--panel");
+      context.lineWidth = 3 * ratio;
+      context.strokeText(name, at, y);
+      context.fillText(name, at, y);
     }
   }
   paintMarks(context, ratio, style, flat, visible, radius) {

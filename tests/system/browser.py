@@ -163,6 +163,8 @@ class Page:
                 out.append(role)
         return out
 
-    def screenshot(self, path, whole=True):
-        shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+    def screenshot(self, path, clip=None):
+        """Of the whole page; clip: (width, height, scale) of its beginning."""
+        part = {} if clip is None else {"clip": {"x": 0, "y": 0, "width": clip[0], "height": clip[1], "scale": clip[2]}}
+        shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=True, **part)
         pathlib.Path(path).write_bytes(base64.b64decode(shot["data"]))

@@ -389,6 +389,17 @@ class PageTest(unittest.TestCase):
         self.assertEqual(page.errors, [])
         page.screenshot(SHOTS / "page-dark.png")
 
+    def test_pictures_for_the_documentation(self):
+        page = self.pages["wide"]
+        condition = {"season": "summer", "band": "lwir", "elevation_deg": 20}
+        for name, state in (("page", {"turn": "150,40"}), ("page-comparison", {"compare": 1, "b_season": "winter", "b_band": "lwir"})):
+            self.open(page, **condition, **state)
+            page.wait("document.querySelector('#image img').naturalWidth > 0")
+            picture = SHOTS / f"{name}.png"
+            page.screenshot(picture, clip=(1280, 1110, 0.68))
+            self.assertLess(picture.stat().st_size, 150_000)
+            self.assertEqual(page.errors, [])
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])
