@@ -40,7 +40,8 @@ std::string aerosol_list() { return list(aerosol_names()); }
 
 }  // namespace
 
-AirOptions::AirOptions(CLI::App& command) : group_(command.add_option_group("The air")) {
+AirOptions::AirOptions(CLI::App& command, bool own_temperature)
+    : group_(command.add_option_group("The air")) {
   group_
       ->add_option(
           "--sweep", sweep_,
@@ -57,7 +58,8 @@ AirOptions::AirOptions(CLI::App& command) : group_(command.add_option_group("The
   group_->add_option("--aerosol", aerosol_, aerosol_list())->type_name("NAME");
   group_->add_option("--visibility-m", visibility_m_, "Meteorological range: 100 to 100000");
   group_->add_option(
-      "--air-temperature-k,--temperature-k", air_temperature_k_,
+      own_temperature ? "--air-temperature-k" : "--air-temperature-k,--temperature-k",
+      air_temperature_k_,
       "Weather at the surface, to which the lowest 2 km are bent: all three or none");
   group_->add_option("--relative-humidity-percent,--humidity-percent,--humidity",
                      relative_humidity_percent_, "0 to 100, over water");

@@ -26,7 +26,8 @@ struct ChosenAir {
 // atmosphere`, `sky` and `sun` share them.
 class AirOptions {
  public:
-  explicit AirOptions(CLI::App& command);
+  // own_temperature: --temperature-k is the command's own, the air's is --air-temperature-k alone.
+  explicit AirOptions(CLI::App& command, bool own_temperature = false);
 
   // Whether any of them was given.
   [[nodiscard]] bool given() const;

@@ -12,6 +12,7 @@ namespace irsig {
 void add_show(CLI::App& app, int& exit_code);
 void add_show_atmosphere(CLI::App& show, int& exit_code);    // irsig show atmosphere, sky, sun
 void add_show_effects(CLI::App& show, int& exit_code);       // irsig show effects
+void add_show_gas(CLI::App& show, int& exit_code);
 void add_show_solids(CLI::App& show, int& exit_code);        // irsig show solids
 void add_show_temperatures(CLI::App& show, int& exit_code);  // irsig show temperatures
 void add_model(CLI::App& app, int& exit_code);

@@ -281,6 +281,7 @@ void add_show(CLI::App& app, int& exit_code) {
 
   add_show_atmosphere(*show, exit_code);
   add_show_effects(*show, exit_code);
+  add_show_gas(*show, exit_code);
   add_show_solids(*show, exit_code);
   add_show_temperatures(*show, exit_code);
 

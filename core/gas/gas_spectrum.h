@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/atmosphere/absorber_amounts.h"
 #include "core/gas/gas_state.h"
 
 namespace irsig {
@@ -30,9 +31,10 @@ struct GasSpectrum {
   std::vector<double> radiance_w_m2_sr_um;  // at the first segment's near end, at the band's centre
 };
 
-// Absorption and emission without scattering, gases as factors, each gas's layers of different
-// temperature by Curtis and Godson (curve_of_growth.h); a segment is isothermal:
+// Absorption and emission without scattering, gases as factors; a segment is isothermal:
 //   L = sum over segments of (T_before - T_after) B(T_segment)
+// Layers of different temperature: carbon dioxide at 1970-2460 and monoxide at 1750-2350 cm-1 bin
+// by bin (hot_lines.h), all else by Curtis and Godson (curve_of_growth.h).
 //
 //   path  from the eye outwards; segments of length 0 count for nothing
 //
@@ -40,5 +42,25 @@ struct GasSpectrum {
 // do not exist. Accuracy and limits: docs/methods/gas.md.
 [[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasSegment> path,
                                                        GasBands bands = {});
+
+// The same as seen through air that lies between the eye and the path: `radiance` is what arrives,
+// `transmittance` that of air and gas together, `absorptance` what the gas takes of it. Nothing is
+// a product of band means where lines are shared: carbon dioxide (2140-2430 cm-1) and monoxide
+// (1900-2300) by common terms, water between ranked and product (water_through_air.h).
+struct GasThroughAir {
+  GasSpectrum spectrum;
+  std::vector<double> air_transmittance;  // without the gas
+  // One sigma of the radiance because the share of water's lines that hot and cold gas have in
+  // common is not known better.                                          [W m^-2 sr^-1 um^-1]
+  std::vector<double> water_correlation_error_w_m2_sr_um;
+};
+
+// The air's bands among the gas's own.
+inline constexpr GasBands kAirGasBands = {60, 335};
+
+// Errors: as above, and INVALID_ARGUMENT for bands that the air has not.
+[[nodiscard]] absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasSegment> path,
+                                                            const AbsorberAmounts& air,
+                                                            GasBands bands = kAirGasBands);
 
 }  // namespace irsig

@@ -1,5 +1,6 @@
 #include "core/gas/lines/co2_lines.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -10,8 +11,11 @@ namespace irsig {
 namespace {
 
 constexpr int kQuanta = 15, kV3 = 5, kJ = 170;
-constexpr double kHighestCm1 = 12000, kFirstCm1 = 1900, kLastCm1 = 2480;
+constexpr double kHighestCm1 = 12000;
 constexpr double kFundamentalStrength = 9.13e-17, kReferenceK = 296;
+// Square of the moment of the bending band over that of the fundamental: what makes the Planck mean
+// at 300 K HITEMP2010's.
+constexpr double kBend = 0.16;
 // Square of the moment of the weak bands over that of the fundamental, and by how much it changes
 // with m (their P branches are several times their R branches): MODTRAN's column of carbon dioxide
 // at 2030-2110 cm-1 over 5 km of tropical air, met within 0.03 of transmittance but for 2080-2090.
@@ -21,23 +25,37 @@ constexpr double kWeakBands = 9e-5, kHermanWallis = -0.025;
 double width(int m) { return 0.058 + 0.037 * std::exp(-m / 25.0); }
 
 double vibrational_sum(const Co2Isotopologue& of, double t) {
-  double sum = 0;
-  for (int quanta = 0; quanta <= 2 * kQuanta; ++quanta) {
-    for (int l = quanta % 2; l <= quanta; l += 2) {
-      for (int v3 = 0; v3 <= 8; ++v3) {
-        for (const double e : co2_polyad(of, quanta, l, v3, l, false).energy_cm1) {
-          const double b = 0.390219 * of.rotation * l;  // l (l + 1) - l^2 of the lowest J
-          if (e - b < 2 * kHighestCm1) sum += (l == 0 ? 1 : 2) * std::exp(-kC2CmK * (e - b) / t);
+  struct Level {
+    double energy_cm1, states;
+  };
+  static std::map<double, std::vector<Level>> known;  // by abundance, which names the isotopologue
+  std::vector<Level>& level = known[of.abundance];
+  if (level.empty()) {
+    for (int quanta = 0; quanta <= 2 * kQuanta; ++quanta) {
+      for (int l = quanta % 2; l <= quanta; l += 2) {
+        for (int v3 = 0; v3 <= 8; ++v3) {
+          for (const double e : co2_polyad(of, quanta, l, v3, l, false).energy_cm1) {
+            const double b = 0.390219 * of.rotation * l;  // l (l + 1) - l^2 of the lowest J
+            if (e - b < 2 * kHighestCm1) level.push_back({e - b, l == 0 ? 1.0 : 2.0});
+          }
         }
       }
     }
   }
+  double sum = 0;
+  for (const Level& l : level) sum += l.states * std::exp(-kC2CmK * l.energy_cm1 / t);
   return sum;
 }
 
 class Lister {
  public:
-  Lister(const Co2Isotopologue& of, double t, double weakest) : of_(of), t_(t), weakest_(weakest) {
+  Lister(const Co2Isotopologue& of, Co2Region region, double t, double weakest)
+      : of_(of),
+        region_(region),
+        first_cm1_(region == Co2Region::k15um ? 460 : 1900),
+        last_cm1_(region == Co2Region::k15um ? 920 : 2480),
+        t_(t),
+        weakest_(weakest) {
     const double b = 0.390219 * of.rotation;
     // The rotational sum with its first corrections: quantum and centrifugal.
     const double rotational =
@@ -57,8 +75,13 @@ class Lister {
     for (int quanta = 0; quanta <= kQuanta; ++quanta) {
       for (int l = quanta % 2; l <= quanta; l += 2) {
         for (int v3 = 0; v3 <= kV3; ++v3) {
-          if (co2_polyad(of_, quanta, l, v3, l, false).energy_cm1.front() > kHighestCm1) break;
+          // Higher levels are too empty for any line that is asked for.
+          const double highest = std::min(
+              kHighestCm1, t_ / kC2CmK * std::log(strength_scale * per_state_ * 1e4 / weakest_));
+          if (co2_polyad(of_, quanta, l, v3, l, false).energy_cm1.front() > highest) break;
           for (int j = l; j < kJ; ++j) {
+            if (j > l && co2_polyad(of_, quanta, l, v3, j, false).energy_cm1.front() > highest)
+              break;
             for (const bool upper : {false, true}) {
               if (l == 0 && upper) continue;
               from(out, strength_scale, quanta, l, v3, j, upper);
@@ -81,6 +104,10 @@ class Lister {
     const Polyad low = levels(quanta, l, v3, j, upper);
     if (low.energy_cm1.empty()) return;
     const double jj = j, ll = l;
+    if (region_ == Co2Region::k15um) {
+      bend(out, scale * kBend, 1, quanta, l, v3, j, upper, low);
+      return;
+    }
     // v3 to v3 + 1: P and R keep the symmetry; Q is weak and changes it.
     for (const int dj : {-1, 0, 1}) {
       if (j + dj < l || (dj == 0 && l == 0)) continue;
@@ -95,11 +122,18 @@ class Lister {
             return sum * sum;
           });
     }
-    // v1, v2, l to v1 + 1, v2 + 1, l +- 1.
+    bend(out, scale * kWeakBands, 3, quanta, l, v3, j, upper, low);
+  }
+
+  // v2, l to v2 + 1, l +- 1, with v1 (more = 1) or to v1 + 1 (more = 3).
+  void bend(std::vector<SpectralLine>& out, double scale, int more, int quanta, int l, int v3,
+            int j, bool upper, const Polyad& low) {
+    const double jj = j;
     for (const int dl : {-1, 1}) {
       if (l + dl < 0) continue;
-      const double k = dl * ll;
-      const double split = l == 0 ? 1 : 0.5;  // of two equal ways into a pair, and back
+      const double k = dl * l;
+      // A level without a pair is reached from, and reaches, both of l = +1 and -1.
+      const double ways = l == 0 || l + dl == 0 ? 2 : 1;
       for (const int dj : {-1, 0, 1}) {
         if (j + dj < l + dl || (j == 0 && dj < 1)) continue;
         const double factor = dj == 1 ? (jj + 2 + k) * (jj + 1 + k) / (2 * (jj + 1))
@@ -108,15 +142,17 @@ class Lister {
                                   : (jj - 1 - k) * (jj - k) / (2 * jj);
         const bool to_upper = dj == 0 ? !upper : upper;
         if (l + dl == 0 && to_upper) continue;
-        const Polyad& high = levels(quanta + 3, l + dl, v3, j + dj, to_upper);
+        const Polyad& high = levels(quanta + more, l + dl, v3, j + dj, to_upper);
         const double m = dj == 1 ? jj + 1 : dj == 0 ? 0 : -jj;
-        add(out, scale * kWeakBands * factor * split * 2 * std::pow(1 + kHermanWallis * m, 2), low,
-            high, dj, j, [&](const std::vector<double>& a, const std::vector<double>& b) {
+        const double herman_wallis = more == 3 ? std::pow(1 + kHermanWallis * m, 2) : 1;
+        const std::size_t shift = more == 3 ? 1 : 0;
+        add(out, scale * factor * ways * herman_wallis, low, high, dj, j,
+            [&](const std::vector<double>& a, const std::vector<double>& b) {
               double sum = 0;
-              for (std::size_t v1 = 0; v1 < a.size() && v1 + 1 < b.size(); ++v1) {
+              for (std::size_t v1 = 0; v1 < a.size() && v1 + shift < b.size(); ++v1) {
                 const double v2 = quanta - 2.0 * static_cast<double>(v1);
-                sum +=
-                    a[v1] * b[v1 + 1] * std::sqrt((static_cast<double>(v1) + 1) * (v2 + 2 + k) / 2);
+                sum += a[v1] * b[v1 + shift] *
+                       std::sqrt((shift == 1 ? static_cast<double>(v1) + 1 : 1) * (v2 + 2 + k) / 2);
               }
               return sum * sum;
             });
@@ -133,7 +169,7 @@ class Lister {
       if (filled < weakest_ || e > kHighestCm1) continue;
       for (std::size_t b = 0; b < high.energy_cm1.size(); ++b) {
         const double nu = high.energy_cm1[b] - e;
-        if (nu < kFirstCm1 || nu > kLastCm1) continue;
+        if (nu < first_cm1_ || nu > last_cm1_) continue;
         const double s = filled * nu / 2349.143 * (1 - std::exp(-kC2CmK * nu / t_)) *
                          moment(low.amplitude[a], high.amplitude[b]);
         if (s < weakest_) continue;
@@ -143,6 +179,8 @@ class Lister {
   }
 
   Co2Isotopologue of_;
+  Co2Region region_;
+  double first_cm1_, last_cm1_;
   double t_, weakest_, per_state_;
   std::map<std::tuple<int, int, int, int, bool>, Polyad> known_;
 };
@@ -167,10 +205,10 @@ double strength_scale() {
 
 }  // namespace
 
-std::vector<SpectralLine> co2_lines(double temperature_k, double weakest) {
+std::vector<SpectralLine> co2_lines(Co2Region region, double temperature_k, double weakest) {
   std::vector<SpectralLine> out;
   for (const Co2Isotopologue& of : kCo2Isotopologues) {
-    Lister(of, temperature_k, weakest).list(out, strength_scale());
+    Lister(of, region, temperature_k, weakest).list(out, strength_scale());
   }
   return out;
 }

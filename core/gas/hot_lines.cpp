@@ -1,0 +1,164 @@
+#include "core/gas/hot_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/base/check.h"
+#include "core/base/csv_rows.h"
+#include "core/gas/gas_spectrum.h"
+
+namespace irsig {
+namespace {
+
+constexpr char kHotLines[] =
+#include "gas/hot_lines.txt.inc"
+    ;
+
+std::string_view take_word(std::string_view& line) {
+  const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t end = std::min(line.find(' ', begin), line.size());
+  const std::string_view word = line.substr(begin, end - begin);
+  line.remove_prefix(end);
+  return word;
+}
+
+double take_number(std::string_view& line) { return finite_number(take_word(line)).value(); }
+
+std::vector<double> take_numbers(std::string_view& line, std::size_t count) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(take_number(line));
+  return out;
+}
+
+struct StoredBand {
+  HotLineBand shape;
+  std::vector<std::int32_t>
+      thousandth_ln;  // [(pressure * temperatures + temperature) * points + point]
+};
+
+class HotLines {
+ public:
+  explicit HotLines(std::string_view text) {
+    std::vector<std::optional<StoredBand>>* gas = nullptr;
+    StoredBand* band = nullptr;
+    while (!text.empty()) {
+      const std::size_t end = std::min(text.find('\n'), text.size());
+      std::string_view line = text.substr(0, end);
+      text.remove_prefix(std::min(end + 1, text.size()));
+      if (line.empty() || line.front() == '#') continue;
+      std::string_view rest = line;
+      const std::string_view first = take_word(rest);
+      if (first == "temperatures" || first == "pressures") {
+        while (!rest.empty()) {
+          (first == "pressures" ? ln_pressure_atm : ln_temperature)
+              .push_back(std::log(take_number(rest)));
+        }
+      } else if (first == "gas") {
+        gas = take_word(rest) == "CO2" ? &co2 : &co;
+        gas->resize(kGasBandCount);
+      } else if (first == "band") {
+        const auto index =
+            static_cast<std::size_t>((take_number(rest) - kGasFirstCm1) / kGasBandWidthCm1);
+        band = &(*gas)[index].emplace();
+        band->shape = read_shape(rest);
+      } else {
+        std::string_view row = line;
+        for (std::size_t i = 0; i < band->shape.weight.size(); ++i) {
+          band->thousandth_ln.push_back(static_cast<std::int32_t>(take_number(row)));
+        }
+        IRSIG_CHECK(row.empty());
+      }
+    }
+    for (const auto* of : {&co2, &co}) {
+      for (const auto& b : *of) {
+        if (!b) continue;
+        IRSIG_CHECK(b->thousandth_ln.size() ==
+                    b->shape.weight.size() * ln_temperature.size() * ln_pressure_atm.size());
+      }
+    }
+  }
+
+  [[nodiscard]] const StoredBand* find(HotGas gas, std::size_t band) const {
+    if (gas == HotGas::kH2o) return nullptr;
+    const auto& of = gas == HotGas::kCo2 ? co2 : co;
+    return of[band] ? &*of[band] : nullptr;
+  }
+
+  std::vector<double> ln_temperature, ln_pressure_atm;
+
+ private:
+  static HotLineBand read_shape(std::string_view& rest) {
+    HotLineBand out;
+    out.joint = take_word(rest) == "joint";
+    out.term_weight = take_numbers(rest, static_cast<std::size_t>(take_number(rest)));
+    const std::vector<double> share =
+        take_numbers(rest, static_cast<std::size_t>(take_number(rest)));
+    double sum = 0, shares = 0;
+    for (const double w : out.term_weight) sum += w;
+    for (const double s : share) shares += s;
+    for (double& w : out.term_weight) w /= sum;
+    for (std::size_t i = 0; i < out.term_weight.size(); ++i) {
+      for (const double s : share) {
+        out.weight.push_back(out.term_weight[i] * s / shares);
+        out.term_of.push_back(i);
+      }
+    }
+    return out;
+  }
+
+  std::vector<std::optional<StoredBand>> co2, co;
+};
+
+const HotLines& hot_lines() {
+  static const HotLines table({kHotLines, sizeof kHotLines - 1});
+  return table;
+}
+
+}  // namespace
+
+const HotLineBand* hot_line_band(HotGas gas, std::size_t band) {
+  const StoredBand* found = hot_lines().find(gas, band);
+  return found != nullptr ? &found->shape : nullptr;
+}
+
+std::vector<double> hot_line_absorption_m2_mol(HotGas gas, std::size_t band, double temperature_k,
+                                               double pressure_pa) {
+  const HotLines& table = hot_lines();
+  const StoredBand* of = table.find(gas, band);
+  IRSIG_CHECK(of != nullptr);
+  // Four knots around the temperature, at the table's ends those next to them.
+  const std::vector<double>&t = table.ln_temperature, &p = table.ln_pressure_atm;
+  const double x = std::log(temperature_k);
+  std::size_t i = 0;
+  while (i + 4 < t.size() && x > t[i + 2]) ++i;
+  std::array<double, 4> knot{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    knot[a] = 1;
+    for (std::size_t b = 0; b < 4; ++b) {
+      if (b != a) knot[a] *= (x - t[i + b]) / (t[i + a] - t[i + b]);
+    }
+  }
+  const double y = std::log(pressure_pa / 101325);
+  std::size_t j = 0;
+  while (j + 2 < p.size() && y > p[j + 1]) ++j;
+  const double v = (y - p[j]) / (p[j + 1] - p[j]);
+  const std::size_t points = of->shape.weight.size();
+  std::vector<double> out(points);
+  for (std::size_t n = 0; n < points; ++n) {
+    double ln = 0;
+    for (std::size_t a = 0; a < 4; ++a) {
+      const auto at = [&](std::size_t pressure) {
+        return of->thousandth_ln[(pressure * t.size() + i + a) * points + n];
+      };
+      ln += knot[a] * ((1 - v) * at(j) + v * at(j + 1));
+    }
+    out[n] = std::exp(1e-3 * ln);
+  }
+  return out;
+}
+
+}  // namespace irsig

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/gas/narrow_band.h"
+
+namespace irsig {
+
+// Absorption of hot carbon dioxide around 4.3 um and carbon monoxide, line by line:
+// data/hot_lines.txt in memory. Per band of 10 cm-1 terms, in the order of the cold air's
+// (core/atmosphere/data), each of a few bins by the hot gas's own absorption, so that where lines
+// are bright and where the air takes them away stay the same wavenumbers. Layers of different
+// temperature are added bin by bin.
+struct HotLineBand {
+  bool joint;                        // the terms are the cold air's; otherwise there is one
+  std::vector<double> term_weight;   // sum 1
+  std::vector<double> weight;        // [point = term * bins + bin], sum 1
+  std::vector<std::size_t> term_of;  // [point]
+};
+
+// Null where the gas is described by narrow_band alone (water; bands away from these).
+[[nodiscard]] const HotLineBand* hot_line_band(HotGas gas, std::size_t band);
+
+// Absorption at the band's points; ln of the table's, cubic in ln temperature, linear in ln
+// pressure.                                                                       [m2/mol]
+//   temperature_k, pressure_pa  as check_gas asks
+[[nodiscard]] std::vector<double> hot_line_absorption_m2_mol(HotGas gas, std::size_t band,
+                                                             double temperature_k,
+                                                             double pressure_pa);
+
+}  // namespace irsig
