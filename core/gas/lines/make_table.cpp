@@ -223,7 +223,7 @@ int run(const std::string& hot, const std::string& air) {
                       0,
                       {}};
   // The cold air's eight terms of core/atmosphere/data/co_lines.py, made at 250 K and 500 hPa.
-  const Plan co{"CO", kCoShape, co_lines, 1750, 2350, 1900, 2300, {0.6, 0.4}};
+  const Plan co{"CO", kCoShape, co_lines, 1750, 2350, 1900, 2300, {0.4, 0.3, 0.2, 0.1}};
   const std::vector<double> shares = {0.25, 0.25, 0.2, 0.13, 0.08, 0.05, 0.025, 0.015};
 
   const std::map<int, ColdBand> cold = cold_bands(co2);
