@@ -187,11 +187,11 @@ TEST(SceneHeat, WallsAreThoseOfTheSolverOfOneWall) {
   r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
   r.part = {{0.7, 0.9, 0u, 0}};
   WallBuildUp wall = steel(InnerSide::kAir);
-  wall.layers = {{2e-4, 0.2, 1200, 1400}, {0.05, 0.04, 50, 1030}, {0.002, 50, 7800, 450}};
+  wall.layers = {{2e-4, 0.2, 1200, 1400}, {0.3, 1.4, 2300, 880}};
   wall.inner_k = 294;
   wall.inner_h_w_m2_k = 8;
   r.build_up = {wall};
-  r.tolerance_k = 2e-3;
+  r.tolerance_k = 1e-3;
   const auto scene = solve_scene_heat(target, r);
   ASSERT_TRUE(scene.ok()) << scene.status();
 
@@ -205,7 +205,7 @@ TEST(SceneHeat, WallsAreThoseOfTheSolverOfOneWall) {
   alone.start = PeriodicStart{290, 24, 1e-4, 60};
   alone.output_knot = r.output_knot;
   alone.output_boundary = {0};
-  alone.accuracy = {1e-4, 6};
+  alone.accuracy = {2e-4, 7};
   const double incoming = 0.5 * (300 + kStefanBoltzmannWM2K4 * std::pow(290, 4)),
                wind = 3.26 * std::pow(2, 0.89);
   const auto exposure = [&](std::size_t k, std::span<const std::uint32_t>, const Exposure& to) {
@@ -225,12 +225,15 @@ TEST(SceneHeat, WallsAreThoseOfTheSolverOfOneWall) {
   const auto exact = solve_heat(alone, exposure);
   ASSERT_TRUE(exact.ok()) << exact.status();
   ASSERT_GT(target.facet[0].nx, 0.99) << "the wind comes from there";
+  double most = 0;
   for (std::size_t o = 0; o < r.output_knot.size(); ++o) {
     const double off = std::abs(static_cast<double>(scene->kelvin[o][0]) -
                                 exact->temperature_k[exact->at(o, 0, 0)]);
-    EXPECT_LT(off, 2e-3) << o;
+    EXPECT_LT(off, 1e-3) << o;
+    most = std::max(most, off);
     EXPECT_LT(off, static_cast<double>(scene->error_k[o][0])) << o;
   }
+  std::printf("at most %.5f K\n", most);
 }
 
 // A hollow box, seen from inside: its facets are turned round.
