@@ -7,6 +7,7 @@ import pathlib
 import random
 import sys
 import time
+import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "system"))
 from serve_fixture import Server  # noqa: E402
@@ -37,19 +38,17 @@ def main():
         return {"sweep": sweep["name"], "row": chosen.randint(1, sweep["rows"])}
 
     asked = {
-        "/": dict, "/api/contents": dict, "/api/progress": dict, "/api/map": selection, "/api/row": row, "/api/spectrum": row,
+        "/": dict, "/www/main.js": dict, "/api/contents": dict, "/api/progress": dict, "/api/map": selection, "/api/row": row, "/api/spectrum": row,
         "/api/cut": lambda: {**selection(), "elevation_deg": chosen.randint(2, 80)},
         "/api/compare": lambda: {**selection(), **{f"b_{k}": v for k, v in selection().items()}},
     }
     for path, parameters in asked.items():
         took_ms, before_ms = [], cpu_ms(server.process.pid)
         for _ in range(REPEATS):
-            target = parameters()
+            target = urllib.parse.urlencode(parameters())
             start = time.perf_counter()
-            if path == "/":
-                server.request("/")
-            else:
-                server.json(path, **target)
+            status, _, body = server.request(f"{path}?{target}")
+            assert status == 200, body
             took_ms.append(1e3 * (time.perf_counter() - start))
         took_ms.sort()
         each_ms = (cpu_ms(server.process.pid) - before_ms) / REPEATS
