@@ -19,8 +19,8 @@ struct GasSegment {
   double length_m = 0;
 };
 
-// Where the tables hold. Below 300 K the numbers of water and of CO2 outside 4.3 um are those of
-// 300 K.
+// Where the tables hold. Below 300 K the numbers of water and of CO2 outside 15 and 4.3 um are
+// those of 300 K.
 inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 2000;
 inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
 

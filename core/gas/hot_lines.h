@@ -7,7 +7,7 @@
 
 namespace irsig {
 
-// Absorption of hot carbon dioxide around 4.3 um and carbon monoxide, line by line:
+// Absorption of hot carbon dioxide at 15 and 4.3 um and of carbon monoxide, line by line:
 // data/hot_lines.txt in memory. Per band of 10 cm-1 terms, in the order of the cold air's
 // (core/atmosphere/data), each of a few bins by the hot gas's own absorption, so that where lines
 // are bright and where the air takes them away stay the same wavenumbers. Layers of different
