@@ -40,21 +40,24 @@ export function drawSpectrum(a, b, stacked, readout) {
     svg("text", { class: "middle", x: X(t), y: HEIGHT - BOTTOM + 17 }, tickLabels(xTicks)[k])));
   yTicks.forEach((t, k) => parts.push(svg("line", { class: "grid", x1: LEFT, x2: WIDTH - RIGHT, y1: Y(t), y2: Y(t) }),
     svg("text", { class: "end", x: LEFT - 6, y: Y(t) + 4 }, tickLabels(yTicks, factor)[k])));
+  const inside = [];  // of the axes, whatever the errors are
   if (stacked) {
     let below = a.value.map(() => 0);
     for (const cause of causesOf(a)) {
       const above = below.map((v, k) => v + cause.value[k]);
       const x = flat(a);
-      parts.push(svg("path", { class: `cause ${cause.id}`, "data-cause": cause.id,
+      inside.push(svg("path", { class: `cause ${cause.id}`, "data-cause": cause.id,
         d: path([...above.map((v, k) => [x[k], Y(v)]), ...below.map((v, k) => [x[k], Y(v)]).reverse()]) + "Z" }));
       below = above;
     }
   }
   reach.forEach((s, k) => {
     const name = "ab"[k], x = flat(s), scale = (HEIGHT - TOP - BOTTOM) / (top - bottom);
-    parts.push(svg("path", { class: `band ${name}`, d: band(x, s.value.map(Y), s.value_stderr.map((e) => e * scale)) }),
+    inside.push(svg("path", { class: `band ${name}`, d: band(x, s.value.map(Y), s.value_stderr.map((e) => e * scale)) }),
       svg("path", { class: `curve ${name}`, d: path(s.value.map((v, i) => [x[i], Y(v)])) }));
   });
+  parts.push(svg("clipPath", { id: "spectrum-inside" }, svg("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM })),
+    svg("g", { "clip-path": "url(#spectrum-inside)" }, ...inside));
   const cross = svg("line", { class: "cross", y1: TOP, y2: HEIGHT - BOTTOM, x1: -9, x2: -9 });
   const summary = `${a.title} from ${brief(left)} to ${brief(right)} µm, greatest ${brief(Math.max(...a.value) * factor)} ${unit}`;
   const picture = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "plot", role: "img", "aria-label": summary },
