@@ -54,7 +54,7 @@ class Browser:
 class Page:
     def __init__(self, address, width, height, dark, touch):
         self.socket = websocket.create_connection(address, timeout=TIMEOUT_S)
-        self.calls = 0
+        self.calls, self.width = 0, width
         self.requests, self.errors, self.events = [], [], collections.Counter()
         for domain in ("Page", "Runtime", "Log", "Network", "Accessibility"):
             self.call(f"{domain}.enable")
