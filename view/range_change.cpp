@@ -29,8 +29,7 @@ ViewEnvironment plain_view(const Air& air, double air_temperature_k, double rang
   ViewEnvironment out;
   out.sun = all;
   out.sun_apparent = path.transmittance;
-  out.node = {all, all};
-  out.node_apparent = {path.transmittance, path.transmittance};
+  out.around = LightAround::of_spectra({all, all}, {path.transmittance, path.transmittance});
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   out.transmittance = std::move(path.transmittance);
   return out;

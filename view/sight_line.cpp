@@ -42,12 +42,9 @@ std::vector<double> solid_angles(const DirectionNodes& nodes, std::uint32_t firs
   return out;
 }
 
-std::vector<double> mean_of(const std::vector<std::vector<double>>& node, std::uint32_t first,
-                            const std::vector<double>& weight) {
-  std::vector<double> out(node[first].size());
-  for (std::size_t n = 0; n < weight.size(); ++n)
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += weight[n] * node[first + n][i];
-  return out;
+void add(double weight, const std::vector<double>& spectrum, std::vector<double>& to) {
+  to.resize(spectrum.size());
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * spectrum[i];
 }
 
 }  // namespace
@@ -68,12 +65,12 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
                             Side{nodes.sky(), nodes.lower(), &out.sea, {}, {}}};
   for (Side& side : sides) {
     const std::vector<double> weight = solid_angles(nodes, side.first, side.count);
-    side.radiance = mean_of(e.node, side.first, weight);
-    side.seen = mean_of(e.node_apparent, side.first, weight);
     for (std::uint32_t n = side.first; n < side.first + side.count; ++n) {
-      const Values radiance = per_bin(grid, offset, grid.bin_weight, e.node[n]);
-      Values& share =
-          side.share->emplace_back(per_bin(grid, offset, grid.bin_weight, e.node_apparent[n]));
+      const std::vector<double> here = e.around.radiance(n), seen = e.around.apparent(n);
+      add(weight[n - side.first], here, side.radiance);
+      add(weight[n - side.first], seen, side.seen);
+      const Values radiance = per_bin(grid, offset, grid.bin_weight, here);
+      Values& share = side.share->emplace_back(per_bin(grid, offset, grid.bin_weight, seen));
       for (std::size_t k = 0; k < share.size(); ++k)
         share[k] = radiance[k] > 0 ? share[k] / radiance[k] : -1;
     }

@@ -140,7 +140,7 @@ struct Environment::Parts {
     const Weather& w = weather[c.spec.weather];
     return *c.sun.get([&] {
       return std::make_unique<SunLight>(c.spec, c.seen, light_of(w), w.spec.lower, *w.atmosphere,
-                                        w.height_m, nodes, wavelengths.bands);
+                                        w.height_m, nodes, wavelengths);
     });
   }
   [[nodiscard]] const ConditionBounds& bounds_of(const Condition& c) const {
@@ -313,13 +313,12 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
 }
 
 double Environment::bytes_per_condition() const {
-  // ViewEnvironment's nodes, at the target, behind the line's air and their errors; SunLight's sky,
-  // and its air and surface below the horizon.
+  // TODO
   const DirectionNodes& nodes = parts_->nodes;
-  const double seen = 3.0 * nodes.count() * static_cast<double>(parts_->wavelengths.um.size());
-  const double kept =
-      nodes.azimuths() > 1 ? (nodes.sky() + 2.0 * nodes.lower()) * kAirBandCount : 0;
-  return (seen + kept) * sizeof(double);
+  const double kept = nodes.azimuths() > 1 ? (nodes.sky() + 2.0 * nodes.lower()) *
+                                                 static_cast<double>(parts_->wavelengths.used.size())
+                                           : 0;
+  return kept * sizeof(float);
 }
 
 absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {

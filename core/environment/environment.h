@@ -12,6 +12,7 @@
 #include "core/environment/air.h"
 #include "core/environment/behind_nodes.h"
 #include "core/environment/direction_nodes.h"
+#include "core/environment/light_around.h"
 #include "core/environment/sea_surface.h"
 #include "core/geo/viewpoint.h"
 
@@ -68,18 +69,18 @@ struct ViewEnvironment {
   Spectrum transmittance;                     // band means: of what surfaces emit
   Spectrum path_radiance;                     // emitted and scattered between target and sensor
   std::vector<AirPath> end;                   // [Line::end] the same of the target's ends
+  std::vector<LightAround::AirChange> end_change;  // [Line::end] by how much they differ
   Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
-  std::vector<Spectrum> node, node_apparent;  // [direction node]: sky, then lower
+  LightAround around;                         // sky, then lower
   std::vector<Spectrum> behind_apparent;      // [node of Line::behind]
   // Of these: the most by which straight lines to the nodes beside them were found to err at three
   // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
   // one sigma of the models. Empty: none.
   std::vector<Spectrum> behind_interpolation, behind_model_error;
 
-  // Of what the nodes give at the target: the most by which straight lines between a node and those
-  // beside it were found to err, half way between rings, and of sunlight at 25 places of each cell.
-  // Summed with the weights of paths it bounds what narrow lobes see. Empty: none.
-  std::vector<Spectrum> node_interpolation;
+  // LightAround::interpolation is the most by which straight lines between a node and those beside
+  // it were found to err, half way between rings, and of sunlight at 25 places of each cell. Summed
+  // with the weights of paths it bounds what narrow lobes see.
   // Relative interpolation error of the nodes' radiance between them: mean over the side's solid
   // angle of |linear - direct| / mean radiance, in the worst quarter of a micrometre; 1.5e-3 and
   // 8e-4. Of the sunlit sky: and mean over lobes of cos^20 (30 deg wide) of the aureole's; to 5e-3.

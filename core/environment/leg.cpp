@@ -23,6 +23,19 @@ absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um) 
                               solar_irradiance_w_m2_um(air_band_lambda_um(*band)));
   }
   out.bands = BandChoice(wanted);
+  std::vector<std::uint32_t> place(kAirBandCount);
+  for (std::uint32_t b = 0; b < kAirBandCount; ++b) {
+    place[b] = static_cast<std::uint32_t>(out.used.size());
+    if (wanted[b] != 0) out.used.push_back(b);
+  }
+  for (const std::size_t b : out.band) out.used_band.push_back(place[b]);
+  return out;
+}
+
+std::vector<double> NodeWavelengths::of_used(const AirSpectrum& of_band) const {
+  std::vector<double> out;
+  out.reserve(used.size());
+  for (const std::uint32_t b : used) out.push_back(of_band[b]);
   return out;
 }
 
@@ -140,6 +153,11 @@ std::vector<double> Leg::spread_thermal(const AirSpectrum& thermal) const {
     out[i] = thermal[wavelengths_->band[i]] * thermal_shape_[i];
   }
   return out;
+}
+
+LightAround::Shapes Leg::shapes() const {
+  return {wavelengths_->used.size(), wavelengths_->used_band, thermal_shape_,
+          wavelengths_->solar_shape};
 }
 
 std::vector<double> Leg::plus_solar(std::vector<double> thermal, const AirSpectrum& solar) const {

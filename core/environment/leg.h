@@ -14,6 +14,10 @@ struct NodeWavelengths {
   std::vector<std::size_t> band;
   BandChoice bands;
   std::vector<double> solar_shape;  // solar spectrum there over that at the band's centre
+  // The bands that any wavelength lies in, increasing, and [wavelength] which of them it is.
+  std::vector<std::uint32_t> used;
+  std::vector<std::uint32_t> used_band;
+  [[nodiscard]] std::vector<double> of_used(const AirSpectrum& of_band) const;
 };
 [[nodiscard]] absl::StatusOr<NodeWavelengths> node_wavelengths(const std::vector<double>& um);
 
@@ -56,6 +60,8 @@ class Leg {
   [[nodiscard]] std::vector<double> spread_thermal(const AirSpectrum& thermal) const;
   [[nodiscard]] std::vector<double> plus_solar(std::vector<double> thermal,
                                                const AirSpectrum& solar) const;
+  // Those carry both on inside a band.
+  [[nodiscard]] LightAround::Shapes shapes() const;
 
  private:
   const NodeWavelengths* wavelengths_;

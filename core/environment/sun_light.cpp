@@ -80,22 +80,22 @@ void over_hat(const std::vector<double>& sine, std::size_t ring, std::uint32_t t
 SunLight::SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
                    const WeatherLight& weather, const LowerSpec& surface,
                    const Atmosphere& atmosphere, double height_m, const DirectionNodes& nodes,
-                   const BandChoice& bands)
+                   const NodeWavelengths& wavelengths)
     : visible(seen.visible),
       weather_(weather),
       direction_(seen.middle),
       height_m_(height_m),
       azimuths_(nodes.azimuths()),
       surface_(surface),
-      bands_(bands),
+      wavelengths_(wavelengths),
+      bands_(wavelengths.bands),
       sky_source_(weather.sky.size()),
       limb_source_(kLimb.size()),
-      far_(weather.lower.size()),
-      lower_(weather.lower.size()) {
+      far_(weather.lower.size()) {
   outside = irradiance = AirSpectrum(kAirBandCount, 0.0);
   if (!(seen.visible > 0)) return;
   sun_.emplace(atmosphere, height_m, std::acos(std::clamp(-direction_.z, -1.0, 1.0)) / kRadPerDeg,
-               bands);
+               bands_);
   if (!sun_->lit()) {
     sun_.reset();
     return;
@@ -109,11 +109,8 @@ SunLight::SunLight(const ConditionEnvironment& condition, const Environment::Sun
   for (double& x : outside) x *= seen.visible;
 }
 
-const SunLight::Sky& SunLight::sky() const {
-  return sky_.get([this] { return make_sky(); });
-}
-const SunLight::Lower& SunLight::lower(std::size_t ring) const {
-  return lower_[ring].get([this, ring] { return make_lower(ring); });
+const SunLight::Around& SunLight::around() const {
+  return around_.get([this] { return make_around(); });
 }
 const ScatteredSun& SunLight::sky_source(std::size_t ring) const {
   return sky_source_[ring].get([this, ring] { return weather_.sky[ring].layers.scattered(*sun_); });
@@ -124,6 +121,30 @@ const ScatteredSun& SunLight::limb_source(std::size_t ring) const {
 }
 const AirSpectrum& SunLight::far(std::size_t ring) const {
   return far_[ring].get([this, ring] { return joined(weather_.lower[ring].layers.amounts()); });
+}
+
+SunLight::Around SunLight::make_around() const {
+  const std::size_t n = wavelengths_.used.size();
+  const auto write = [&](BandRows<float>& to, std::size_t row, const AirSpectrum& of) {
+    for (std::size_t b = 0; b < n; ++b)
+      to.row(row)[b] = static_cast<float>(of[wavelengths_.used[b]]);
+  };
+  const Sky sky = make_sky();
+  std::vector<Lower> lower;
+  for (std::size_t r = 0; r < weather_.lower.size(); ++r) lower.push_back(make_lower(r, sky));
+  auto light = std::make_shared<LightAround::Sunlight>();
+  const std::size_t above = sky.node.size(), below = lower.size() * azimuths_;
+  light->air = BandRows<float>(above + below, n);
+  light->surface = BandRows<float>(below, n);
+  for (std::size_t k = 0; k < above; ++k) write(light->air, k, sky.node[k]);
+  for (std::size_t k = 0; k < below; ++k) {
+    write(light->air, above + k, lower[k / azimuths_].air[k % azimuths_]);
+    write(light->surface, k, lower[k / azimuths_].surface[k % azimuths_]);
+  }
+  light->error = sky.node_error;
+  const std::vector<double> error = lower_node_error(lower);
+  light->error.insert(light->error.end(), error.begin(), error.end());
+  return {std::move(light), sky.interpolation, sky.model_relative};
 }
 
 SunLight::Sky SunLight::make_sky() const {
@@ -151,7 +172,7 @@ SunLight::Sky SunLight::make_sky() const {
   return out;
 }
 
-SunLight::Lower SunLight::make_lower(std::size_t r) const {
+SunLight::Lower SunLight::make_lower(std::size_t r, const Sky& sky) const {
   Lower out;
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
@@ -163,7 +184,7 @@ SunLight::Lower SunLight::make_lower(std::size_t r) const {
     multiply(out.air.back(), outside);
     AirSpectrum mirrored(kAirBandCount, 0.0);
     for (const LowerRing::Cell& cell : ring.cell) {
-      const AirSpectrum& from = sky().node[cell.ring * azimuths_ + (a + cell.turn) % azimuths_];
+      const AirSpectrum& from = sky.node[cell.ring * azimuths_ + (a + cell.turn) % azimuths_];
       for (std::size_t b = 0; b < kAirBandCount; ++b) mirrored[b] += cell.weight[b] * from[b];
     }
     // Let through as sunlight is, whose lines it carries.
@@ -176,18 +197,14 @@ SunLight::Lower SunLight::make_lower(std::size_t r) const {
   return out;
 }
 
-const std::vector<double>& SunLight::lower_node_error() const {
-  return lower_node_error_.get([this] { return make_lower_node_error(); });
-}
-
 // Linear interpolation errs by h^2 / 8 f'', a quarter of what the node itself differs by from the
 // line between those beside it: taken twice.
-std::vector<double> SunLight::make_lower_node_error() const {
+std::vector<double> SunLight::lower_node_error(const std::vector<Lower>& lower) const {
   std::vector<double> out;
-  for (std::size_t r = 0; r < lower_.size(); ++r) {
-    const bool ends = r == 0 || r + 1 == lower_.size();
-    const Lower &here = lower(r), &below = lower(ends ? r : r - 1),
-                &above = lower(ends ? r : r + 1);
+  for (std::size_t r = 0; r < lower.size(); ++r) {
+    const bool ends = r == 0 || r + 1 == lower.size();
+    const Lower &here = lower[r], &below = lower[ends ? r : r - 1],
+                &above = lower[ends ? r : r + 1];
     const double f =
         ends ? 0
              : (weather_.lower[r].sin_elevation - weather_.lower[r - 1].sin_elevation) /

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "core/environment/leg.h"
 #include "core/environment/made_once.h"
 #include "core/environment/weather_light.h"
 
@@ -18,10 +20,11 @@ class SunLight {
   // All outlive it.
   SunLight(const ConditionEnvironment& condition, const Environment::SunSeen& seen,
            const WeatherLight& weather, const LowerSpec& surface, const Atmosphere& atmosphere,
-           double height_m, const DirectionNodes& nodes, const BandChoice& bands);
+           double height_m, const DirectionNodes& nodes, const NodeWavelengths& wavelengths);
 
   [[nodiscard]] bool shines() const { return sun_.has_value(); }
   [[nodiscard]] Vec<Body> direction() const { return direction_; }
+  [[nodiscard]] std::uint32_t azimuths() const { return azimuths_; }
 
   double visible;          // share of the disk that has not set
   AirSpectrum outside;     // irradiance normal to the beam outside the air, of what has not set
@@ -30,24 +33,17 @@ class SunLight {
   // Radiance at the target; only where it shines. Of the sky the best linear fit to the aureole, so
   // that sums over directions keep its energy; of the air below the horizon means over the nodes'
   // hats. The sun that a rough sea mirrors is not in it.
-  struct Sky {
-    std::vector<AirSpectrum> node;
-    // As WeatherLight's relative errors, of the whole light. interpolation: mean over lobes of
-    // cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of slope 0.15
-    // mirrors are beneath the nodes.
+  struct Around {
+    // On NodeWavelengths::used. Its errors: above the horizon the largest of the linear radiance in
+    // any direction of the cells around a node that was looked at; below twice what the differences
+    // from the nodes beside it say of straight lines.
+    std::shared_ptr<const LightAround::Sunlight> light;
+    // Of the sky, as WeatherLight's relative errors, of the whole light. interpolation: mean over
+    // lobes of cos^20, 30 deg wide, of |linear - direct|: narrower features than a surface of slope
+    // 0.15 mirrors are beneath the nodes.
     double interpolation = 0, model_relative = 0;
-    // [node] The largest relative error of the linear radiance in any direction of the cells around
-    // a node that was looked at.
-    std::vector<double> node_error;
   };
-  [[nodiscard]] const Sky& sky() const;
-  struct Lower {
-    std::vector<AirSpectrum> air, surface;  // [azimuth]
-  };
-  [[nodiscard]] const Lower& lower(std::size_t ring) const;
-  // [node below the horizon] As Sky::node_error: twice what the differences from the nodes beside
-  // it say of straight lines.
-  [[nodiscard]] const std::vector<double>& lower_node_error() const;
+  [[nodiscard]] const Around& around() const;
 
   // Transmittance from the sun to the target and through further air.
   [[nodiscard]] AirSpectrum joined(const AbsorberAmounts& amounts) const;
@@ -79,9 +75,18 @@ class SunLight {
   // up: 1 above the horizon, -1 below.
   [[nodiscard]] PhaseMean phase(const std::vector<double>& sine, std::size_t ring, double up,
                                 std::uint32_t azimuth) const;
+  struct Sky {
+    std::vector<AirSpectrum> node;
+    double interpolation = 0, model_relative = 0;
+    std::vector<double> node_error;
+  };
+  struct Lower {
+    std::vector<AirSpectrum> air, surface;  // [azimuth]
+  };
+  [[nodiscard]] Around make_around() const;
   [[nodiscard]] Sky make_sky() const;
-  [[nodiscard]] std::vector<double> make_lower_node_error() const;
-  [[nodiscard]] Lower make_lower(std::size_t ring) const;
+  [[nodiscard]] std::vector<double> lower_node_error(const std::vector<Lower>& lower) const;
+  [[nodiscard]] Lower make_lower(std::size_t ring, const Sky& sky) const;
   // Of a grey surface: its reflection of the sun, the same in all directions.
   [[nodiscard]] double diffuse_per_sr() const;
   // Sets both kinds of interpolation error.
@@ -93,15 +98,14 @@ class SunLight {
   double height_m_;
   std::uint32_t azimuths_;
   const LowerSpec& surface_;
+  const NodeWavelengths& wavelengths_;
   const BandChoice& bands_;
   std::optional<SunAmounts> sun_;
   AirSpectrum near_;                               // transmittance from the sun to the target
   std::deque<MadeOnce<ScatteredSun>> sky_source_;  // [ring]
   std::deque<MadeOnce<ScatteredSun>> limb_source_;
   std::deque<MadeOnce<AirSpectrum>> far_;  // [ring below]
-  std::deque<MadeOnce<Lower>> lower_;
-  MadeOnce<Sky> sky_;
-  MadeOnce<std::vector<double>> lower_node_error_;
+  MadeOnce<Around> around_;
 };
 
 }  // namespace irsig

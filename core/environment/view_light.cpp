@@ -109,7 +109,8 @@ ViewLight::ViewLight(const Leg& leg, const WeatherLight& light, const Environmen
       lower_(light.lower.size()),
       limb_(kLimb.size()),
       sky_error_(kLimb.size() + light.sky.size()),
-      behind_(light.lower.size()) {
+      behind_(light.lower.size()),
+      shapes_(std::make_shared<LightAround::Shapes>(leg.shapes())) {
   AirSpectrum scattered = leg.layers.surroundings_share;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= light.surroundings[b];
   error_ = model_error(leg.layers.amounts(), leg.layers.transmittance, scattered,
@@ -158,33 +159,42 @@ AirSpectrum ViewLight::seen_lower(std::size_t r) {
   return seen;
 }
 
-const ViewLight::Rings& ViewLight::rings() {
-  if (!rings_) {
-    rings_.emplace();
-    for (const SkyRing& r : light_.sky) rings_->push_back(leg_.spread_thermal(r.total));
-    for (const LowerRing& r : light_.lower) rings_->push_back(leg_.spread_thermal(r.total));
-  }
-  return *rings_;
+const std::shared_ptr<const LightAround::Thermal>& ViewLight::rings() {
+  if (rings_) return rings_;
+  auto made = std::make_shared<LightAround::Thermal>();
+  made->ring = BandRows<double>(light_.sky.size() + light_.lower.size(), shapes_->bands);
+  std::size_t row = 0;
+  const auto add = [&](const AirSpectrum& total) {
+    const std::vector<double> used = wavelengths_.of_used(total);
+    std::copy(used.begin(), used.end(), made->ring.row(row++));
+  };
+  for (const SkyRing& r : light_.sky) add(r.total);
+  for (const LowerRing& r : light_.lower) add(r.total);
+  made->error = light_.sky_ring_error;
+  made->error.insert(made->error.end(), light_.lower_ring_error.begin(),
+                     light_.lower_ring_error.end());
+  return rings_ = std::move(made);
 }
 
-const ViewLight::Rings& ViewLight::rings_apparent(bool joined_lines) {
-  std::optional<Rings>& of = rings_apparent_[joined_lines ? 1 : 0];
-  if (of) return *of;
-  of.emplace();
+const ViewLight::Apparent& ViewLight::rings_apparent(bool joined_lines) {
+  Apparent& of = rings_apparent_[joined_lines ? 1 : 0];
+  if (of) return of;
   const bool exact = joined_lines || leg_.imported;
   const auto coarse = [](AirSpectrum total, const AirSpectrum& ratio) {
     for (std::size_t b = 0; b < kAirBandCount; ++b) total[b] *= ratio[b];
     return total;
   };
-  for (std::size_t r = 0; r < sky_.size(); ++r) {
-    of->push_back(
-        leg_.spread_thermal(exact ? sky(r) : coarse(light_.sky[r].total, sky_ratio_.coarse(r))));
-  }
-  for (std::size_t r = 0; r < lower_.size(); ++r) {
-    of->push_back(leg_.spread_thermal(
-        exact ? lower(r) : coarse(light_.lower[r].total, lower_ratio_.coarse(r))));
-  }
-  return *of;
+  auto made = std::make_shared<BandRows<double>>(sky_.size() + lower_.size(), shapes_->bands);
+  const auto put = [&](std::size_t row, const AirSpectrum& seen) {
+    const std::vector<double> used = wavelengths_.of_used(seen);
+    std::copy(used.begin(), used.end(), made->row(row));
+  };
+  for (std::size_t r = 0; r < sky_.size(); ++r)
+    put(r, exact ? sky(r) : coarse(light_.sky[r].total, sky_ratio_.coarse(r)));
+  for (std::size_t r = 0; r < lower_.size(); ++r)
+    put(sky_.size() + r,
+        exact ? lower(r) : coarse(light_.lower[r].total, lower_ratio_.coarse(r)));
+  return of = std::move(made);
 }
 
 double ViewLight::joined_lines_bound(RingRatios& ratio, double share,
@@ -246,24 +256,23 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.model_error_transmittance = leg_.per_wavelength(error_.transmittance);
   out.model_error_path_radiance = leg_.per_wavelength(error);
   out.path_radiance = leg_.plus_solar(leg_.spread_thermal(path_radiance_), scattered);
-  add_ends(out, sun && use.path && !leg_.imported_radiance ? sun : nullptr);
+  add_ends(out, scattered, sun && use.path && !leg_.imported_radiance ? sun : nullptr);
   out.sun = out.sun_apparent = dark;
   if (sun && direct_sun) {
     out.sun = leg_.plus_solar(dark, sun->irradiance);
     out.sun_apparent = leg_.plus_solar(dark, solar->irradiance());
   }
   if (effects.surroundings()) {
-    add_nodes(out, diffuse_sun ? sun : nullptr, diffuse_sun ? &*solar : nullptr,
-              effects.joined_lines, nodes);
+    add_around(out, diffuse_sun ? sun : nullptr, diffuse_sun ? &*solar : nullptr,
+               effects.joined_lines, nodes);
   } else {
-    out.node.assign(nodes.count(), dark);
-    out.node_apparent = out.node;
+    out.around = LightAround::dark(shapes_);
   }
   const bool background_sun = sun && use.background;
   add_behind(out, background_sun ? sun : nullptr, background_sun ? &*solar : nullptr);
   // Products of band means err by up to 40 % for the sky's and 11 % for the sun's lines over 5 km.
   out.sky_model_relative =
-      std::hypot(diffuse_sun ? sun->sky().model_relative : light_.sky_model_relative,
+      std::hypot(diffuse_sun ? sun->around().model_relative : light_.sky_model_relative,
                  leg_.imported ? 0.2 : 0.0);
   out.lower_model_relative = std::hypot(light_.lower_model_relative, leg_.imported ? 0.05 : 0.0);
   out.sun_model_relative = std::hypot(kSunRelativeError, leg_.imported ? 0.1 : 0.0);
@@ -271,81 +280,59 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
 }
 
 // What is imported holds for one place: the others differ from it as the embedded model has it.
-void ViewLight::add_ends(ViewEnvironment& out, const SunLight* sun) {
+void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun) {
   if (end_.empty()) return;
-  const std::size_t n = wavelengths_.um.size();
-  struct Own {
-    std::vector<double> transmittance, path_radiance;
+  const auto emitted = [&](const Leg& leg, std::size_t b) {
+    return leg.layers.thermal_w_m2_sr_um[b] +
+           leg.layers.surroundings_share[b] * light_.surroundings[b];
   };
-  const auto own = [&](const Leg& leg) {
-    AirSpectrum thermal = leg.layers.thermal_w_m2_sr_um;
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      thermal[b] += leg.layers.surroundings_share[b] * light_.surroundings[b];
-    }
-    const std::vector<double> emitted = leg_.spread_thermal(thermal);
-    return Own{
-        leg_.per_wavelength(leg.layers.transmittance),
-        sun ? leg_.plus_solar(emitted, sun->scattered_by(leg.layers, line_.direction)) : emitted};
-  };
-  const Own here = own(leg_);
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  const AirSpectrum sun_here =
+      sun ? sun->scattered_by(leg_.layers, line_.direction) : dark;
   for (const Leg& end : end_) {
-    const Own there = own(end);
-    AirPath& path = out.end.emplace_back();
-    for (std::size_t i = 0; i < n; ++i) {
-      const double ratio =
-          here.transmittance[i] > 0 ? there.transmittance[i] / here.transmittance[i] : 1;
-      path.transmittance.push_back(std::min(1.0, out.transmittance[i] * ratio));
-      path.path_radiance_w_m2_sr_um.push_back(
-          std::max(0.0, out.path_radiance[i] + there.path_radiance[i] - here.path_radiance[i]));
+    const AirSpectrum sun_there =
+        sun ? sun->scattered_by(end.layers, line_.direction) : dark;
+    AirSpectrum transmittance = leg_.transmittance, thermal = path_radiance_, solar = scattered;
+    for (const std::uint32_t b : wavelengths_.used) {
+      const double own = leg_.layers.transmittance[b];
+      transmittance[b] = std::min(
+          1.0, transmittance[b] * (own > 0 ? end.layers.transmittance[b] / own : 1));
+      thermal[b] = std::max(0.0, thermal[b] + emitted(end, b) - emitted(leg_, b));
+      solar[b] = std::max(0.0, solar[b] + sun_there[b] - sun_here[b]);
     }
+    out.end.push_back({leg_.per_wavelength(transmittance),
+                       leg_.plus_solar(leg_.spread_thermal(thermal), solar)});
+    for (const std::uint32_t b : wavelengths_.used) {
+      transmittance[b] -= leg_.transmittance[b];
+      thermal[b] -= path_radiance_[b];
+      solar[b] -= scattered[b];
+    }
+    out.end_change.push_back({wavelengths_.of_used(transmittance), wavelengths_.of_used(thermal),
+                              wavelengths_.of_used(solar)});
   }
 }
 
-void ViewLight::add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* solar,
-                          bool joined_lines, const DirectionNodes& nodes) {
-  const std::uint32_t azimuths = nodes.azimuths();
-  const Rings &here = rings(), &there = rings_apparent(joined_lines);
-  for (std::size_t r = 0; r < here.size(); ++r) {
-    const bool above = r < light_.sky.size();
-    const std::size_t k = above ? r : r - light_.sky.size();
-    std::vector<double> thermal_error = here[r];
-    for (double& x : thermal_error)
-      x *= above ? light_.sky_ring_error[k] : light_.lower_ring_error[k];
-    out.node_interpolation.insert(out.node_interpolation.end(), azimuths, thermal_error);
-    if (!sun) {
-      out.node.insert(out.node.end(), azimuths, here[r]);
-      out.node_apparent.insert(out.node_apparent.end(), azimuths, there[r]);
-      continue;
+void ViewLight::add_around(ViewEnvironment& out, const SunLight* sun, Solar* solar,
+                           bool joined_lines, const DirectionNodes& nodes) {
+  out.around = LightAround(shapes_, rings(), rings_apparent(joined_lines),
+                           static_cast<std::uint32_t>(light_.sky.size()), nodes.azimuths());
+  if (sun) {
+    const std::size_t above = light_.sky.size(), below = light_.lower.size();
+    LightAround::Ratios ratios{BandRows<double>(above + below, shapes_->bands),
+                               BandRows<double>(below, shapes_->bands)};
+    const auto put = [&](BandRows<double>& to, std::size_t row, const AirSpectrum& ratio) {
+      const std::vector<double> used = wavelengths_.of_used(ratio);
+      std::copy(used.begin(), used.end(), to.row(row));
+    };
+    for (std::size_t r = 0; r < above; ++r) put(ratios.air, r, solar->sky_ratio(r, joined_lines));
+    for (std::size_t r = 0; r < below; ++r) {
+      const SunLight::LowerRatio ratio = solar->lower_ratio(r, joined_lines);
+      put(ratios.air, above + r, ratio.air);
+      put(ratios.surface, r, ratio.surface);
     }
-    const AirSpectrum sky_ratio = above ? solar->sky_ratio(k, joined_lines) : AirSpectrum();
-    const SunLight::LowerRatio lower_ratio =
-        above ? SunLight::LowerRatio() : solar->lower_ratio(k, joined_lines);
-    AirSpectrum at_target(kAirBandCount), apparent(kAirBandCount);
-    for (std::uint32_t a = 0; a < azimuths; ++a) {
-      if (above) {
-        const AirSpectrum& light = sun->sky().node[k * azimuths + a];
-        for (std::size_t b = 0; b < kAirBandCount; ++b) {
-          at_target[b] = light[b];
-          apparent[b] = light[b] * sky_ratio[b];
-        }
-      } else {
-        const AirSpectrum &air = sun->lower(k).air[a], &surface = sun->lower(k).surface[a];
-        for (std::size_t b = 0; b < kAirBandCount; ++b) {
-          at_target[b] = air[b] + surface[b];
-          apparent[b] = air[b] * lower_ratio.air[b] + surface[b] * lower_ratio.surface[b];
-        }
-      }
-      const double relative =
-          (above ? sun->sky().node_error : sun->lower_node_error())[k * azimuths + a];
-      AirSpectrum error = at_target;
-      for (double& x : error) x *= relative;
-      std::vector<double>& of_node = out.node_interpolation[r * azimuths + a];
-      of_node = leg_.plus_solar(std::move(of_node), error);
-      out.node.push_back(leg_.plus_solar(here[r], at_target));
-      out.node_apparent.push_back(leg_.plus_solar(there[r], apparent));
-    }
+    out.around.add_sun(sun->around().light, std::move(ratios));
   }
-  out.sky_interpolation = sun ? sun->sky().interpolation : light_.sky_interpolation;
+  out.sky_interpolation = sun ? sun->around().interpolation : light_.sky_interpolation;
   out.lower_interpolation = light_.lower_interpolation;
   if (!joined_lines) out.joined_lines_bound = joined_lines_bound(solar);
 }
@@ -486,19 +473,25 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
   for (std::size_t b = 0; b < kAirBandCount; ++b) light[b] *= mirrored[b];
   AirSpectrum error = light;
   for (double& x : error) x *= sun->glint_model_relative(sight.direction);
+  const LightAround::Sunlight& from = *sun->around().light;
+  const std::size_t above = from.error.size() - light_.lower.size() * sun->azimuths();
   for (std::size_t k = 0; k < rings; ++k) {
-    const SunLight::Lower& from = sun->lower(ring + k);
-    const auto azimuths = static_cast<std::uint32_t>(from.air.size());
+    const std::uint32_t azimuths = sun->azimuths();
     double turn = std::atan2(sight.direction.y, sight.direction.x) / (2 * std::numbers::pi);
     turn = (turn < 0 ? turn + 1 : turn) * azimuths;
     const std::uint32_t at = std::min(static_cast<std::uint32_t>(turn), azimuths - 1);
     const double g = std::min(1.0, turn - at);
-    const std::uint32_t beside = (at + 1) % azimuths;
+    const std::size_t here = (ring + k) * azimuths + at,
+                      beside = (ring + k) * azimuths + (at + 1) % azimuths;
     const SunLight::LowerRatio& ratio = solar->lower(ring + k);
     const double w = k == 0 ? 1 - f : f;
-    for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      const double air = (1 - g) * from.air[at][b] + g * from.air[beside][b];
-      const double surface = (1 - g) * from.surface[at][b] + g * from.surface[beside][b];
+    const auto between = [&](const float* x, const float* y, std::size_t j) {
+      return (1 - g) * static_cast<double>(x[j]) + g * static_cast<double>(y[j]);
+    };
+    for (std::size_t j = 0; j < wavelengths_.used.size(); ++j) {
+      const std::uint32_t b = wavelengths_.used[j];
+      const double air = between(from.air.row(above + here), from.air.row(above + beside), j);
+      const double surface = between(from.surface.row(here), from.surface.row(beside), j);
       light[b] += w * (air * ratio.air[b] + surface * ratio.surface[b]);
       error[b] += w * (kAerosolRelativeError * air * ratio.air[b] +
                        surface_relative * surface * ratio.surface[b]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -37,18 +38,18 @@ class ViewLight {
   [[nodiscard]] AirSpectrum seen_lower(std::size_t ring);
   // The air in front of a lower ring's surface, behind the line's.
   [[nodiscard]] const PathLayers::Behind& behind(std::size_t ring);
-  // The same on the sweep's wavelengths, of all rings: sky, then lower. At the target, and at the
+  // The same in the sweep's bands, of all rings: sky, then lower. At the target, and at the
   // sensor with the air's lines joined at all exact rings or at three.
-  using Rings = std::vector<std::vector<double>>;
-  [[nodiscard]] const Rings& rings();
-  [[nodiscard]] const Rings& rings_apparent(bool joined_lines);
+  [[nodiscard]] const std::shared_ptr<const LightAround::Thermal>& rings();
+  using Apparent = std::shared_ptr<const BandRows<double>>;
+  [[nodiscard]] const Apparent& rings_apparent(bool joined_lines);
   // Of joining them at three, for the light of one side, in front of which the ratios are those.
   [[nodiscard]] double joined_lines_bound(RingRatios& ratio, double share,
                                           const std::vector<const AirSpectrum*>& light) const;
   [[nodiscard]] double joined_lines_bound(Solar* solar);
 
-  void add_nodes(ViewEnvironment& out, const SunLight* sun, Solar* solar, bool joined_lines,
-                 const DirectionNodes& nodes);
+  void add_around(ViewEnvironment& out, const SunLight* sun, Solar* solar, bool joined_lines,
+                  const DirectionNodes& nodes);
   // What stands behind the target in one direction, at the sensor.
   struct Behind {
     AirSpectrum thermal, light, model_error;
@@ -58,7 +59,7 @@ class ViewLight {
   [[nodiscard]] Behind lower_at(const BehindSight& sight, const SunLight* sun, Solar* solar);
   // Of the sky from the horizon up: rings of the limb, then of the sky.
   [[nodiscard]] const AirSpectrum& sky_from_horizon(std::size_t ring);
-  void add_ends(ViewEnvironment& out, const SunLight* sun);
+  void add_ends(ViewEnvironment& out, const AirSpectrum& scattered, const SunLight* sun);
   void add_behind(ViewEnvironment& out, const SunLight* sun, Solar* solar);
 
   const Leg& leg_;
@@ -74,8 +75,9 @@ class ViewLight {
   std::vector<std::optional<AirSpectrum>> sky_, lower_, limb_;
   std::vector<std::optional<AirSpectrum>> sky_error_;      // from the horizon up
   std::vector<std::optional<PathLayers::Behind>> behind_;  // [lower ring]
-  std::optional<Rings> rings_;
-  std::array<std::optional<Rings>, 2> rings_apparent_;
+  std::shared_ptr<const LightAround::Shapes> shapes_;
+  std::shared_ptr<const LightAround::Thermal> rings_;
+  std::array<Apparent, 2> rings_apparent_;
 };
 
 }  // namespace irsig

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/accuracy/replicates.h"
+#include "core/base/ordered_dot.h"
 #include "core/base/sobol.h"
 #include "core/spectral/solar.h"
 
@@ -219,11 +220,8 @@ double Pass::sky_error(std::size_t row, const SummedWeights& mean) const {
   const SourceLayout& layout = sources_.layout();
   const ConditionSources& light = this->light(row);
   const ViewEnvironment& environment = light.environment();
-  const BandOnAxis band = axis_band(row);
   const auto of_side = [&](SourceRange nodes, double relative, Cause cause) {
-    double each = 0;
-    for (const SourceId id : nodes)
-      each += nodes_w_sr(light.interpolation(id), scene_.path_basis(), band, mean.row(id));
+    const double each = interpolation_w_sr(in_band_[row], nodes, layout, mean);
     const double lobes =
         relative * std::abs(statistics_[row].estimate(1 + static_cast<std::size_t>(cause)).value);
     return wide ? std::min(each, lobes) : each;
@@ -243,8 +241,24 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
   const ViewEnvironment& e = light.environment();
   if (e.end.empty()) return 0;
   const BandOnAxis band = axis_band(row);
-  std::vector<double> most(n), ones(n, 1.0);
-  double sum = 0;
+  const SpectralBasis* basis = scene_.path_basis();
+  std::vector<double> most(n);
+  const std::size_t columns = mean.columns;
+  const double* of_nodes = mean.row(layout.first_sky());
+  const LightAround& around = light.around();
+  double sum =
+      basis == nullptr
+          ? around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                           {of_nodes, around.count()})
+          : around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                           [&](std::uint32_t node, std::span<double> w) {
+                             const double* of_node = of_nodes + node * columns;
+                             if (std::all_of(of_node, of_node + columns,
+                                             [](double x) { return x == 0; }))
+                               return false;
+                             basis->to_nodes(of_node, band.first_node, w);
+                             return true;
+                           });
   const auto add = [&](SourceId id, bool radiance) {
     const std::span<const double> of_source = light.radiance(id);
     for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
@@ -257,27 +271,23 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
     }
     sum += nodes_w_sr(most, scene_.path_basis(), band, mean.row(id));
   };
-  const SourceRange radiances[] = {layout.all_emitted(), layout.sky(), layout.lower()};
-  for (const SourceRange range : radiances)
-    for (const SourceId id : range) add(id, true);
+  for (const SourceId id : layout.all_emitted()) add(id, true);
   for (const auto& of_cause : light.causes())
     for (const SourceRange range : of_cause)
       for (const SourceId id : range)
-        if (std::none_of(std::begin(radiances), std::end(radiances),
-                         [&](SourceRange r) { return r.contains(id); }))
-          add(id, false);
+        if (!layout.without_sun().contains(id)) add(id, false);
   // Of the silhouette from which nothing is known to come.
   const BandGrid& grid = band.grid;
   double weighed = 0, width_um = 0, lost = 0;
-  for (const SourceRange range : radiances)
-    for (const SourceId id : range)
-      weighed += nodes_w_sr(ones, scene_.path_basis(), band, mean.row(id));
+  const SourceTable unit = unit_table(basis, band.first_node, grid.band_weight);
+  for (const double w : grid.band_weight) width_um += w;
+  for (const SourceId id : layout.without_sun())
+    weighed += width_um * ordered_dot(unit.source.data(), mean.row(id) + unit.first_column, unit.columns);
   for (std::size_t i = 0; i < band.nodes(); ++i) {
     double change = 0;
     for (const AirPath& end : e.end)
       change = std::max(change, std::abs(end.path_radiance_w_m2_sr_um[band.first_node + i] -
                                          e.path_radiance[band.first_node + i]));
-    width_um += grid.band_weight[i];
     lost += grid.band_weight[i] * change;
   }
   if (width_um > 0) sum += std::abs(front_area_m2_ - weighed / width_um) * lost;

@@ -21,8 +21,17 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   const std::size_t n = node_um.size();
   AirPath path = air_path(air, condition.air_temperature_k, range_m, node_um);
   ViewEnvironment out;
-  for (const Environment::Line::End& end : ends)
-    out.end.push_back(air_path(air, condition.air_temperature_k, end.range_m, node_um));
+  for (const Environment::Line::End& end : ends) {
+    const AirPath& there =
+        out.end.emplace_back(air_path(air, condition.air_temperature_k, end.range_m, node_um));
+    LightAround::AirChange& change = out.end_change.emplace_back();
+    change.path_solar.assign(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      change.transmittance.push_back(there.transmittance[i] - path.transmittance[i]);
+      change.path_thermal.push_back(there.path_radiance_w_m2_sr_um[i] -
+                                    path.path_radiance_w_m2_sr_um[i]);
+    }
+  }
   out.sun.assign(n, 0.0);
   std::vector<double> sky(n), lower(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -37,9 +46,8 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
     return seen;
   };
   out.sun_apparent = behind_air(out.sun);
-  out.node_apparent = {behind_air(sky), behind_air(lower)};
-  out.behind_apparent = out.node_apparent;
-  out.node = {std::move(sky), std::move(lower)};
+  out.behind_apparent = {behind_air(sky), behind_air(lower)};
+  out.around = LightAround::of_spectra({sky, lower}, out.behind_apparent);
   out.transmittance = std::move(path.transmittance);
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   return out;
@@ -127,8 +135,10 @@ const LightBounds& ViewSurroundings::bounds(std::uint32_t condition) {
   b.path_radiance = std::move(plain.path_radiance);
   b.sun = std::move(plain.sun);
   b.thermal.assign(n, 0.0);
-  for (const auto& node : plain.node)
+  for (std::uint32_t k = 0; k < plain.around.count(); ++k) {
+    const std::vector<double> node = plain.around.radiance(k);
     for (std::size_t i = 0; i < n; ++i) b.thermal[i] = std::max(b.thermal[i], node[i]);
+  }
   for (auto* none : {&b.diffuse_sun, &b.diffuse_sun_w_m2_um, &b.mirrored_sun,
                      &b.mirrored_sun_w_m2_um, &b.path_sun, &b.background_sun})
     none->assign(n, 0.0);
@@ -145,7 +155,8 @@ ViewEnvironments ViewSurroundings::without_light() {
     e.transmittance = b.transmittance;
     e.path_radiance = b.path_radiance;
     e.sun = e.sun_apparent = dark;
-    e.node = e.node_apparent = e.behind_apparent = {dark, dark};
+    e.behind_apparent = {dark, dark};
+    e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
   }
   return out;
 }
@@ -177,10 +188,6 @@ absl::StatusOr<ViewEnvironments> ViewSurroundings::see(std::span<const std::uint
     auto seen = look_->see(c, wanted, with_azimuths);
     if (!seen.ok()) return seen.status();
     out.condition[c] = *std::move(seen);
-    if (!reflected) {
-      const std::vector<double> dark(node_um_->size(), 0.0);
-      out.condition[c].node = out.condition[c].node_apparent = {dark, dark};
-    }
   }
   return out;
 }

@@ -67,9 +67,21 @@ class LineShading {
     const SourceRange all = sources_.layout().all();
     table.source.assign(all.size() * columns_, 0.0);
     table.apparent.assign(all.size() * columns_, 0.0);
+    const SourceRange around = sources_.layout().around();
+    std::vector<double> here, arrives;
     for (const SourceId id : all) {
-      const double* radiance = light.radiance(id).data() + band.first_node;
-      const double* seen = light.apparent(id).data() + band.first_node;
+      std::span<const double> spectrum, apparent_spectrum;
+      if (around.contains(id)) {
+        here = light.around().radiance(index_of(id) - around.first);
+        arrives = light.around().apparent(index_of(id) - around.first);
+        spectrum = here;
+        apparent_spectrum = arrives;
+      } else {
+        spectrum = light.radiance(id);
+        apparent_spectrum = light.apparent(id);
+      }
+      const double* radiance = spectrum.data() + band.first_node;
+      const double* seen = apparent_spectrum.data() + band.first_node;
       double* source = table.source.data() + index_of(id) * columns_;
       double* apparent = table.apparent.data() + index_of(id) * columns_;
       for (std::size_t i = 0; i < band.nodes(); ++i) {

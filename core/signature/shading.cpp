@@ -81,6 +81,50 @@ class BinRows {
   std::vector<double> value_;  // [column][bin], or [node]
 };
 
+// What comes from above or below around the target: all directions are added up in the air's bands
+// before any spectrum is made of them.
+//   source, apparent  where the spectra of a replicate are
+template <typename Source, typename Apparent>
+void add_around(const ConditionSources& light, const LitWeights& weights,
+                const SpectralBasis* basis, const BandOnAxis& band, bool sky, const Source& source,
+                const Apparent& apparent) {
+  const LightAround& around = light.around();
+  const SourceId first = light.layout().first_sky();
+  if (basis != nullptr && basis->identity()) {
+    // Every wavelength has weights of its own.
+    BinRows here(basis, band), seen(basis, band);
+    const SourceRange side = sky ? light.layout().sky() : light.layout().lower();
+    for (const SourceId id : side) {
+      here.set(around.radiance(index_of(id) - index_of(first)));
+      seen.set(around.apparent(index_of(id) - index_of(first)));
+      for (std::size_t r = 0; r < weights.replicates(); ++r) {
+        here.add_to(weights.sum(r).row(id), source(r));
+        seen.add_to(weights.sum(r).row(id), apparent(r));
+      }
+    }
+    return;
+  }
+  const std::size_t columns = basis == nullptr ? 1 : basis->columns();
+  const BandGrid& grid = band.grid;
+  std::vector<LightAround::Weights> of_replicate;
+  for (std::size_t k = 0; k < columns; ++k) {
+    of_replicate.clear();
+    for (std::size_t r = 0; r < weights.replicates(); ++r)
+      of_replicate.push_back({weights.sum(r).row(first) + k, columns});
+    const auto sums = around.sums(sky, of_replicate, band.first_node, band.nodes());
+    for (std::size_t r = 0; r < weights.replicates(); ++r)
+      for (std::size_t bin = 0; bin < grid.lambda_um.size(); ++bin)
+        for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i) {
+          const double share =
+              basis == nullptr
+                  ? grid.bin_weight[i]
+                  : grid.bin_weight[i] * basis->expand[(band.first_node + i) * columns + k];
+          source(r)[bin] += share * sums[r].radiance[i];
+          apparent(r)[bin] += share * sums[r].apparent[i];
+        }
+  }
+}
+
 // Total, causes, apparent, contrast and background on the stored wavelengths, source by source:
 // each spectrum is gone through once for all replicates.
 void add_spectra(const ConditionSources& light, const LitWeights& weights,
@@ -94,8 +138,15 @@ void add_spectra(const ConditionSources& light, const LitWeights& weights,
   constexpr std::size_t kApparent = 1 + kCauses, kContrast = 2 + kCauses, kBackground = 3 + kCauses;
   BinRows source(basis, band), apparent(basis, band);
   const auto causes = light.causes();
+  const SourceLayout& layout = light.layout();
   for (std::size_t c = 0; c < kCauses; ++c)
-    for (const SourceRange& piece : causes[c])
+    for (const SourceRange& piece : causes[c]) {
+      if (layout.around().contains(SourceId{piece.first})) {
+        add_around(light, weights, basis, band, piece.first == layout.sky().first,
+                   [&](std::size_t r) { return spectrum(r, 1 + c); },
+                   [&](std::size_t r) { return spectrum(r, kApparent); });
+        continue;
+      }
       for (const SourceId id : piece) {
         source.set(light.radiance(id));
         apparent.set(light.apparent(id));
@@ -104,7 +155,8 @@ void add_spectra(const ConditionSources& light, const LitWeights& weights,
           apparent.add_to(weights.sum(r).row(id), spectrum(r, kApparent));
         }
       }
-  for (const SourceId id : light.layout().behind()) {
+    }
+  for (const SourceId id : layout.behind()) {
     apparent.set(light.apparent(id));
     for (std::size_t r = 0; r < weights.replicates(); ++r)
       apparent.add_to(weights.sum(r).row(id), spectrum(r, kBackground));
@@ -126,6 +178,41 @@ void add_spectra(const ConditionSources& light, const LitWeights& weights,
 
 }  // namespace
 
+namespace {
+
+// The table's rows of what is around the target.
+void put_around(const ConditionSources& light, const SpectralBasis* basis, std::size_t first_node,
+                std::span<const double> weight, SourceTable& table) {
+  const LightAround& around = light.around();
+  const SourceRange range = light.layout().around();
+  const std::size_t columns = table.columns, at = range.first * columns;
+  const auto from = [&](std::vector<double>& v) {
+    return v.begin() + static_cast<std::ptrdiff_t>(at);
+  };
+  if (basis != nullptr && basis->identity()) {
+    table.interpolation.resize(range.size() * columns);
+    for (std::uint32_t node = 0; node < range.size(); ++node) {
+      const auto put = [&](const std::vector<double>& spectrum, double* to) {
+        for (std::size_t i = 0; i < columns; ++i)
+          to[node * columns + i] = weight[i] * spectrum[first_node + i];
+      };
+      put(around.radiance(node), table.source.data() + at);
+      put(around.apparent(node), table.apparent.data() + at);
+      put(around.interpolation(node), table.interpolation.data());
+    }
+    return;
+  }
+  LightAround::Integrals in =
+      around.integrals(first_node, weight,
+                       basis == nullptr ? nullptr : basis->expand.data() + first_node * columns,
+                       columns);
+  std::copy(in.source.begin(), in.source.end(), from(table.source));
+  std::copy(in.apparent.begin(), in.apparent.end(), from(table.apparent));
+  table.interpolation = std::move(in.interpolation);
+}
+
+}  // namespace
+
 SourceTable source_table(const ConditionSources& light, const SpectralBasis* basis,
                          std::size_t first_node, std::span<const double> weight) {
   const std::size_t n = weight.size();
@@ -137,10 +224,12 @@ SourceTable source_table(const ConditionSources& light, const SpectralBasis* bas
     out.columns = basis->columns();
   }
   const std::size_t columns = out.columns;
-  const SourceRange all = light.layout().all();
+  const SourceRange all = light.layout().all(), around = light.layout().around();
   out.source.assign(all.size() * columns, 0.0);
   out.apparent.assign(all.size() * columns, 0.0);
+  put_around(light, basis, first_node, weight, out);
   for (const SourceId id : all) {
+    if (around.contains(id)) continue;
     const double* radiance = light.radiance(id).data() + first_node;
     const double* seen = light.apparent(id).data() + first_node;
     double* s = out.source.data() + index_of(id) * columns;
@@ -272,6 +361,11 @@ void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights
     out[at_contrast] = seen - instead;
     out[at_contrast + 1] = area > 0 ? instead / area + path : path;
     for (std::uint32_t p = 0; p < parts; ++p) {
+      if (whole.columns == weights.weight(r).columns()) {
+        out[part_quantity(p)] =
+            weights.weight(r).dot(p, layout.of_intensity(), whole.source.data());
+        continue;
+      }
       double of_part = 0;
       weights.weight(r).for_each(p, layout.of_intensity(), [&](SourceId id, const double* w) {
         of_part += ordered_dot(whole.row(id), w + whole.first_column, whole.columns);
@@ -280,6 +374,16 @@ void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights
     }
   }
   if (spectra) add_spectra(light, weights, basis, band, spectrum_quantity(parts), values);
+}
+
+double interpolation_w_sr(const SourceTable& table, SourceRange nodes, const SourceLayout& layout,
+                          const SummedWeights& sums) {
+  const std::size_t n = table.columns;
+  double sum = 0;
+  for (const SourceId id : nodes)
+    sum += ordered_dot(table.interpolation.data() + (index_of(id) - layout.around().first) * n,
+                       sums.row(id) + table.first_column, n);
+  return sum;
 }
 
 double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,
@@ -308,9 +412,15 @@ std::vector<double> largest_on_nodes(const SummedWeights& sums, const SpectralBa
 
 double largest_in_band_w_sr(const ConditionSources& light, const std::vector<double>& largest,
                             const BandOnAxis& band) {
+  const SourceLayout& layout = light.layout();
+  const std::vector<double> around =
+      light.around().integrals(band.first_node, band.grid.band_weight, nullptr, 1).source;
   double sum = 0;
-  for (const SourceId id : light.layout().of_intensity())
-    if (largest[index_of(id)] > 0) sum += largest[index_of(id)] * in_band(light.radiance(id), band);
+  for (const SourceId id : layout.of_intensity())
+    if (const double weight = largest[index_of(id)]; weight > 0)
+      sum += weight * (layout.around().contains(id)
+                           ? around[index_of(id) - layout.around().first]
+                           : in_band(light.radiance(id), band));
   return sum;
 }
 

@@ -18,6 +18,9 @@ namespace irsig {
 struct SourceTable {
   std::size_t first_column = 0, columns = 1;
   std::vector<double> source, apparent;
+  // Of sources around the target: by how much they are found to be wrong in one of the directions
+  // that they stand for. [source.around()][column]
+  std::vector<double> interpolation;
 
   [[nodiscard]] const double* row(SourceId id) const {
     return source.data() + index_of(id) * columns;
@@ -96,6 +99,10 @@ struct Shares {
                                   const SourceTable& in_band);
 [[nodiscard]] double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sums,
                                           const SourceTable& in_band);
+
+// The bounds on sources around the target, met with one replicate's weights or their mean.
+[[nodiscard]] double interpolation_w_sr(const SourceTable& table, SourceRange nodes,
+                                        const SourceLayout& layout, const SummedWeights& sums);
 
 // In-band integral of a spectrum on the sweep's nodes times one source's weights.
 [[nodiscard]] double nodes_w_sr(std::span<const double> spectrum, const SpectralBasis* basis,

@@ -1,16 +1,23 @@
 #include "core/signature/unseen.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <unordered_map>
 
 #include "core/accuracy/replicates.h"
+#include "core/base/sobol.h"
 
 namespace irsig {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+// Facets are gathered in cells this wide: a tenth of the sun's radius. What light at grazing angles
+// may do changes so fast that wider ones would ask for many times the samples.
+constexpr double kFacingCell = 4e-4;
 
 // An angle by which directions may differ.
 struct Spread {
@@ -30,14 +37,15 @@ Cosines cosines_about(double cosine, const Spread& spread) {
 
 // All reflections of light between two directions within their spreads. Half vectors turn by at
 // most the sum of both turns / (2 cos_d).
+//   bent  by how much normals may differ from the one given
 ReflectionRange range_of(Vec<Body> normal, Vec<Body> to_light, const Cosines& cos_i,
-                         Vec<Body> to_sensor, const Cosines& cos_o, double turns) {
+                         Vec<Body> to_sensor, const Cosines& cos_o, double turns, double bent) {
   const double cos_d = 0.5 * (cos_i.least + cos_o.least);
   const Vec<Body> half = to_light + to_sensor;
   double tan2 = 0;
   if (const double size = length(half); size > 0 && cos_d > 0) {
     const double along = std::clamp(dot(normal, half) / size, -1.0, 1.0);
-    const double angle = std::acos(along) - turns / (2 * cos_d);
+    const double angle = std::acos(along) - turns / (2 * cos_d) - bent;
     if (angle > 0 && angle < kPi / 2) {
       const double slope = std::tan(angle);
       tan2 = slope * slope;
@@ -55,7 +63,7 @@ double dhr_between(const Material& material, const Cosines& cosines, double larg
 
 }  // namespace
 
-// One facet of the target as double precision has it.
+// One facet of the target as double precision has it, or several that face one way.
 struct UnseenLight::Patch {
   Vec<Body> middle{}, normal, to_sensor{};
   double area_m2, reach_m;  // from the middle to the farthest corner
@@ -64,7 +72,70 @@ struct UnseenLight::Patch {
   Spread sight{};  // of to_sensor, from corner to corner
   std::uint32_t facet = 0;
   double shows = 0, seen_m2 = 0;  // its DHR towards the sensor; 0: it is not seen
+  double bent = 0;                // by how much normals differ from `normal`
 };
+
+namespace {
+
+// Facets of one kind whose normals and whose directions to the sensor fall into the same cells.
+struct FacingKey {
+  std::array<std::int32_t, 8> cell;
+  bool operator==(const FacingKey&) const = default;
+};
+struct FacingHash {
+  std::size_t operator()(const FacingKey& key) const {
+    std::uint64_t h = 0;
+    for (const std::int32_t c : key.cell) h = mix64(h ^ static_cast<std::uint32_t>(c));
+    return h;
+  }
+};
+
+// The angle between two unit vectors, also where it is small.
+double angle_between(Vec<Body> a, Vec<Body> b) {
+  return 2 * std::asin(std::min(1.0, 0.5 * length(a - b)));
+}
+
+}  // namespace
+
+std::vector<UnseenLight::Patch> UnseenLight::gathered(
+    const std::function<std::uint32_t(const Patch&)>& kind) const {
+  std::unordered_map<FacingKey, std::uint32_t, FacingHash> known;
+  std::vector<Patch> out;
+  std::vector<std::uint32_t> place;
+  place.reserve(patch_.size());
+  for (const Patch& p : patch_) {
+    const auto at = [&](double x) { return static_cast<std::int32_t>(std::lround(x / kFacingCell)); };
+    const FacingKey key{{at(p.normal.x), at(p.normal.y), at(p.normal.z), at(p.to_sensor.x),
+                         at(p.to_sensor.y), at(p.to_sensor.z),
+                         static_cast<std::int32_t>(2 * p.material + (p.two_sided ? 1 : 0)),
+                         static_cast<std::int32_t>(kind(p))}};
+    const auto [found, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(out.size()));
+    place.push_back(found->second);
+    if (fresh) {
+      Patch& first = out.emplace_back(p);
+      first.area_m2 = first.seen_m2 = first.shows = 0;
+      first.normal = first.to_sensor = {0, 0, 0};
+    }
+    Patch& here = out[found->second];
+    here.area_m2 += p.area_m2;
+    here.normal = here.normal + p.normal;
+    here.to_sensor = here.to_sensor + p.to_sensor;
+  }
+  for (Patch& here : out) {
+    here.normal = normalized(here.normal);
+    here.to_sensor = normalized(here.to_sensor);
+    here.sight.angle = 0;
+  }
+  for (std::size_t i = 0; i < patch_.size(); ++i) {
+    const Patch& p = patch_[i];
+    Patch& here = out[place[i]];
+    here.bent = std::max(here.bent, angle_between(p.normal, here.normal));
+    here.sight.angle = std::max(here.sight.angle,
+                                p.sight.angle + angle_between(p.to_sensor, here.to_sensor));
+  }
+  for (Patch& here : out) here.sight = spread_of(here.sight.angle);
+  return out;
+}
 
 struct UnseenLight::Lit {
   double first = 0, first_m2 = 0;  // shown to the sensor, over this area
@@ -200,10 +271,11 @@ const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
 
 // Both sides of a sheet may be seen, or lit, within the spreads of the directions.
 template <typename Visit>
-void UnseenLight::for_each_lit(const SunDirection& sun, Visit&& visit) const {
+void UnseenLight::for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
+                               Visit&& visit) const {
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   const Spread disk_spread = spread_of(sun.angular_radius_rad);
-  for (const Patch& p : patch_) {
+  for (const Patch& p : patches) {
     const Material& material = materials_[p.material];
     Vec<Body> to_sun = sun.direction;
     double irradiance = 1;
@@ -215,17 +287,19 @@ void UnseenLight::for_each_lit(const SunDirection& sun, Visit&& visit) const {
       spread = spread_of(sun.angular_radius_rad + p.reach_m / sun.distance_m);
     }
     const double disk = dhr_[p.material] * disk_per_sr;
+    const Spread to_light = p.bent > 0 ? spread_of(spread.angle + p.bent) : spread,
+                 sight = p.bent > 0 ? spread_of(p.sight.angle + p.bent) : p.sight;
     for (const double side : {1.0, -1.0}) {
       if (side < 0 && !p.two_sided) break;
       const Vec<Body> n = side * p.normal;
-      const Cosines cos_i = cosines_about(dot(n, to_sun), spread),
-                    cos_o = cosines_about(dot(n, p.to_sensor), p.sight);
+      const Cosines cos_i = cosines_about(dot(n, to_sun), to_light),
+                    cos_o = cosines_about(dot(n, p.to_sensor), sight);
       if (cos_i.most <= 0) continue;
       Lit lit;
       lit.irradiance = irradiance;
       if (cos_o.most > 0) {
         const ReflectionRange range =
-            range_of(n, to_sun, cos_i, p.to_sensor, cos_o, spread.angle + p.sight.angle);
+            range_of(n, to_sun, cos_i, p.to_sensor, cos_o, spread.angle + p.sight.angle, p.bent);
         lit.first = irradiance * std::min(disk, material.cos_brdf_limit_per_sr(range));
         lit.first_m2 = p.area_m2 * cos_o.most;
       }
@@ -241,9 +315,13 @@ void UnseenLight::for_each_lit(const SunDirection& sun, Visit&& visit) const {
 
 UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
   Sun out;
+  // Of a lamp each facet has its own direction.
+  const bool by_facet = sun.distance_m > 0;
+  if (!by_facet && gathered_patch_.empty())
+    gathered_patch_ = gathered([](const Patch&) { return 0u; });
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   double most_irradiance = 0;
-  for_each_lit(sun, [&](const Patch&, const Lit& lit) {
+  for_each_lit(sun, by_facet ? patch_ : gathered_patch_, [&](const Patch&, const Lit& lit) {
     out.first.add(lit.first, lit.first_m2);
     out.brightest_per_sr = std::max(out.brightest_per_sr, lit.to_anyone);
     most_irradiance = std::max(most_irradiance, lit.irradiance);
@@ -297,8 +375,11 @@ std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
     }
     out[s].parts[at].reflected.add(p.shows, p.seen_m2);
   }
+  const std::vector<Patch> gathered_in =
+      this->gathered([&](const Patch& p) { return stratum_of(p); });
   for (std::size_t j = 0; j < suns.size(); ++j)
-    for_each_lit(suns[j], [&](const Patch& p, const Lit& lit) {
+    for_each_lit(suns[j], suns[j].distance_m > 0 ? patch_ : gathered_in,
+                 [&](const Patch& p, const Lit& lit) {
       out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
       if (convex_ || lit.to_anyone <= 0) return;
       for (std::size_t s = 0; s < out.size(); ++s)
@@ -348,7 +429,7 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
     double to_anyone, thrown, most_thrown;  // the last: of it and all behind it
   };
   std::vector<Thrower> thrower;
-  for_each_lit(*sun, [&](const Patch& p, const Lit& lit) {
+  for_each_lit(*sun, patch_, [&](const Patch& p, const Lit& lit) {
     const std::size_t k = at[static_cast<std::size_t>(&p - patch_.data())];
     if (k != SIZE_MAX) out[k].first = std::max(out[k].first, lit.first);
     if (lit.thrown > 0) thrower.push_back({&p, lit.to_anyone, lit.thrown, 0});

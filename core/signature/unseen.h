@@ -112,7 +112,12 @@ class UnseenLight {
   struct Patch;
   struct Lit;  // what one side of a facet makes of a sun
   template <typename Visit>
-  void for_each_lit(const SunDirection& sun, Visit&& visit) const;
+  void for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
+                    Visit&& visit) const;
+  // Facets that face nearly the same way, of one material and one kind, as one: what is at most
+  // true of them all.
+  [[nodiscard]] std::vector<Patch> gathered(
+      const std::function<std::uint32_t(const Patch&)>& kind) const;
   [[nodiscard]] Sun make(const SunDirection& sun) const;
   // Which parts have places above which facets.
   struct Above {
@@ -133,6 +138,7 @@ class UnseenLight {
   RareLight reflected_;
   double shown_m2_per_sr_ = 0, edge_on_m2_ = 0, any_per_sr_ = 0;
   mutable std::mutex mutex_;
+  mutable std::vector<Patch> gathered_patch_;  // made with the first sun
   mutable std::deque<std::pair<SunDirection, Sun>> sun_;
   mutable std::unique_ptr<const Above> above_;
 };

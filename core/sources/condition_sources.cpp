@@ -35,6 +35,7 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
       hottest_k_(1),
       parts_(condition.part_temperature_k.size()),
       none_(node_um.size(), 0.0),
+      around_(environment.around.only(effects.sky, effects.lower)),
       environment_(&environment) {
   const std::size_t nodes = node_um.size();
   const auto add_blackbody = [&](double kelvin) {
@@ -82,15 +83,9 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
                                                    const EffectSet& effects) const {
   using Kind = SourceLayout::Kind;
   const SourceLayout::Place at = layout_.light.place_of(id);
-  const Light dark{none_.data(), none_.data(), none_.data()};
+  const Light dark{none_.data(), none_.data()};
   const auto light = [&](const Spectrum& radiance, const Spectrum& apparent) {
-    return Light{radiance.data(), apparent.data(), none_.data()};
-  };
-  const auto of_node = [&] {
-    Light node = light(environment_->node[at.index], environment_->node_apparent[at.index]);
-    if (!environment_->node_interpolation.empty())
-      node.interpolation = environment_->node_interpolation[at.index].data();
-    return node;
+    return Light{radiance.data(), apparent.data()};
   };
   const auto of_emitter = [&] {
     const std::uint32_t which = by_element() ? at.index : emitters.part_of(at.index);
@@ -108,9 +103,8 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
     case Kind::kReflected:
       return effects.parts ? of_emitter() : dark;
     case Kind::kSky:
-      return effects.sky ? of_node() : dark;
     case Kind::kLower:
-      return effects.lower ? of_node() : dark;
+      return {nullptr, nullptr};
     case Kind::kSun:
       return lit < sun_.size() && sun_[lit].direct ? light(sun_[lit].irradiance, sun_[lit].apparent)
                                                    : dark;
@@ -196,7 +190,10 @@ double ConditionSources::part_w_m2_sr(std::uint32_t part, const BandOnAxis& band
 
 double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const {
   double thermal = 0;
-  for (const Spectrum& node : environment_->node) thermal = std::max(thermal, in_band(node, band));
+  const auto& around = environment_->around;
+  for (const double node :
+       around.integrals(band.first_node, band.grid.band_weight, nullptr, 1).source)
+    thermal = std::max(thermal, node);
   for (std::size_t p = 0; p < parts_; ++p) thermal = std::max(thermal, in_band(emitted_[p], band));
   return thermal;
 }

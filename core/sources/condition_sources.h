@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/effects/effect_set.h"
 #include "core/environment/environment.h"
 #include "core/sources/condition.h"
@@ -45,21 +46,20 @@ class ConditionSources {
   ConditionSources(ConditionSources&&) = default;
   ConditionSources(const ConditionSources&) = delete;  // sources point to the spectra
 
-  // Radiance of a source; for the sun: irradiance. At the target, and what of it arrives at the
-  // sensor. What is behind the target is no source: it has the latter only.
+  // Radiance of a source that is not around the target; for the sun: irradiance. At the target, and
+  // what of it arrives at the sensor. What is behind the target is no source: it has the latter
+  // only.
   //                                                           [W/(m2 sr um)], [W/(m2 um)]
   [[nodiscard]] std::span<const double> radiance(SourceId id) const {
+    IRSIG_CHECK(light_[index_of(id)].radiance != nullptr);
     return {light_[index_of(id)].radiance, none_.size()};
   }
   [[nodiscard]] std::span<const double> apparent(SourceId id) const {
+    IRSIG_CHECK(light_[index_of(id)].apparent != nullptr);
     return {light_[index_of(id)].apparent, none_.size()};
   }
-
-  // Of a source that stands for the directions around it: by how much its radiance is found to be
-  // wrong in one of them. 0: of others.
-  [[nodiscard]] std::span<const double> interpolation(SourceId id) const {
-    return {light_[index_of(id)].interpolation, none_.size()};
-  }
+  // Of the direction nodes, in the layout's order.
+  [[nodiscard]] const LightAround& around() const { return around_; }
 
   [[nodiscard]] const SourceLayout& layout() const { return layout_.light; }
   // Whether weights of paths must be brought to lights before they meet them: by lit().
@@ -102,7 +102,7 @@ class ConditionSources {
 
  private:
   struct Light {  // spectra of this condition or of its environment
-    const double *radiance, *apparent, *interpolation;
+    const double *radiance, *apparent;
   };
   [[nodiscard]] Light light_of(SourceId id, const Emitters& emitters,
                                const EffectSet& effects) const;
@@ -117,6 +117,7 @@ class ConditionSources {
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
   Spectrum none_;
+  LightAround around_;
   std::vector<Light> light_;  // [source]
   const ViewEnvironment* environment_;
 };

@@ -1,5 +1,7 @@
 #include "core/sources/source_weights.h"
 
+#include "core/base/clones.h"
+
 namespace irsig {
 
 std::uint32_t SourceWeights::new_page() {
@@ -34,6 +36,32 @@ SummedWeights summed(const SourceWeights& weights, const SourceLayout& layout, s
       for (std::size_t k = 0; k < columns; ++k) to[k] += row[k];
     });
   return out;
+}
+
+namespace {
+
+constexpr std::size_t kLanes = 16;
+
+IRSIG_CLONES void add_products(const double* a, const double* b, std::size_t n, double* part) {
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) part[k] += a[i + k] * b[i + k];
+  for (std::size_t k = 0; i < n; ++i, ++k) part[k] += a[i] * b[i];
+}
+
+}  // namespace
+
+double SourceWeights::dot(std::uint32_t first, SourceRange range, const double* entry) const {
+  double part[kLanes] = {};
+  for (std::uint32_t i = range.first; i < range.last;) {
+    const std::uint32_t end = std::min(range.last, (i / kPage + 1) * kPage);
+    if (const double* row = find(first, SourceId{i}))
+      add_products(entry + i * columns_, row, (end - i) * columns_, part);
+    i = end;
+  }
+  double sum = 0;
+  for (const double p : part) sum += p;
+  return sum;
 }
 
 }  // namespace irsig

@@ -67,6 +67,10 @@ class SourceWeights {
     }
   }
 
+  // Sum over sources of a range, and over columns, of entry[source][column] x weight. Its order is
+  // fixed by the range and the columns alone.
+  [[nodiscard]] double dot(std::uint32_t first, SourceRange range, const double* entry) const;
+
   // All numbers 0 again; the memory is kept.
   void clear();
   // Adds factor x the other's, a table of the same shape.
