@@ -24,13 +24,13 @@ IRSIG_CLONES double dot(const double* a, const float* x, std::size_t n) {
   return sum;
 }
 
-// out += sum_j weight[j] row[j], rows side by side.
+// out += sum_j weight[j] row[j].
 IRSIG_CLONES void add_rows(const double* weight, std::size_t stride, const float* row,
-                           std::size_t rows, std::size_t n, double* out) {
+                           std::size_t to_next, std::size_t rows, std::size_t n, double* out) {
   for (std::size_t j = 0; j < rows; ++j) {
     const double w = weight[j * stride];
     if (w == 0) continue;
-    const float* x = row + j * n;
+    const float* x = row + j * to_next;
     for (std::size_t b = 0; b < n; ++b) out[b] += w * static_cast<double>(x[b]);
   }
 }
@@ -131,11 +131,12 @@ void LightAround::sunlight_of(std::uint32_t node, bool apparent, double* out) co
 }
 
 LightAround::Spectrum LightAround::spread(const double* thermal, const double* sunlight,
-                                          std::size_t first, std::size_t n) const {
+                                          std::size_t first_band, std::size_t first,
+                                          std::size_t n) const {
   Spectrum out(n);
   const Shapes& s = *shapes_;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t b = s.band[first + i];
+    const std::size_t b = s.band[first + i] - first_band;
     out[i] = thermal[b] * s.thermal[first + i] + sunlight[b] * s.solar[first + i];
   }
   return out;
@@ -146,7 +147,7 @@ LightAround::Spectrum LightAround::radiance(std::uint32_t node) const {
   if (is_dark(node / azimuths_)) return Spectrum(n, 0.0);
   std::vector<double> sunlight(shapes_->bands);
   sunlight_of(node, false, sunlight.data());
-  return spread(thermal_->ring.row(node / azimuths_), sunlight.data(), 0, n);
+  return spread(thermal_->ring.row(node / azimuths_), sunlight.data(), 0, 0, n);
 }
 
 LightAround::Spectrum LightAround::apparent(std::uint32_t node) const {
@@ -154,7 +155,7 @@ LightAround::Spectrum LightAround::apparent(std::uint32_t node) const {
   if (is_dark(node / azimuths_)) return Spectrum(n, 0.0);
   std::vector<double> sunlight(shapes_->bands);
   sunlight_of(node, true, sunlight.data());
-  return spread(apparent_->row(node / azimuths_), sunlight.data(), 0, n);
+  return spread(apparent_->row(node / azimuths_), sunlight.data(), 0, 0, n);
 }
 
 LightAround::Spectrum LightAround::interpolation(std::uint32_t node) const {
@@ -167,18 +168,22 @@ LightAround::Spectrum LightAround::interpolation(std::uint32_t node) const {
     thermal[b] = thermal_->error[ring] * thermal_->ring.row(ring)[b];
     if (sunlight_ != nullptr) sunlight[b] *= sunlight_->error[node];
   }
-  return spread(thermal.data(), sunlight.data(), 0, n);
+  return spread(thermal.data(), sunlight.data(), 0, 0, n);
+}
+
+LightAround::BandRange LightAround::bands_of(std::size_t first, std::size_t n) const {
+  const auto from = shapes_->band.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto [low, high] = std::minmax_element(from, from + static_cast<std::ptrdiff_t>(n));
+  return {*low, *high - *low + std::size_t{1}};
 }
 
 LightAround::Folded LightAround::fold(std::size_t first, std::span<const double> weight,
                                       const double* function, std::size_t columns) const {
   const Shapes& s = *shapes_;
-  const auto from = s.band.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto [low, high] =
-      std::minmax_element(from, from + static_cast<std::ptrdiff_t>(weight.size()));
+  const BandRange range = bands_of(first, weight.size());
   Folded out;
-  out.first = *low;
-  out.bands = *high - *low + 1;
+  out.first = range.first;
+  out.bands = range.count;
   out.thermal = out.solar = BandRows<double>(columns, out.bands);
   for (std::size_t i = 0; i < weight.size(); ++i) {
     const std::size_t b = s.band[first + i] - out.first;
@@ -240,7 +245,8 @@ LightAround::Integrals LightAround::integrals(std::size_t first, std::span<const
 
 std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weights> weights,
                                                 std::size_t first, std::size_t n) const {
-  const std::size_t bands = shapes_->bands, lists = weights.size();
+  const BandRange range = bands_of(first, n);
+  const std::size_t bands = range.count, lists = weights.size(), at = range.first;
   BandRows<double> thermal(lists, bands), thermal_seen(lists, bands), sun(lists, bands),
       sun_seen(lists, bands);
   std::vector<double> of_ring(bands);
@@ -258,14 +264,14 @@ std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weight
         any = any || of_node[a * stride] != 0;
       }
       if (!any) continue;
-      add_scaled(whole, thermal_->ring.row(ring), bands, thermal.row(list));
-      add_scaled(whole, apparent_->row(ring), bands, thermal_seen.row(list));
+      add_scaled(whole, thermal_->ring.row(ring) + at, bands, thermal.row(list));
+      add_scaled(whole, apparent_->row(ring) + at, bands, thermal_seen.row(list));
       if (sunlight_ == nullptr) continue;
       const auto add = [&](const float* light, const double* ratio) {
         std::fill(of_ring.begin(), of_ring.end(), 0.0);
-        add_rows(of_node, stride, light, azimuths_, bands, of_ring.data());
+        add_rows(of_node, stride, light + at, shapes_->bands, azimuths_, bands, of_ring.data());
         add_scaled(1, of_ring.data(), bands, sun.row(list));
-        add_product(of_ring.data(), ratio, bands, sun_seen.row(list));
+        add_product(of_ring.data(), ratio + at, bands, sun_seen.row(list));
       };
       add(sunlight_->air.row(node), ratio_->air.row(ring));
       if (!sky)
@@ -275,8 +281,8 @@ std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weight
   }
   std::vector<Sum> out;
   for (std::size_t list = 0; list < lists; ++list)
-    out.push_back({spread(thermal.row(list), sun.row(list), first, n),
-                   spread(thermal_seen.row(list), sun_seen.row(list), first, n)});
+    out.push_back({spread(thermal.row(list), sun.row(list), at, first, n),
+                   spread(thermal_seen.row(list), sun_seen.row(list), at, first, n)});
   return out;
 }
 

@@ -132,8 +132,13 @@ class LightAround {
   struct Changes;
   // Sunlight of a node in the bands.
   void sunlight_of(std::uint32_t node, bool apparent, double* out) const;
-  [[nodiscard]] Spectrum spread(const double* thermal, const double* sunlight, std::size_t first,
-                                std::size_t n) const;
+  // Numbers of bands from first_band on, on wavelengths.
+  [[nodiscard]] Spectrum spread(const double* thermal, const double* sunlight,
+                                std::size_t first_band, std::size_t first, std::size_t n) const;
+  struct BandRange {
+    std::size_t first, count;
+  };
+  [[nodiscard]] BandRange bands_of(std::size_t first, std::size_t n) const;
 
   std::shared_ptr<const Shapes> shapes_;
   std::shared_ptr<const Thermal> thermal_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/accuracy/replicates.h"
@@ -50,10 +51,20 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   }
   for (const SunDirection& sun : sources_.geometry().sun)
     glitter_.push_back(brightest_glitter(sun));
+  std::map<std::array<double, 3>, double> quadrature;  // conditions often share temperatures
   for (std::size_t row = 0; row < this->rows(); ++row) {
     const BandOnAxis band = axis_band(row);
+    const double coldest_k = light(row).coldest_k(), hottest_k = light(row).hottest_k();
+    const auto [known, fresh] = quadrature.try_emplace(
+        {static_cast<double>(band_of(row)), coldest_k, hottest_k}, 0.0);
+    if (fresh)
+      known->second =
+          quadrature_relative_bound(scene_.band[band_of(row)], band.grid, coldest_k, hottest_k);
+    quadrature_relative_.push_back(known->second);
     in_band_.push_back(
         source_table(light(row), scene_.path_basis(), band.first_node, band.grid.band_weight));
+    std::vector<InBandLight::Radiance>& of_suns = glitter_w_m2_sr_.emplace_back();
+    for (const LitSun& sun : light(row).suns()) of_suns.push_back(find_glitter_w_m2_sr(row, sun));
     brightest_thermal_.push_back(light(row).brightest_thermal_w_m2_sr(band));
     brightest_.push_back(find_brightest_w_m2_sr(row, request));
     in_band_light_.push_back(in_band_light(row));
@@ -338,9 +349,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
   };
   Measured all;  // what the three have in common
   all.of(BoundOf::kQuadrature) =
-      std::abs(s.estimate(0).value) *
-      quadrature_relative_bound(scene_.band[band_of(row)], axis_band(row).grid, light.coldest_k(),
-                                light.hottest_k());
+      std::abs(s.estimate(0).value) * quadrature_relative_[row];
   // Of materials' tables between the corners that cut the quadrature: emission and reflection may
   // change by twice what is left out, reflectances of optical constants by four times.
   all.of(BoundOf::kQuadrature) +=

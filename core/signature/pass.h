@@ -166,7 +166,10 @@ class Pass {
   [[nodiscard]] std::vector<InBandLight::Radiance> sent_by_parts(std::size_t row) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum, std::uint64_t samples) const;
+  // sun: of light(row).suns().
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;
+  [[nodiscard]] InBandLight::Radiance find_glitter_w_m2_sr(std::size_t row,
+                                                           const LitSun& sun) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
   [[nodiscard]] ImagePlan plan_images(const SourceLayout& paths) const;
 
@@ -182,8 +185,10 @@ class Pass {
   std::vector<UnseenLight::Stratum> unseen_of_;  // [stratum], if it is aimed at what is bright
   std::vector<std::vector<bool>> parts_of_;      // [stratum][part], likewise: which are in it
   std::vector<std::vector<SeaGlint>> glitter_;   // [sun of the geometry]
+  std::vector<double> quadrature_relative_;               // [row]
   std::vector<double> brightest_, brightest_thermal_;     // [row]
   std::vector<InBandLight> in_band_light_;                // [row]
+  std::vector<std::vector<InBandLight::Radiance>> glitter_w_m2_sr_;  // [row][lit sun]
   std::vector<std::vector<InBandLight::Radiance>> sent_;  // [row][part], with unseen_of_
   std::vector<SourceTable> in_band_;                      // [row]
   std::vector<ReplicateStatistics> statistics_;

@@ -16,19 +16,29 @@ constexpr double kBounded = 0.1;
 }  // namespace
 
 // The sea where it mirrors the sun most.
-double Pass::glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const {
-  double most = 0;
+Pass::InBandLight::Radiance Pass::find_glitter_w_m2_sr(std::size_t row, const LitSun& sun) const {
+  const ConditionSources& light = this->light(row);
+  std::array<InBandLight::Radiance, kGlintCosines.size()> of_node{};
+  for (std::uint32_t k = 0; !glitter_[sun.index].empty() && k < of_node.size(); ++k) {
+    const SourceId id = sources_.layout().glint(sun.index, k);
+    of_node[k] = {in_band(light.radiance(id), axis_band(row)),
+                  in_band(light.apparent(id), axis_band(row))};
+  }
+  InBandLight::Radiance most;
   for (const SeaGlint& glint : glitter_[sun.index]) {
-    const auto node = static_cast<std::uint32_t>(glint_share(glint.cos_incidence).node);
-    for (const std::uint32_t k : {node, node + 1}) {
-      const SourceId id = sources_.layout().glint(sun.index, k);
-      const ConditionSources& light = this->light(row);
-      most = std::max(
-          most, static_cast<double>(glint.per_sr) *
-                    in_band(apparent ? light.apparent(id) : light.radiance(id), axis_band(row)));
-    }
+    const std::size_t node = glint_share(glint.cos_incidence).node;
+    const auto per_sr = static_cast<double>(glint.per_sr);
+    for (const std::size_t k : {node, node + 1})
+      most = {std::max(most.here, per_sr * of_node[k].here),
+              std::max(most.seen, per_sr * of_node[k].seen)};
   }
   return most;
+}
+
+double Pass::glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const {
+  const auto which = static_cast<std::size_t>(&sun - light(row).suns().data());
+  const InBandLight::Radiance& most = glitter_w_m2_sr_[row][which];
+  return apparent ? most.seen : most.here;
 }
 
 double Pass::unseen_error(std::size_t row) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/base/check.h"
@@ -38,7 +39,11 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
       around_(environment.around.only(effects.sky, effects.lower)),
       environment_(&environment) {
   const std::size_t nodes = node_um.size();
+  std::map<double, std::uint32_t> known;  // by temperature
   const auto add_blackbody = [&](double kelvin) {
+    const auto [at, fresh] = known.emplace(kelvin, static_cast<std::uint32_t>(emitted_.size()));
+    blackbody_.push_back(at->second);
+    if (!fresh) return;
     Spectrum& radiance = emitted_.emplace_back(nodes);
     Spectrum& seen = emitted_apparent_.emplace_back(nodes);
     for (std::size_t i = 0; i < nodes; ++i) {
@@ -89,8 +94,8 @@ ConditionSources::Light ConditionSources::light_of(SourceId id, const Emitters& 
   };
   const auto of_emitter = [&] {
     const std::uint32_t which = by_element() ? at.index : emitters.part_of(at.index);
-    IRSIG_CHECK(which < emitted_.size());
-    return light(emitted_[which], emitted_apparent_[which]);
+    IRSIG_CHECK(which < blackbody_.size());
+    return light(emitted_[blackbody_[which]], emitted_apparent_[blackbody_[which]]);
   };
   // Which of those that shine; another condition's: behind the last.
   const auto lit = static_cast<std::size_t>(
@@ -185,7 +190,7 @@ std::array<std::vector<SourceRange>, kCauses> ConditionSources::causes() const {
 }
 
 double ConditionSources::part_w_m2_sr(std::uint32_t part, const BandOnAxis& band) const {
-  return in_band(emitted_[part], band);
+  return in_band(emitted_[blackbody_[part]], band);
 }
 
 double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const {
@@ -194,7 +199,7 @@ double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const
   for (const double node :
        around.integrals(band.first_node, band.grid.band_weight, nullptr, 1).source)
     thermal = std::max(thermal, node);
-  for (std::size_t p = 0; p < parts_; ++p) thermal = std::max(thermal, in_band(emitted_[p], band));
+  for (std::uint32_t p = 0; p < parts_; ++p) thermal = std::max(thermal, part_w_m2_sr(p, band));
   return thermal;
 }
 

@@ -113,7 +113,8 @@ class ConditionSources {
   std::vector<LitSun> sun_;
   double coldest_k_, hottest_k_;
   std::size_t parts_;
-  // Blackbody radiance of each part, then of each node.
+  // Of each part, then of each node: which of the blackbodies, one for each temperature.
+  std::vector<std::uint32_t> blackbody_;
   std::vector<Spectrum> emitted_, emitted_apparent_;
   std::vector<std::vector<Spectrum>> glint_, glint_apparent_;  // [lit sun][kGlintCosines]
   Spectrum none_;
