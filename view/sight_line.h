@@ -34,7 +34,7 @@ struct SightLine {
 };
 
 // environment: on the nodes of several bands, `offset` the first of this one's. nodes: to which
-// environment.node refers. Reflected sky and sea arrive as the mean over the solid angle of their
+// environment.around refers. Reflected sky and sea arrive as the mean over the solid angle of their
 // side does: which directions a target mirrors is no longer known.
 [[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
                                    const BandGrid& grid, std::size_t offset);

@@ -313,12 +313,17 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
 }
 
 double Environment::bytes_per_condition() const {
-  // TODO
+  // What the sun does to the nodes, kept from view to view; its ratios behind the line's air, and
+  // what stands behind the target with its errors, in as many directions as a ship has that ends at
+  // the horizon.
+  constexpr double kBehind = 40;
   const DirectionNodes& nodes = parts_->nodes;
-  const double kept = nodes.azimuths() > 1 ? (nodes.sky() + 2.0 * nodes.lower()) *
-                                                 static_cast<double>(parts_->wavelengths.used.size())
-                                           : 0;
-  return kept * sizeof(float);
+  const auto bands = static_cast<double>(parts_->wavelengths.used.size());
+  const auto wavelengths = static_cast<double>(parts_->wavelengths.um.size());
+  const bool sun = nodes.azimuths() > 1;
+  const double kept = sun ? (nodes.sky() + 2.0 * nodes.lower()) * bands : 0;
+  const double rings = sun ? static_cast<double>(kSkySines.size() + 2 * kLowerSines.size()) : 0;
+  return kept * sizeof(float) + (rings * bands + 3 * kBehind * wavelengths) * sizeof(double);
 }
 
 absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {

@@ -27,12 +27,22 @@ IRSIG_CLONES double dot(const double* a, const float* x, std::size_t n) {
 // out += sum_j weight[j] row[j].
 IRSIG_CLONES void add_rows(const double* weight, std::size_t stride, const float* row,
                            std::size_t to_next, std::size_t rows, std::size_t n, double* out) {
-  for (std::size_t j = 0; j < rows; ++j) {
-    const double w = weight[j * stride];
-    if (w == 0) continue;
-    const float* x = row + j * to_next;
-    for (std::size_t b = 0; b < n; ++b) out[b] += w * static_cast<double>(x[b]);
+  constexpr std::size_t kAtOnce = 16;  // stay in registers
+  std::size_t first = 0;
+  for (; first + kAtOnce <= n; first += kAtOnce) {
+    double sum[kAtOnce];
+    for (std::size_t b = 0; b < kAtOnce; ++b) sum[b] = out[first + b];
+    for (std::size_t j = 0; j < rows; ++j) {
+      const double w = weight[j * stride];
+      if (w == 0) continue;
+      const float* x = row + j * to_next + first;
+      for (std::size_t b = 0; b < kAtOnce; ++b) sum[b] += w * static_cast<double>(x[b]);
+    }
+    for (std::size_t b = 0; b < kAtOnce; ++b) out[first + b] = sum[b];
   }
+  for (std::size_t j = 0; j < rows; ++j)
+    for (std::size_t b = first; b < n; ++b)
+      out[b] += weight[j * stride] * static_cast<double>(row[j * to_next + b]);
 }
 
 IRSIG_CLONES void add_scaled(double factor, const double* x, std::size_t n, double* out) {

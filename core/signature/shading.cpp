@@ -333,11 +333,11 @@ double emitted_in_band_w_sr(const SourceLayout& layout, const SummedWeights& sum
 
 void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
               const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
-              bool spectra, std::vector<std::vector<double>>& values) {
+              bool stored, std::vector<std::vector<double>>& values) {
   const BandGrid& grid = band.grid;
   const std::vector<double>& path_radiance = light.environment().path_radiance;
   const SourceLayout& layout = light.layout();
-  values.assign(weights.replicates(), std::vector<double>(quantities(parts, grid, spectra), 0.0));
+  values.assign(weights.replicates(), std::vector<double>(quantities(parts, grid, stored), 0.0));
   const auto causes = light.causes();
   const std::size_t at_contrast = contrast_quantity(parts);
   double path = 0;
@@ -360,7 +360,7 @@ void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights
     out[kAreaQuantity] = area;
     out[at_contrast] = seen - instead;
     out[at_contrast + 1] = area > 0 ? instead / area + path : path;
-    for (std::uint32_t p = 0; p < parts; ++p) {
+    for (std::uint32_t p = 0; stored && p < parts; ++p) {
       if (whole.columns == weights.weight(r).columns()) {
         out[part_quantity(p)] =
             weights.weight(r).dot(p, layout.of_intensity(), whole.source.data());
@@ -373,7 +373,7 @@ void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights
       out[part_quantity(p)] = of_part;
     }
   }
-  if (spectra) add_spectra(light, weights, basis, band, spectrum_quantity(parts), values);
+  if (stored) add_spectra(light, weights, basis, band, spectrum_quantity(parts), values);
 }
 
 double interpolation_w_sr(const SourceTable& table, SourceRange nodes, const SourceLayout& layout,

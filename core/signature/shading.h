@@ -65,13 +65,14 @@ class LitWeights {
                                          const SourceWeights& weights, std::size_t parts);
 
 // Everything that is stored of one band, for each replicate. In-band: total; the kCauses; apparent;
-// projected area; parts; contrast; background radiance. With `spectra`, on the stored wavelengths:
-// the total, each cause, apparent, contrast, background radiance. values[replicate][quantity].
+// projected area; parts; contrast; background radiance. On the stored wavelengths: the total, each
+// cause, apparent, contrast, background radiance. values[replicate][quantity]. Not `stored`, for
+// pilots: no spectra, and the parts are 0.
 // `whole`: source_table() over the band.
 // `parts`: how many parts can be seen first.
 void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights& weights,
               const SpectralBasis* basis, const BandOnAxis& band, const SourceTable& whole,
-              bool spectra, std::vector<std::vector<double>>& values);
+              bool stored, std::vector<std::vector<double>>& values);
 
 // Where evaluate() puts some of them.
 inline constexpr std::size_t kEmittedQuantity = 1, kApparentQuantity = 1 + kCauses,

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Facets are gathered in cells this wide: a tenth of the sun's radius. What light at grazing angles
+// Facets are gathered in cells this wide: a fiftieth of the sun's radius. What light at grazing angles
 // may do changes so fast that wider ones would ask for many times the samples.
-constexpr double kFacingCell = 4e-4;
+constexpr double kFacingCell = 1e-4;
 
 // An angle by which directions may differ.
 struct Spread {

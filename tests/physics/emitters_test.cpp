@@ -124,7 +124,8 @@ TEST(Emitters, ElementsOfAPartAddUpToIt) {
   e.transmittance = std::vector<double>(axis.nodes(), 0.5);
   e.path_radiance = std::vector<double>(axis.nodes(), 0.0);
   e.sun = e.sun_apparent = one;
-  e.node = e.node_apparent = e.behind_apparent = {sky, sky};
+  e.behind_apparent = {sky, sky};
+  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
   const std::vector<std::uint32_t> wanted{0};
   const auto values_of = [&](const SourceGeometry& around,
                              const std::vector<PathWeights>& weights) {

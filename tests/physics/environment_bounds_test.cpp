@@ -16,6 +16,7 @@
 
 #include "core/environment/environment.h"
 #include "core/environment/sea_surface.h"
+#include "tests/physics/around_spectra.h"
 
 namespace irsig {
 namespace {
@@ -162,16 +163,18 @@ void expect_bounded(const Environment& e, const Environment::Line& l, const std:
         name + ", condition " + std::to_string(c) + ", range " + std::to_string(l.range_m);
     EXPECT_EQ(b.transmittance, v.transmittance);
     tight.expect("air's own emission", where, b.path_radiance, night.path_radiance);
-    for (const auto* nodes : {&night.node, &night.node_apparent, &night.behind_apparent}) {
-      for (const auto& node : *nodes) tight.expect("thermal", where, node, b.thermal);
+    const auto node = radiance_of(v.around), apparent = apparent_of(v.around),
+               night_node = radiance_of(night.around), night_apparent = apparent_of(night.around);
+    for (const auto* nodes : {&night_node, &night_apparent, &night.behind_apparent}) {
+      for (const auto& spectrum : *nodes) tight.expect("thermal", where, spectrum, b.thermal);
     }
     tight.expect("direct sun", where, v.sun, b.sun);
     tight.expect("direct sun, apparent", where, v.sun_apparent, b.sun);
     std::vector<std::vector<double>> scattered;
-    for (std::size_t n = 0; n < v.node.size(); ++n) {
-      scattered.push_back(less(v.node[n], night.node[n]));
+    for (std::size_t n = 0; n < node.size(); ++n) {
+      scattered.push_back(less(node[n], night_node[n]));
       tight.expect("diffuse sun", where, scattered.back(), b.diffuse_sun, noise);
-      tight.expect("diffuse sun, apparent", where, less(v.node_apparent[n], night.node_apparent[n]),
+      tight.expect("diffuse sun, apparent", where, less(apparent[n], night_apparent[n]),
                    b.diffuse_sun, noise);
     }
     tight.expect("diffuse sun, all directions", where, over_all_directions(e.nodes(), scattered),
@@ -305,16 +308,15 @@ TEST(EnvironmentLooks, WhatIsAskedForHasTheBitsOfTheWholeViewAndTheRestIsZero) {
           EXPECT_TRUE(zero(seen->sun) && zero(seen->sun_apparent));
         }
         const DirectionNodes& nodes = fresh->nodes(with_azimuths);
-        ASSERT_EQ(seen->node.size(), nodes.count());
-        ASSERT_EQ(seen->node_apparent.size(), nodes.count());
         const std::uint32_t per_node = e->nodes().azimuths() / nodes.azimuths();
         const ViewEnvironment& same = scattered ? day : night;
-        for (std::uint32_t n = 0; n < nodes.count(); ++n) {
+        ASSERT_EQ(seen->around.count(), reflected ? nodes.count() : 2);
+        for (std::uint32_t n = 0; n < seen->around.count(); ++n) {
           if (reflected) {
-            EXPECT_EQ(seen->node[n], same.node[n * per_node]);
-            EXPECT_EQ(seen->node_apparent[n], same.node_apparent[n * per_node]);
+            EXPECT_EQ(seen->around.radiance(n), same.around.radiance(n * per_node));
+            EXPECT_EQ(seen->around.apparent(n), same.around.apparent(n * per_node));
           } else {
-            EXPECT_TRUE(zero(seen->node[n]) && zero(seen->node_apparent[n]));
+            EXPECT_TRUE(zero(seen->around.radiance(n)) && zero(seen->around.apparent(n)));
           }
         }
         EXPECT_EQ(seen->sky_interpolation, reflected ? same.sky_interpolation : 0);
@@ -332,7 +334,7 @@ TEST(EnvironmentLooks, BoundsAndLightOfManyConditionsInAnyOrder) {
   const LightBounds first = a.bounds(2);
   const ViewEnvironment after = *a.see(2, everything, true);
   for (const std::uint32_t c : {4u, 0u, 1u}) ASSERT_TRUE(b.see(c, everything, true).ok());
-  EXPECT_EQ(b.see(2, everything, true)->node_apparent, after.node_apparent);
+  EXPECT_EQ(apparent_of(b.see(2, everything, true)->around), apparent_of(after.around));
   EXPECT_EQ(b.bounds(2).diffuse_sun, first.diffuse_sun);
   EXPECT_EQ(b.bounds(2).background_sun, first.background_sun);
   EXPECT_EQ(b.see(9, everything, true).status().code(), absl::StatusCode::kInvalidArgument);
@@ -370,7 +372,9 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
           const ViewEnvironment all = *look.see(c, effects, true);
           effects.joined_lines = false;
           const ViewEnvironment three = *look.see(c, effects, true);
-          EXPECT_EQ(three.node, all.node);
+          const auto all_node = radiance_of(all.around), all_apparent = apparent_of(all.around),
+                     three_apparent = apparent_of(three.around);
+          EXPECT_EQ(radiance_of(three.around), all_node);
           EXPECT_EQ(three.behind_apparent, all.behind_apparent);
           EXPECT_EQ(all.joined_lines_bound, 0);
           // What planes reflect: the cosine to their normal, which lies level or straight up.
@@ -384,9 +388,9 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
                 for (double& x : s) x *= cosine;
                 return s;
               };
-              is.push_back(times(three.node_apparent[n]));
-              should.push_back(times(all.node_apparent[n]));
-              of.push_back(times(all.node[n]));
+              is.push_back(times(three_apparent[n]));
+              should.push_back(times(all_apparent[n]));
+              of.push_back(times(all_node[n]));
             }
             largest = std::max(largest, largest_share(over_all_directions(nodes, is),
                                                       over_all_directions(nodes, should),
@@ -396,7 +400,7 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
           double in_one = 0;
           for (std::uint32_t n = 0; n < nodes.count(); ++n) {
             in_one = std::max(
-                in_one, largest_share(three.node_apparent[n], all.node_apparent[n], all.node[n]));
+                in_one, largest_share(three_apparent[n], all_apparent[n], all_node[n]));
           }
           EXPECT_LE(largest, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;
           EXPECT_LE(in_one, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;

@@ -9,6 +9,7 @@
 
 #include "core/environment/environment.h"
 #include "core/spectral/planck.h"
+#include "tests/physics/around_spectra.h"
 
 namespace irsig {
 namespace {
@@ -135,11 +136,13 @@ TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
     const auto e = environment({w}, {{}});
     for (const Environment::Line& l : {line(50, 5), line(3000, 1), line(20e3, 40)}) {
       const ViewEnvironment v = seen(*e, l);
+      const auto node = radiance_of(v.around);
+      const auto apparent = apparent_of(v.around);
       for (std::size_t i = 0; i < um.size(); ++i) {
         const double planck = planck_radiance_w_m2_sr_um(um[i], 290);
-        for (std::size_t n = 0; n < v.node.size(); ++n) {
-          EXPECT_NEAR(v.node[n][i] / planck, 1, 1e-6) << um[i] << " node " << n;
-          EXPECT_NEAR((v.node_apparent[n][i] + v.path_radiance[i]) / planck, 1, 2e-3)
+        for (std::size_t n = 0; n < node.size(); ++n) {
+          EXPECT_NEAR(node[n][i] / planck, 1, 1e-6) << um[i] << " node " << n;
+          EXPECT_NEAR((apparent[n][i] + v.path_radiance[i]) / planck, 1, 2e-3)
               << um[i] << " node " << n;
         }
         for (const auto& b : v.behind_apparent) {
@@ -159,17 +162,19 @@ TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
   const std::size_t sky = e->nodes().sky();
   for (const Environment::Line& l : {line(1000, 2), line(30e3, 10), line(200e3, 30)}) {
     const ViewEnvironment v = seen(*e, l);
+    const auto node = radiance_of(v.around);
+    const auto apparent = apparent_of(v.around);
     for (std::size_t i = 0; i < um.size(); ++i) {
       const double planck = planck_radiance_w_m2_sr_um(um[i], 290);
-      for (std::size_t n = sky; n < v.node.size(); ++n) {
-        EXPECT_NEAR(v.node[n][i] / planck, 1, 1e-4) << um[i];
-        EXPECT_NEAR((v.node_apparent[n][i] + v.path_radiance[i]) / planck, 1, 1e-4) << um[i];
+      for (std::size_t n = sky; n < node.size(); ++n) {
+        EXPECT_NEAR(node[n][i] / planck, 1, 1e-4) << um[i];
+        EXPECT_NEAR((apparent[n][i] + v.path_radiance[i]) / planck, 1, 1e-4) << um[i];
       }
       // Sky: the emissivity of the whole path, which near air lengthens.
       for (std::size_t n = 0; n < sky; ++n) {
-        EXPECT_LE(v.node[n][i], planck * (1 + 1e-9));
-        EXPECT_GE(v.node_apparent[n][i] + v.path_radiance[i], v.node[n][i] - 2e-3 * planck);
-        EXPECT_LE(v.node_apparent[n][i] + v.path_radiance[i], planck * (1 + 2e-3));
+        EXPECT_LE(node[n][i], planck * (1 + 1e-9));
+        EXPECT_GE(apparent[n][i] + v.path_radiance[i], node[n][i] - 2e-3 * planck);
+        EXPECT_LE(apparent[n][i] + v.path_radiance[i], planck * (1 + 2e-3));
       }
     }
   }
@@ -178,12 +183,14 @@ TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
 TEST(EnvironmentLimits, NoRangeNoAir) {
   const auto e = environment({sea_weather()}, {sunny(50, 120)});
   const ViewEnvironment v = seen(*e, line(0, 20));
+  const auto node = radiance_of(v.around);
+  const auto apparent = apparent_of(v.around);
   for (std::size_t i = 0; i < v.transmittance.size(); ++i) {
     EXPECT_EQ(v.transmittance[i], 1);
     EXPECT_EQ(v.path_radiance[i], 0);
     EXPECT_NEAR(v.sun_apparent[i], v.sun[i], 1e-12 * v.sun[i]);
-    for (std::size_t n = 0; n < v.node.size(); ++n) {
-      EXPECT_NEAR(v.node_apparent[n][i] / v.node[n][i], 1, 1e-9) << n;
+    for (std::size_t n = 0; n < node.size(); ++n) {
+      EXPECT_NEAR(apparent[n][i] / node[n][i], 1, 1e-9) << n;
     }
   }
 }
@@ -197,7 +204,7 @@ TEST(EnvironmentLimits, OpaqueAirHidesEverything) {
   for (std::size_t i = 0; i < um.size(); ++i) {
     EXPECT_LT(v.transmittance[i], 1e-12);
     EXPECT_LT(v.sun_apparent[i], 1e-12);
-    for (const auto& n : v.node_apparent) EXPECT_LT(n[i], 1e-9);
+    for (const auto& n : apparent_of(v.around)) EXPECT_LT(n[i], 1e-9);
     // Air of 294 K over a sea of 293 K.
     EXPECT_NEAR(v.path_radiance[i] / planck_radiance_w_m2_sr_um(um[i], 294.2), 1, 0.05) << um[i];
   }
@@ -226,7 +233,10 @@ TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
   };
   const auto own = environment({sea_weather()}, {sunny(50, 120), {}});
   const ViewEnvironment embedded = seen(*own, l);
+  const auto embedded_node = radiance_of(embedded.around);
   const ViewEnvironment v = seen(*with(path), l);
+  const auto node = radiance_of(v.around);
+  const auto apparent = apparent_of(v.around);
   const std::vector<double> um = wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
     EXPECT_EQ(v.transmittance[i], 0.4);
@@ -236,9 +246,9 @@ TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
         planck_radiance_w_m2_sr_um(um[i], 294.1) / planck_radiance_w_m2_sr_um(centre_um, 294.1),
         1e-4);
     EXPECT_NEAR(v.sun_apparent[i], 0.4 * v.sun[i], 1e-12);
-    for (std::size_t n = 0; n < v.node.size(); ++n) {
-      EXPECT_EQ(v.node[n][i], embedded.node[n][i]);
-      EXPECT_NEAR(v.node_apparent[n][i], 0.4 * v.node[n][i], 1e-9 * v.node[n][i]);
+    for (std::size_t n = 0; n < node.size(); ++n) {
+      EXPECT_EQ(node[n][i], embedded_node[n][i]);
+      EXPECT_NEAR(apparent[n][i], 0.4 * node[n][i], 1e-9 * node[n][i]);
     }
   }
   EXPECT_GT(v.sun_model_relative, embedded.sun_model_relative);
@@ -268,14 +278,15 @@ TEST(EnvironmentLimits, SkyAndSeaMeetAtTheHorizon) {
   const auto e = environment({sea_weather()}, {{}});
   const DirectionNodes& nodes = e->nodes();
   const ViewEnvironment v = seen(*e, line(2000, 3));
+  const auto node = radiance_of(v.around);
   const std::vector<double> um = wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
-    const double sky = v.node[0][i], sea = v.node[nodes.sky()][i];
+    const double sky = node[0][i], sea = node[nodes.sky()][i];
     const double air = planck_radiance_w_m2_sr_um(um[i], 294.2);
     EXPECT_LT(std::abs(sky - sea), 0.35 * air) << um[i];
-    EXPECT_GT(sky, v.node[nodes.sky() - 1][i]) << um[i];  // brighter than the zenith
+    EXPECT_GT(sky, node[nodes.sky() - 1][i]) << um[i];  // brighter than the zenith
     // Straight down one sees the sea of 293 K through 10 m of air.
-    EXPECT_NEAR(v.node[nodes.count() - 1][i] / planck_radiance_w_m2_sr_um(um[i], 293), 1, 0.06);
+    EXPECT_NEAR(node[nodes.count() - 1][i] / planck_radiance_w_m2_sr_um(um[i], 293), 1, 0.06);
     EXPECT_GT(sea, 0.5 * air);
     EXPECT_LT(sea, 1.01 * air);
   }
@@ -324,7 +335,8 @@ TEST(EnvironmentLimits, HardCasesAreFiniteAndNotNegative) {
                                      &v.model_error_transmittance, &v.model_error_path_radiance}) {
           check(*spectrum);
         }
-        for (const auto* nodes : {&v.node, &v.node_apparent, &v.behind_apparent}) {
+        const auto node = radiance_of(v.around), apparent = apparent_of(v.around);
+        for (const auto* nodes : {&node, &apparent, &v.behind_apparent}) {
           for (const auto& spectrum : *nodes) check(spectrum);
         }
         for (const double x : v.transmittance) ASSERT_LE(x, 1);
@@ -357,8 +369,9 @@ TEST(EnvironmentLimits, SameBitsInAnyOrderAndFromAnyThread) {
   }
   for (std::thread& t : threads) t.join();
   for (std::size_t c = 0; c < 4; ++c) {
-    EXPECT_EQ(all[c].node, one[c].node);
-    EXPECT_EQ(all[c].node_apparent, one[c].node_apparent);
+    EXPECT_EQ(radiance_of(all[c].around), radiance_of(one[c].around));
+    EXPECT_EQ(apparent_of(all[c].around), apparent_of(one[c].around));
+    EXPECT_EQ(interpolation_of(all[c].around), interpolation_of(one[c].around));
     EXPECT_EQ(all[c].behind_apparent, one[c].behind_apparent);
     EXPECT_EQ(all[c].path_radiance, one[c].path_radiance);
     EXPECT_EQ(all[c].sun_apparent, one[c].sun_apparent);

@@ -11,6 +11,7 @@
 #include "core/environment/environment.h"
 #include "core/environment/weather_light.h"
 #include "core/spectral/solar.h"
+#include "tests/physics/around_spectra.h"
 
 namespace irsig {
 namespace {
@@ -81,6 +82,7 @@ TEST(EnvironmentNodes, AThousandDirectionsOfTheNightSky) {
   const std::vector<double> um = wavelengths();
   const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                   std::vector<std::uint32_t>{0}))[0];
+  const auto radiance = radiance_of(v.around);
   std::mt19937_64 random(20250621);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<double> error(um.size(), 0.0), mean(um.size(), 0.0);
@@ -104,7 +106,7 @@ TEST(EnvironmentNodes, AThousandDirectionsOfTheNightSky) {
     }
     for (std::size_t i = 0; i < um.size(); ++i) {
       const std::size_t b = *air_band(um[i]);
-      error[i] += std::abs(read(v.node, l.environment->nodes(), d, i) - direct[b]);
+      error[i] += std::abs(read(radiance, l.environment->nodes(), d, i) - direct[b]);
       mean[i] += direct[b];
     }
   }
@@ -124,6 +126,7 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
   const std::vector<double> um = wavelengths();
   const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                   std::vector<std::uint32_t>{0}))[0];
+  const auto radiance = radiance_of(v.around);
   constexpr int kSines = 100, kAzimuths = 144;
   const double lobe_deg[][2] = {{60, 77}, {40, 90}, {75, 60}, {20, 77}, {60, 200}};
   double by_nodes[5] = {}, direct[5] = {}, plane_nodes = 0, plane_direct = 0;
@@ -143,7 +146,7 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
       const double a = 2 * M_PI * (j + 0.5) / kAzimuths;
       const Vec<Body> d = {level * std::cos(a), level * std::sin(a), -up};
       const double here = thermal + outside * source.per_sr(b, dot(d, towards_sun));
-      const double there = read(v.node, nodes, d, i);
+      const double there = read(radiance, nodes, d, i);
       plane_nodes += step * up * there;
       plane_direct += step * up * here;
       for (int k = 0; k < 5; ++k) {
@@ -171,7 +174,8 @@ TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
     const std::vector<double> um = wavelengths();
     const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                     std::vector<std::uint32_t>{0}))[0];
-    ASSERT_EQ(v.node_interpolation.size(), nodes.count());
+    const auto node = radiance_of(v.around), interpolation = interpolation_of(v.around);
+    ASSERT_EQ(interpolation.size(), nodes.count());
     const SunAmounts sun(l.air, kHeightM, zenith_deg);
     const Vec<Body> towards_sun = sunny(zenith_deg, 77).sun_direction;
     std::mt19937_64 random(3);
@@ -196,8 +200,8 @@ TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
         const double direct =
             path.thermal_w_m2_sr_um[b] + path.surroundings_share[b] * l.light->surroundings[b] +
             solar_irradiance_w_m2_um(air_band_lambda_um(b)) * source.per_sr(b, dot(d, towards_sun));
-        const double error = std::abs(read(v.node, nodes, d, i) - direct),
-                     stated = read(v.node_interpolation, nodes, d, i);
+        const double error = std::abs(read(node, nodes, d, i) - direct),
+                     stated = read(interpolation, nodes, d, i);
         worst = std::max(worst, error / (stated + 1e-3 * direct));
         worst_relative = std::max(worst_relative, error / direct);
         sum_error += error / direct;
@@ -224,6 +228,7 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
        {std::pair{2000.0, 5.0}, std::pair{15e3, 0.5}, std::pair{40e3, 30.0}}) {
     const Environment::Line line{range_m, elevation_deg, body_from_aspect(0, elevation_deg), {}};
     const ViewEnvironment v = (*night.environment->view(line, std::vector<std::uint32_t>{0}))[0];
+    const auto at_target = radiance_of(v.around), apparent = apparent_of(v.around);
     const AbsorberAmounts near = night.air.amounts(*look_between(
         night.air.profile(), sensor_height_m(range_m, elevation_deg), kHeightM, range_m));
     for (std::uint32_t node = 0; node < nodes.sky(); node += 3) {
@@ -234,8 +239,8 @@ TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
         const std::size_t b = *air_band(um[i]);
         // What is lost in the path's own radiance does not matter.
         if (all[b] < 1e-3 * v.path_radiance[i]) continue;
-        worst = std::max(worst, std::abs(v.node_apparent[node][i] / all[b] - 1));
-        product = std::max(product, v.transmittance[i] * v.node[node][i] / all[b] - 1);
+        worst = std::max(worst, std::abs(apparent[node][i] / all[b] - 1));
+        product = std::max(product, v.transmittance[i] * at_target[node][i] / all[b] - 1);
       }
     }
   }
@@ -393,15 +398,16 @@ TEST(EnvironmentNodes, SeaFromFacetsRayByRay) {
   const ViewEnvironment v =
       (*l.environment->view({0, 10, body_from_aspect(0, 10), BehindNodes({-0.5f, between})},
                             std::vector<std::uint32_t>{0}))[0];
+  const auto radiance = radiance_of(v.around);
   std::uint32_t node = nodes.sky();
   while (nodes.sin_elevation(node) > -0.2) node += nodes.azimuths();
   const std::vector<double> at_node = sea_by_facets(l, -nodes.sin_elevation(node));
   const std::vector<double> behind = sea_by_facets(l, static_cast<double>(between));
   double worst = 0;
   for (std::size_t i = 0; i < at_node.size(); ++i) {
-    EXPECT_NEAR(v.node[node][i] / at_node[i], 1, 0.005) << i;
+    EXPECT_NEAR(radiance[node][i] / at_node[i], 1, 0.005) << i;
     EXPECT_NEAR(v.behind_apparent[1][i] / behind[i], 1, 0.005) << i;
-    worst = std::max({worst, std::abs(v.node[node][i] / at_node[i] - 1),
+    worst = std::max({worst, std::abs(radiance[node][i] / at_node[i] - 1),
                       std::abs(v.behind_apparent[1][i] / behind[i] - 1)});
   }
   std::printf("sea by its facets: largest error %.4f\n", worst);

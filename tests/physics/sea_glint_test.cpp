@@ -86,7 +86,8 @@ Lit lit_by_glitter(bool roofed, double elevation_deg, double wind_m_s) {
   e.transmittance = e.sun = one;
   e.path_radiance = zero;
   e.sun_apparent.assign(node_um.size(), 0.25);
-  e.node = e.node_apparent = e.behind_apparent = {zero, zero};
+  e.behind_apparent = {zero, zero};
+  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
   ViewEnvironments environments;
   environments.condition = {e};
   const ViewPlan plan = plan_with_everything(r);

@@ -44,11 +44,13 @@ struct Fake {
     e.path_radiance.assign(n, 0.25);
     e.sun.assign(n, 0.0);
     e.sun_apparent.assign(n, 0.0);
+    std::vector<std::vector<double>> node, apparent;
     for (std::uint32_t k = 0; k < directions.count(); ++k) {
       const double radiance = fill(directions.direction(k), k < directions.sky());
-      e.node.emplace_back(n, radiance);
-      e.node_apparent.emplace_back(n, 0.7 * radiance);
+      node.emplace_back(n, radiance);
+      apparent.emplace_back(n, 0.7 * radiance);
     }
+    e.around = LightAround::of_spectra(node, apparent, directions.sky());
     e.behind_apparent.assign(environments.behind.count(), std::vector<double>(n, 0.0));
     environments.condition = {std::move(e)};
   }

@@ -277,8 +277,8 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     const auto flat = [&](double v) { return std::vector<double>(n, v); };
     e.transmittance = flat(grey);
     e.path_radiance = e.sun = e.sun_apparent = flat(0);
-    e.node = {flat(2), flat(1), flat(1)};
-    e.node_apparent = {flat(2 * low), flat(high), flat(grey)};
+    e.around = LightAround::of_spectra({flat(2), flat(1), flat(1)},
+                                       {flat(2 * low), flat(high), flat(grey)}, nodes.sky());
     e.behind_apparent = {flat(grey)};
     return sight_line(e, nodes, grid, 0);
   };

@@ -119,7 +119,8 @@ TEST(ViewSources, SunsAreSharedAndLeftOut) {
   e.transmittance = {0.5};
   e.path_radiance = {0};
   e.sun = e.sun_apparent = {1};
-  e.node = e.node_apparent = e.behind_apparent = {{0}, {0}};
+  e.behind_apparent = {{0}, {0}};
+  e.around = LightAround::of_spectra(e.behind_apparent, e.behind_apparent);
   environments->condition.assign(4, e);
   const auto suns_of = [&](const EffectSet& effects) {
     const ViewSources sources({.condition = condition, .wanted = all, .parts = 2}, effects,
