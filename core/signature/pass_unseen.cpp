@@ -70,9 +70,15 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
   // Of grey materials the table has these very numbers.
   const SourceTable& table = in_band_[row];
   const bool known = scene_.path_basis() == nullptr;
+  LightAround::Integrals around;
+  if (!known) around = light.around().integrals(band.first_node, band.grid.band_weight, nullptr, 1);
   const auto of = [&](SourceId id) {
     if (known)
       return InBandLight::Radiance{table.source[index_of(id)], table.apparent[index_of(id)]};
+    if (layout.around().contains(id)) {
+      const std::size_t node = index_of(id) - layout.around().first;
+      return InBandLight::Radiance{around.source[node], around.apparent[node]};
+    }
     return InBandLight::Radiance{in_band(light.radiance(id), band),
                                  in_band(light.apparent(id), band)};
   };
