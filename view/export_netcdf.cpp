@@ -243,8 +243,7 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
       if (std::find(names.begin(), names.end(), i.input) == names.end()) names.push_back(i.input);
   }
   if (names.empty()) return absl::OkStatus();
-  std::vector<double> value(layout.size() * names.size(), std::numeric_limits<double>::quiet_NaN()),
-      value_stderr = value;
+  std::vector<double> value(layout.size() * names.size(), kNan), value_stderr = value;
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const StoredInput& input : inputs_of_row[i]) {
       const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), input.input) -
@@ -255,7 +254,8 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
     }
   const auto input = file.dimension("input", names.size());
   file.strings({"input", "uncertain input of the sweep", ""}, {input}, names);
-  const std::vector<NetcdfFile::Dimension> cube{d.viewpoint, d.condition, d.band, input};
+  std::vector<Dimension> cube = d.cube();
+  cube.push_back(input);
   file.doubles({"input_contribution_w_sr", "what the intensity gains by one sigma of the input", "",
                 kCoordinates},
                cube, value);

@@ -91,7 +91,7 @@ absl::StatusOr<std::vector<RowChange>> row_changes(const MeasuredPaths& measured
       if (!seen.ok()) return seen.status();
       moved_air = *std::move(seen);
       environment = &moved_air;
-      if (environment->node.size() != sources.geometry().directions.count() ||
+      if (environment->around.count() != sources.geometry().directions.count() ||
           environment->behind_apparent.size() !=
               measured.view.environments.condition[c].behind_apparent.size())
         return absl::InternalError("a moved air has other directions than the view");

@@ -198,15 +198,11 @@ absl::StatusOr<ViewEnvironment> ViewSurroundings::see_like(const ViewEnvironment
   const ConditionSpec& spec = request_->condition[condition];
   if (!look_)
     return plain_environment(spec, request_->air, range_m_, end_, sun_shines(spec), *node_um_);
-  const bool reflected = effects.surroundings(), with_azimuths = other.directions.azimuths() > 1;
+  const bool with_azimuths = other.directions.azimuths() > 1;
   EffectSet wanted = effects;
   if (!with_azimuths)
     for (EffectSet::Sun& sun : wanted.sun) sun.diffuse = false;
-  auto seen = look_->see(condition, wanted, with_azimuths);
-  if (!seen.ok() || reflected) return seen;
-  const std::vector<double> dark(node_um_->size(), 0.0);
-  seen->node = seen->node_apparent = {dark, dark};
-  return seen;
+  return look_->see(condition, wanted, with_azimuths);
 }
 
 absl::StatusOr<ViewEnvironments> view_environments(const ViewRequest& request, const Target& target,
