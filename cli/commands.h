@@ -10,8 +10,8 @@ namespace irsig {
 // leaves the exit code in `exit_code`: 0, 2 = the user's input is wrong, 1 = anything else that
 // failed.
 void add_show(CLI::App& app, int& exit_code);
-void add_show_atmosphere(CLI::App& show, int& exit_code);    // irsig show atmosphere, sky, sun
-void add_show_effects(CLI::App& show, int& exit_code);       // irsig show effects
+void add_show_atmosphere(CLI::App& show, int& exit_code);  // irsig show atmosphere, sky, sun
+void add_show_effects(CLI::App& show, int& exit_code);     // irsig show effects
 void add_show_gas(CLI::App& show, int& exit_code);
 void add_show_solids(CLI::App& show, int& exit_code);        // irsig show solids
 void add_show_temperatures(CLI::App& show, int& exit_code);  // irsig show temperatures

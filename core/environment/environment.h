@@ -66,13 +66,13 @@ struct ConditionEnvironment {
 // Limits: one zenith angle of the sun for all of a path; sunlight is scattered once.
 struct ViewEnvironment {
   using Spectrum = std::vector<double>;
-  Spectrum transmittance;                     // band means: of what surfaces emit
-  Spectrum path_radiance;                     // emitted and scattered between target and sensor
-  std::vector<AirPath> end;                   // [Line::end] the same of the target's ends
+  Spectrum transmittance;    // band means: of what surfaces emit
+  Spectrum path_radiance;    // emitted and scattered between target and sensor
+  std::vector<AirPath> end;  // [Line::end] the same of the target's ends
   std::vector<LightAround::AirChange> end_change;  // [Line::end] by how much they differ
-  Spectrum sun, sun_apparent;                 // normal to the beam, at the target; 0: no sun
-  LightAround around;                         // sky, then lower
-  std::vector<Spectrum> behind_apparent;      // [node of Line::behind]
+  Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
+  LightAround around;                              // sky, then lower
+  std::vector<Spectrum> behind_apparent;           // [node of Line::behind]
   // Of these: the most by which straight lines to the nodes beside them were found to err at three
   // places between (within a factor of 2 of the largest error, tests/physics/horizon_test.cpp), and
   // one sigma of the models. Empty: none.

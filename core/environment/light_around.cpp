@@ -56,7 +56,8 @@ IRSIG_CLONES void add_product(const double* a, const double* x, std::size_t n, d
 // most = max(most, |light dT + dP|)
 IRSIG_CLONES void raise_to_change(const double* light, const double* dt, const double* dp,
                                   std::size_t n, double* most) {
-  for (std::size_t b = 0; b < n; ++b) most[b] = std::max(most[b], std::abs(light[b] * dt[b] + dp[b]));
+  for (std::size_t b = 0; b < n; ++b)
+    most[b] = std::max(most[b], std::abs(light[b] * dt[b] + dp[b]));
 }
 
 }  // namespace
@@ -328,14 +329,12 @@ struct LightAround::Changes {
   }
   double sun(std::uint32_t node, const Folded& f) {
     if (lit(node / of.azimuths_)) of.sunlight_of(node, false, sunlight.data());
-    return of_light(lit(node / of.azimuths_) ? sunlight.data() : dark.data(), true,
-                    f.solar.row(0));
+    return of_light(lit(node / of.azimuths_) ? sunlight.data() : dark.data(), true, f.solar.row(0));
   }
 };
 
 double LightAround::changed(std::span<const AirChange> change, std::size_t first,
-                            std::span<const double> weight,
-                            std::span<const double> of_node) const {
+                            std::span<const double> weight, std::span<const double> of_node) const {
   IRSIG_CHECK(of_node.size() == count());
   const Folded f = fold(first, weight, nullptr, 1);
   Changes changes(*this, change, f);

@@ -100,13 +100,13 @@ class LightAround {
   struct Sum {
     Spectrum radiance, apparent;  // on wavelengths first .. first + n - 1
   };
-  [[nodiscard]] std::vector<Sum> sums(bool sky, std::span<const Weights> weights,
-                                      std::size_t first, std::size_t n) const;
+  [[nodiscard]] std::vector<Sum> sums(bool sky, std::span<const Weights> weights, std::size_t first,
+                                      std::size_t n) const;
 
   // By how much a line of sight's air changes if it is that in front of another place.
   struct AirChange {
-    std::vector<double> transmittance;                  // [band]
-    std::vector<double> path_thermal, path_solar;       // [band], in their shapes
+    std::vector<double> transmittance;             // [band]
+    std::vector<double> path_thermal, path_solar;  // [band], in their shapes
   };
   // An upper limit of
   //   sum_node sum_i weight[i] w[node](i) max over changes |L[node](first + i) dT(i) + dP(i)|

@@ -192,8 +192,7 @@ const ViewLight::Apparent& ViewLight::rings_apparent(bool joined_lines) {
   for (std::size_t r = 0; r < sky_.size(); ++r)
     put(r, exact ? sky(r) : coarse(light_.sky[r].total, sky_ratio_.coarse(r)));
   for (std::size_t r = 0; r < lower_.size(); ++r)
-    put(sky_.size() + r,
-        exact ? lower(r) : coarse(light_.lower[r].total, lower_ratio_.coarse(r)));
+    put(sky_.size() + r, exact ? lower(r) : coarse(light_.lower[r].total, lower_ratio_.coarse(r)));
   return of = std::move(made);
 }
 
@@ -287,21 +286,19 @@ void ViewLight::add_ends(ViewEnvironment& out, const AirSpectrum& scattered, con
            leg.layers.surroundings_share[b] * light_.surroundings[b];
   };
   const AirSpectrum dark(kAirBandCount, 0.0);
-  const AirSpectrum sun_here =
-      sun ? sun->scattered_by(leg_.layers, line_.direction) : dark;
+  const AirSpectrum sun_here = sun ? sun->scattered_by(leg_.layers, line_.direction) : dark;
   for (const Leg& end : end_) {
-    const AirSpectrum sun_there =
-        sun ? sun->scattered_by(end.layers, line_.direction) : dark;
+    const AirSpectrum sun_there = sun ? sun->scattered_by(end.layers, line_.direction) : dark;
     AirSpectrum transmittance = leg_.transmittance, thermal = path_radiance_, solar = scattered;
     for (const std::uint32_t b : wavelengths_.used) {
       const double own = leg_.layers.transmittance[b];
-      transmittance[b] = std::min(
-          1.0, transmittance[b] * (own > 0 ? end.layers.transmittance[b] / own : 1));
+      transmittance[b] =
+          std::min(1.0, transmittance[b] * (own > 0 ? end.layers.transmittance[b] / own : 1));
       thermal[b] = std::max(0.0, thermal[b] + emitted(end, b) - emitted(leg_, b));
       solar[b] = std::max(0.0, solar[b] + sun_there[b] - sun_here[b]);
     }
-    out.end.push_back({leg_.per_wavelength(transmittance),
-                       leg_.plus_solar(leg_.spread_thermal(thermal), solar)});
+    out.end.push_back(
+        {leg_.per_wavelength(transmittance), leg_.plus_solar(leg_.spread_thermal(thermal), solar)});
     for (const std::uint32_t b : wavelengths_.used) {
       transmittance[b] -= leg_.transmittance[b];
       thermal[b] -= path_radiance_[b];

@@ -55,8 +55,8 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
   for (std::size_t row = 0; row < this->rows(); ++row) {
     const BandOnAxis band = axis_band(row);
     const double coldest_k = light(row).coldest_k(), hottest_k = light(row).hottest_k();
-    const auto [known, fresh] = quadrature.try_emplace(
-        {static_cast<double>(band_of(row)), coldest_k, hottest_k}, 0.0);
+    const auto [known, fresh] =
+        quadrature.try_emplace({static_cast<double>(band_of(row)), coldest_k, hottest_k}, 0.0);
     if (fresh)
       known->second =
           quadrature_relative_bound(scene_.band[band_of(row)], band.grid, coldest_k, hottest_k);
@@ -257,19 +257,18 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
   const std::size_t columns = mean.columns;
   const double* of_nodes = mean.row(layout.first_sky());
   const LightAround& around = light.around();
-  double sum =
-      basis == nullptr
-          ? around.changed(e.end_change, band.first_node, band.grid.band_weight,
-                           {of_nodes, around.count()})
-          : around.changed(e.end_change, band.first_node, band.grid.band_weight,
-                           [&](std::uint32_t node, std::span<double> w) {
-                             const double* of_node = of_nodes + node * columns;
-                             if (std::all_of(of_node, of_node + columns,
-                                             [](double x) { return x == 0; }))
-                               return false;
-                             basis->to_nodes(of_node, band.first_node, w);
-                             return true;
-                           });
+  double sum = basis == nullptr
+                   ? around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                                    {of_nodes, around.count()})
+                   : around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                                    [&](std::uint32_t node, std::span<double> w) {
+                                      const double* of_node = of_nodes + node * columns;
+                                      if (std::all_of(of_node, of_node + columns,
+                                                      [](double x) { return x == 0; }))
+                                        return false;
+                                      basis->to_nodes(of_node, band.first_node, w);
+                                      return true;
+                                    });
   const auto add = [&](SourceId id, bool radiance) {
     const std::span<const double> of_source = light.radiance(id);
     for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
@@ -293,7 +292,8 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
   const SourceTable unit = unit_table(basis, band.first_node, grid.band_weight);
   for (const double w : grid.band_weight) width_um += w;
   for (const SourceId id : layout.without_sun())
-    weighed += width_um * ordered_dot(unit.source.data(), mean.row(id) + unit.first_column, unit.columns);
+    weighed +=
+        width_um * ordered_dot(unit.source.data(), mean.row(id) + unit.first_column, unit.columns);
   for (std::size_t i = 0; i < band.nodes(); ++i) {
     double change = 0;
     for (const AirPath& end : e.end)
@@ -348,8 +348,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
     return std::abs(s.estimate(1 + static_cast<std::size_t>(which)).value);
   };
   Measured all;  // what the three have in common
-  all.of(BoundOf::kQuadrature) =
-      std::abs(s.estimate(0).value) * quadrature_relative_[row];
+  all.of(BoundOf::kQuadrature) = std::abs(s.estimate(0).value) * quadrature_relative_[row];
   // Of materials' tables between the corners that cut the quadrature: emission and reflection may
   // change by twice what is left out, reflectances of optical constants by four times.
   all.of(BoundOf::kQuadrature) +=

@@ -185,12 +185,12 @@ class Pass {
   std::vector<UnseenLight::Stratum> unseen_of_;  // [stratum], if it is aimed at what is bright
   std::vector<std::vector<bool>> parts_of_;      // [stratum][part], likewise: which are in it
   std::vector<std::vector<SeaGlint>> glitter_;   // [sun of the geometry]
-  std::vector<double> quadrature_relative_;               // [row]
-  std::vector<double> brightest_, brightest_thermal_;     // [row]
-  std::vector<InBandLight> in_band_light_;                // [row]
+  std::vector<double> quadrature_relative_;      // [row]
+  std::vector<double> brightest_, brightest_thermal_;                // [row]
+  std::vector<InBandLight> in_band_light_;                           // [row]
   std::vector<std::vector<InBandLight::Radiance>> glitter_w_m2_sr_;  // [row][lit sun]
-  std::vector<std::vector<InBandLight::Radiance>> sent_;  // [row][part], with unseen_of_
-  std::vector<SourceTable> in_band_;                      // [row]
+  std::vector<std::vector<InBandLight::Radiance>> sent_;             // [row][part], with unseen_of_
+  std::vector<SourceTable> in_band_;                                 // [row]
   std::vector<ReplicateStatistics> statistics_;
   ReplicateStatistics last_;                                // [row]: paths of the last order alone
   std::vector<double> basis_w_sr_, sky_w_sr_, depth_w_sr_;  // [row]

@@ -13,9 +13,9 @@ namespace irsig {
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
 // 10: computed temperatures, whose exchange and repeated day are settled together; the air's carbon
-// dioxide at 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in
-// them, added up in the bands of the air, scattered sunlight rounded to float; what of the sun was
-// not met, bounded for facets that face one way together.
+// dioxide at 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun
+// in them, added up in the bands of the air, scattered sunlight rounded to float; what of the sun
+// was not met, bounded for facets that face one way together.
 inline constexpr int kPhysicsVersion = 10;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].

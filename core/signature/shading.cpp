@@ -142,9 +142,10 @@ void add_spectra(const ConditionSources& light, const LitWeights& weights,
   for (std::size_t c = 0; c < kCauses; ++c)
     for (const SourceRange& piece : causes[c]) {
       if (layout.around().contains(SourceId{piece.first})) {
-        add_around(light, weights, basis, band, piece.first == layout.sky().first,
-                   [&](std::size_t r) { return spectrum(r, 1 + c); },
-                   [&](std::size_t r) { return spectrum(r, kApparent); });
+        add_around(
+            light, weights, basis, band, piece.first == layout.sky().first,
+            [&](std::size_t r) { return spectrum(r, 1 + c); },
+            [&](std::size_t r) { return spectrum(r, kApparent); });
         continue;
       }
       for (const SourceId id : piece) {
@@ -202,10 +203,9 @@ void put_around(const ConditionSources& light, const SpectralBasis* basis, std::
     }
     return;
   }
-  LightAround::Integrals in =
-      around.integrals(first_node, weight,
-                       basis == nullptr ? nullptr : basis->expand.data() + first_node * columns,
-                       columns);
+  LightAround::Integrals in = around.integrals(
+      first_node, weight, basis == nullptr ? nullptr : basis->expand.data() + first_node * columns,
+      columns);
   std::copy(in.source.begin(), in.source.end(), from(table.source));
   std::copy(in.apparent.begin(), in.apparent.end(), from(table.apparent));
   table.interpolation = std::move(in.interpolation);
@@ -418,9 +418,8 @@ double largest_in_band_w_sr(const ConditionSources& light, const std::vector<dou
   double sum = 0;
   for (const SourceId id : layout.of_intensity())
     if (const double weight = largest[index_of(id)]; weight > 0)
-      sum += weight * (layout.around().contains(id)
-                           ? around[index_of(id) - layout.around().first]
-                           : in_band(light.radiance(id), band));
+      sum += weight * (layout.around().contains(id) ? around[index_of(id) - layout.around().first]
+                                                    : in_band(light.radiance(id), band));
   return sum;
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Facets are gathered in cells this wide: a fiftieth of the sun's radius. What light at grazing angles
-// may do changes so fast that wider ones would ask for many times the samples.
+// Facets are gathered in cells this wide: a fiftieth of the sun's radius. What light at grazing
+// angles may do changes so fast that wider ones would ask for many times the samples.
 constexpr double kFacingCell = 1e-4;
 
 // An angle by which directions may differ.
@@ -104,7 +104,9 @@ std::vector<UnseenLight::Patch> UnseenLight::gathered(
   std::vector<std::uint32_t> place;
   place.reserve(patch_.size());
   for (const Patch& p : patch_) {
-    const auto at = [&](double x) { return static_cast<std::int32_t>(std::lround(x / kFacingCell)); };
+    const auto at = [&](double x) {
+      return static_cast<std::int32_t>(std::lround(x / kFacingCell));
+    };
     const FacingKey key{{at(p.normal.x), at(p.normal.y), at(p.normal.z), at(p.to_sensor.x),
                          at(p.to_sensor.y), at(p.to_sensor.z),
                          static_cast<std::int32_t>(2 * p.material + (p.two_sided ? 1 : 0)),
@@ -130,8 +132,8 @@ std::vector<UnseenLight::Patch> UnseenLight::gathered(
     const Patch& p = patch_[i];
     Patch& here = out[place[i]];
     here.bent = std::max(here.bent, angle_between(p.normal, here.normal));
-    here.sight.angle = std::max(here.sight.angle,
-                                p.sight.angle + angle_between(p.to_sensor, here.to_sensor));
+    here.sight.angle =
+        std::max(here.sight.angle, p.sight.angle + angle_between(p.to_sensor, here.to_sensor));
   }
   for (Patch& here : out) here.sight = spread_of(here.sight.angle);
   return out;
@@ -380,12 +382,12 @@ std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
   for (std::size_t j = 0; j < suns.size(); ++j)
     for_each_lit(suns[j], suns[j].distance_m > 0 ? patch_ : gathered_in,
                  [&](const Patch& p, const Lit& lit) {
-      out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
-      if (convex_ || lit.to_anyone <= 0) return;
-      for (std::size_t s = 0; s < out.size(); ++s)
-        if (const double bright = lit.to_anyone * passed_on[s]; bright > 0)
-          out[s].later[j].add(bright, lit.thrown * gathered[s] * shown[s] / bright);
-    });
+                   out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
+                   if (convex_ || lit.to_anyone <= 0) return;
+                   for (std::size_t s = 0; s < out.size(); ++s)
+                     if (const double bright = lit.to_anyone * passed_on[s]; bright > 0)
+                       out[s].later[j].add(bright, lit.thrown * gathered[s] * shown[s] / bright);
+                 });
   return out;
 }
 

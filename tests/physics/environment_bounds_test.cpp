@@ -399,8 +399,8 @@ TEST(EnvironmentLooks, LinesJoinedAtThreeRingsErrByLessThanStated) {
           // A mirror that sees a single direction.
           double in_one = 0;
           for (std::uint32_t n = 0; n < nodes.count(); ++n) {
-            in_one = std::max(
-                in_one, largest_share(three_apparent[n], all_apparent[n], all_node[n]));
+            in_one =
+                std::max(in_one, largest_share(three_apparent[n], all_apparent[n], all_node[n]));
           }
           EXPECT_LE(largest, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;
           EXPECT_LE(in_one, three.joined_lines_bound) << w.name << " " << l.range_m << " " << c;

@@ -80,8 +80,8 @@ TEST(LightAround, IntegralsAreThoseOfTheSpectra) {
     const LightAround& around = scenes().seen[c].around;
     const std::vector<double> weight = random.list(120), function = random.list(120 * columns);
     for (const bool plain : {true, false}) {
-      const auto in = around.integrals(first, weight, plain ? nullptr : function.data(),
-                                       plain ? 1 : columns);
+      const auto in =
+          around.integrals(first, weight, plain ? nullptr : function.data(), plain ? 1 : columns);
       const auto expect = [&](const Spectra& spectra, const std::vector<double>& is) {
         const std::size_t n = plain ? 1 : columns;
         ASSERT_EQ(is.size(), spectra.size() * n);
@@ -151,8 +151,8 @@ TEST(LightAround, ChangesOfTheAirAreBoundedAndExactAtNight) {
         total += weight[i] * of_node[k] * here[k][first + i];
       }
     const double bound = e.around.changed(e.end_change, first, weight, of_node);
-    const double by_node = e.around.changed(
-        e.end_change, first, weight, [&](std::uint32_t node, std::span<double> w) {
+    const double by_node =
+        e.around.changed(e.end_change, first, weight, [&](std::uint32_t node, std::span<double> w) {
           std::fill(w.begin(), w.end(), of_node[node]);
           return true;
         });
@@ -174,8 +174,8 @@ TEST(LightAround, SidesThatAreNotWantedAreDark) {
     EXPECT_EQ(in.source[k] > 0 && in.apparent[k] > 0 && in.interpolation[k] > 0, k >= sky) << k;
     EXPECT_EQ(lower.radiance(k)[3] > 0, k >= sky);
   }
-  for (const double x : lower.sums(true, std::vector<LightAround::Weights>{{of_node.data(), 1}}, 0,
-                                   50)[0].radiance)
+  for (const double x :
+       lower.sums(true, std::vector<LightAround::Weights>{{of_node.data(), 1}}, 0, 50)[0].radiance)
     EXPECT_EQ(x, 0);
   // Where nothing shines the path's own light is what changes.
   const LightAround none = e.around.only(false, false);

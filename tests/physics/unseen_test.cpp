@@ -1,7 +1,7 @@
 // Rationale: what no sample met of the sun is bounded for facets that face nearly one way together.
 // Expected: no bound is below the one that each facet has for itself, for the same light; and none
-// is much above it, since samples are paid for it. Source: the same bounds facet by facet, as a lamp
-// has them: one so far away that its light is the sun's.
+// is much above it, since samples are paid for it. Source: the same bounds facet by facet, as a
+// lamp has them: one so far away that its light is the sun's.
 #include "core/signature/unseen.h"
 
 #include <cmath>
@@ -20,8 +20,8 @@ TEST(Unseen, FacetsTogetherAreBoundedAsEachOfThemIs) {
   double loosest = 1;
   for (const MaterialSpec& material : materials)
     for (const std::string shape : {"frigate", "sphere"}) {
-      const auto simulator =
-          simulator_of(scene_of(generated(shape, 20000, shape == "sphere" ? 30 : 0), material, mwir()));
+      const auto simulator = simulator_of(
+          scene_of(generated(shape, 20000, shape == "sphere" ? 30 : 0), material, mwir()));
       const Target& target = simulator->target();
       for (const Viewpoint& viewpoint :
            {Viewpoint{70, 4, 5000}, Viewpoint{0, 30, 500}, Viewpoint{200, 80, 20000}}) {
@@ -31,8 +31,8 @@ TEST(Unseen, FacetsTogetherAreBoundedAsEachOfThemIs) {
           for (const double azimuth_deg : {0.0, 80.0, 245.0}) {
             const double z = zenith_deg * std::numbers::pi / 180,
                          a = azimuth_deg * std::numbers::pi / 180;
-            SunDirection sun{
-                {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)}, 0.00465};
+            SunDirection sun{{std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)},
+                             0.00465};
             const UnseenLight::Sun& together = unseen.of(sun);
             sun.distance_m = kFar;
             const UnseenLight::Sun& each = unseen.of(sun);
