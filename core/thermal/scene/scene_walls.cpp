@@ -279,12 +279,18 @@ double SceneWalls::next_begin(const WallWalk& walk, Wall& wall) const {
     if (!first && size > kFallsWell * kFallsWell * size_before && turn > 1e-12 * size_before)
       for (std::size_t i = 0; i < nodes; ++i)
         next[i] -= along / turn * (next[i] - before[i] - step_before[i]);
-    // Far from the solution a day's change is not linear.
+    // Far from the solution a day's change is not linear. How warm the wall itself is says what is
+    // far: one that glows is no longer compared with the air.
+    double coldest_k = begin[0], hottest_k = begin[0];
+    for (std::size_t i = 0; i < nodes; ++i) {
+      coldest_k = std::min({coldest_k, begin[i], walk.kelvin(i, e)});
+      hottest_k = std::max({hottest_k, begin[i], walk.kelvin(i, e)});
+    }
     const auto [low, high] = std::ranges::minmax(next);
-    const bool near = low > 0.5 * mean_k_ && high < 2 * mean_k_;
+    const bool near = low > 0.5 * coldest_k && high < 2 * hottest_k;
     for (std::size_t i = 0; i < nodes; ++i) {
       if (!near) next[i] = walk.kelvin(i, e);
-      left_k = std::max(left_k, std::abs(near ? next[i] - begin[i] : mean_k_));
+      left_k = std::max(left_k, std::abs(near ? next[i] - begin[i] : hottest_k));
       before[i] = begin[i];
       step_before[i] = step[i];
       begin[i] = next[i];
