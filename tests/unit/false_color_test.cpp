@@ -179,11 +179,6 @@ struct Stored {
       s.target_paths = 1000;
       s.projected_area_m2 = 2;
     }
-    schema::Band& band = *db.sweeps["box ship"].resolved.mutable_sweep()->add_band();
-    band.set_name("lwir");
-    band.set_lambda_min_um(8);
-    band.set_lambda_max_um(12);
-    band.set_step_um(0.5);
   }
 };
 
@@ -210,7 +205,7 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
 
 TEST(RadiancePicture, TheTemperaturesOfABandWithAResponseAreItsOwn) {
   Stored stored;
-  schema::Band& band = *stored.db.sweeps["box ship"].resolved.mutable_sweep()->mutable_band(0);
+  schema::Band& band = *stored.db.sweeps["box ship"].resolved.mutable_sweep()->mutable_band(1);
   for (const double lambda_um : {8.0, 12.0}) {
     schema::SpectralPoint& p = *band.add_response();
     p.set_lambda_um(lambda_um);
