@@ -236,6 +236,29 @@ TEST(SceneHeat, WallsAreThoseOfTheSolverOfOneWall) {
   std::printf("at most %.5f K\n", most);
 }
 
+// Rationale: what is kept hot from behind is far from the air, whose temperature is the first
+// guess. Expected: steel before 1500 K has the temperature of its balance, and is sure of it.
+TEST(SceneHeat, RedHotPlatesAreNotOutOfRange) {
+  const Target target = target_of(generated("disk", 8), {part("disk")});
+  SceneHeatRequest r = steady(290, 300);
+  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
+  r.part = {{0.7, 0.9, 0u, 0}};
+  r.build_up = {steel(InnerSide::kFixedTemperature)};
+  r.build_up[0].inner_k = 1500;
+  const auto result = solve_scene_heat(target, r);
+  ASSERT_TRUE(result.ok()) << result.status();
+  const double incoming = 0.5 * (300 + kStefanBoltzmannWM2K4 * std::pow(290, 4));
+  double low = 300, high = 1500;
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.5 * (low + high);
+    const double heat = 45 / 0.005 * (1500 - t) - 1.31 * std::pow(t - 290, 4.0 / 3) +
+                        0.9 * (incoming - kStefanBoltzmannWM2K4 * std::pow(t, 4));
+    (heat > 0 ? low : high) = t;
+  }
+  for (const float kelvin : result->kelvin[1]) EXPECT_NEAR(kelvin, low, 0.05);
+  for (const float error_k : result->error_k[1]) EXPECT_LT(error_k, 0.05);
+}
+
 // A hollow box, seen from inside: its facets are turned round.
 Mesh hollow_box() {
   Mesh mesh = generated("box", 192, 0, 2, 1, 1);
