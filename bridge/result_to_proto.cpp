@@ -98,6 +98,13 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   copy(r.background_spectral.stderr_, out->mutable_background_radiance_stderr_w_m2_sr_um());
   copy(r.path_transmittance_spectral, out->mutable_path_transmittance());
   copy(r.path_radiance_spectral, out->mutable_path_radiance_w_m2_sr_um());
+  if (!r.has_plume) return;
+  copy(r.plume_spectral.value, out->mutable_plume_w_sr_um());
+  copy(r.plume_spectral.stderr_, out->mutable_plume_stderr_w_sr_um());
+  copy(r.apparent_plume_spectral.value, out->mutable_apparent_plume_w_sr_um());
+  copy(r.apparent_plume_spectral.stderr_, out->mutable_apparent_plume_stderr_w_sr_um());
+  copy(r.contrast_plume_spectral.value, out->mutable_contrast_plume_w_sr_um());
+  copy(r.contrast_plume_spectral.stderr_, out->mutable_contrast_plume_stderr_w_sr_um());
 }
 
 absl::Status set_thumbnail(schema::Thumbnail* out, const SignatureResult& r, const ViewResult& view,
@@ -139,6 +146,9 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
     IRSIG_CAUSE_QUANTITIES(IRSIG_SET_CAUSE)
     IRSIG_SENSOR_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
     IRSIG_BOUND_QUANTITIES(IRSIG_SET_NUMBER)
+    if (r.has_plume) {
+      IRSIG_PLUME_QUANTITIES(IRSIG_SET_VALUE, IRSIG_SET_NUMBER)
+    }
 #undef IRSIG_SET_VALUE
 #undef IRSIG_SET_CAUSE
 #undef IRSIG_SET_NUMBER

@@ -49,12 +49,12 @@ struct GasCommand {
     }
     const auto bands = chosen_bands();
     if (!bands.ok()) return bands.status();
-    const std::vector<GasSegment> column = {{state, length_m}};
+    const std::vector<GasLayer> column = {{state, length_m}};
     const auto alone = gas_spectrum(column, *bands);
     if (!alone.ok()) return alone.status();
     // So thin that absorptance is absorption times length.
     constexpr double kThinM = 1e-9;
-    const auto thin = gas_spectrum(std::vector<GasSegment>{{state, kThinM}}, *bands);
+    const auto thin = gas_spectrum(std::vector<GasLayer>{{state, kThinM}}, *bands);
     if (!thin.ok()) return thin.status();
     std::vector<double> absorption_per_m = thin->absorptance;
     for (double& x : absorption_per_m) x /= kThinM;

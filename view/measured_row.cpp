@@ -60,6 +60,12 @@ double stored_bound(const S& row, IntensityOf intensity, BoundOf which) {
           source ? row.temperature_bound_w_sr : row.apparent_temperature_bound_w_sr;
       return std::isnan(bound) ? 0 : bound;
     }
+    case BoundOf::kPlume: {  // rows without hot gas have none
+      const double bound = source                                ? row.plume_bound_w_sr
+                           : intensity == IntensityOf::kApparent ? row.apparent_plume_bound_w_sr
+                                                                 : row.contrast_plume_bound_w_sr;
+      return std::isnan(bound) ? 0 : bound;
+    }
     case BoundOf::kMoved:
       return 0;
   }

@@ -177,6 +177,12 @@ double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& t
 absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine from, SightLine to,
                                    double perspective) {
   const std::size_t bins = from.bin.width.size();
+  if (!std::isnan(row.plume_w_sr))
+    return absl::InvalidArgumentError(fmt::format(
+        "row {}: hot gas is known at the range of {:g} m alone: the air takes the lines "
+        "that it sends, and band means do not multiply; run the sweep with the other "
+        "range in viewpoints.ranges_m",
+        row.row, row.range_m));
   if (spectrum.lambda_um_size() != static_cast<int>(bins))
     return absl::InternalError(fmt::format("row {}: {} wavelengths are stored, its band has {}",
                                            row.row, spectrum.lambda_um_size(), bins));

@@ -353,6 +353,11 @@ absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
   if (content.parts) return write_parts(reader, rows, std::move(columns), format, out);
   append(further_columns());
   show_quantity(columns, columns_of(content.quantity));
+  const bool plume = std::any_of(rows.begin(), rows.end(), [](const QueryRow& r) {
+    return !std::isnan(r.signature.plume_w_sr);
+  });
+  for (RowColumn& c : columns)
+    if (plume && c.column.name == "plume_w_sr") c.column.brief = true;
   const char* input_name = columns_of(content.quantity).input_name;
   for (RowColumn& c : columns)
     if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;

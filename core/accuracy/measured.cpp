@@ -18,6 +18,7 @@ constexpr std::array<BoundInfo, kBounds> kInfo = {{
     {"depth", true, "of one range for all of the target"},
     {"background", true, "between the directions behind the target"},
     {"temperature", true, "of the temperatures of facets"},
+    {"plume", true, "of hot gas: steps along rays, spectra of a few columns"},
     {"moved", true, "of bringing the row to another range"},
 }};
 

@@ -19,6 +19,7 @@ enum class BoundOf : std::uint8_t {
   kDepth,
   kBackground,   // of contrasts
   kTemperature,  // of temperatures that are not stated, but measured or computed
+  kPlume,        // of hot gas: steps along rays, spectra of a few columns
   kMoved         // of bringing a stored row to another range; the last
 };
 inline constexpr std::size_t kBounds = static_cast<std::size_t>(BoundOf::kMoved) + 1;

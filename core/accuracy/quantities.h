@@ -82,6 +82,23 @@ namespace irsig {
   NUMBER(apparent_temperature_bound_w_sr, kBound, "W/sr", 11,                                    \
          "the same of apparent_intensity_w_sr and of contrast_intensity_w_sr")
 
+// Of rows of conditions with hot gas; others have none. "Plume": what it sends less what it takes
+// of the light behind it, which the totals above hold.
+#define IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)                                                  \
+  VALUE(plume_w_sr, plume_stderr_w_sr, "W/sr", 14, "hot gas, of intensity_w_sr")               \
+  VALUE(apparent_plume_w_sr, apparent_plume_stderr_w_sr, "W/sr", 14,                           \
+        "the same of apparent_intensity_w_sr")                                                 \
+  VALUE(contrast_plume_w_sr, contrast_plume_stderr_w_sr, "W/sr", 14,                           \
+        "the same of contrast_intensity_w_sr, less what is behind it beyond the target")       \
+  NUMBER(plume_emitted_w_sr, kDerived, "W/sr", 14, "sent by hot gas, at the target")           \
+  NUMBER(apparent_plume_emitted_w_sr, kDerived, "W/sr", 14, "the same at the sensor")          \
+  NUMBER(plume_bound_w_sr, kBound, "W/sr", 14,                                                 \
+         "of intensity_w_sr: of steps along rays, and of spectra computed of a few columns")   \
+  NUMBER(apparent_plume_bound_w_sr, kBound, "W/sr", 14, "the same of apparent_intensity_w_sr") \
+  NUMBER(contrast_plume_bound_w_sr, kBound, "W/sr", 14, "the same of contrast_intensity_w_sr") \
+  NUMBER(plume_model_error_w_sr, kModelError, "W/sr", 14,                                      \
+         "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")
+
 // Of rows whose sweep says how well its inputs are known; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \
   NUMBER(input_uncertainty_w_sr, kInputSigma, "W/sr", 13,                                  \
@@ -99,6 +116,7 @@ namespace irsig {
 
 #define IRSIG_QUANTITIES(VALUE, NUMBER)    \
   IRSIG_COMPUTED_QUANTITIES(VALUE, NUMBER) \
+  IRSIG_PLUME_QUANTITIES(VALUE, NUMBER)    \
   IRSIG_INPUT_QUANTITIES(NUMBER)
 
 enum class QuantityKind : std::uint8_t {

@@ -66,9 +66,11 @@ struct ConditionEnvironment {
 // Limits: one zenith angle of the sun for all of a path; sunlight is scattered once.
 struct ViewEnvironment {
   using Spectrum = std::vector<double>;
-  Spectrum transmittance;    // band means: of what surfaces emit
-  Spectrum path_radiance;    // emitted and scattered between target and sensor
-  std::vector<AirPath> end;  // [Line::end] the same of the target's ends
+  Spectrum transmittance;  // band means: of what surfaces emit
+  Spectrum path_radiance;  // emitted and scattered between target and sensor
+  // What the air there holds; null: it is imported, or no embedded atmosphere.
+  std::shared_ptr<const AbsorberAmounts> air;
+  std::vector<AirPath> end;                        // [Line::end] the same of the target's ends
   std::vector<LightAround::AirChange> end_change;  // [Line::end] by how much they differ
   Spectrum sun, sun_apparent;                      // normal to the beam, at the target; 0: no sun
   LightAround around;                              // sky, then lower

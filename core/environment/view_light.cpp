@@ -254,6 +254,10 @@ ViewEnvironment ViewLight::seen_under(const SunLight* sun, const EffectSet& effe
   out.transmittance = leg_.per_wavelength(leg_.transmittance);
   out.model_error_transmittance = leg_.per_wavelength(error_.transmittance);
   out.model_error_path_radiance = leg_.per_wavelength(error);
+  if (!leg_.imported) {
+    if (air_ == nullptr) air_ = std::make_shared<const AbsorberAmounts>(leg_.layers.amounts());
+    out.air = air_;
+  }
   out.path_radiance = leg_.plus_solar(leg_.spread_thermal(path_radiance_), scattered);
   add_ends(out, scattered, sun && use.path && !leg_.imported_radiance ? sun : nullptr);
   out.sun = out.sun_apparent = dark;

@@ -75,6 +75,7 @@ class ViewLight {
   std::vector<std::optional<AirSpectrum>> sky_, lower_, limb_;
   std::vector<std::optional<AirSpectrum>> sky_error_;      // from the horizon up
   std::vector<std::optional<PathLayers::Behind>> behind_;  // [lower ring]
+  std::shared_ptr<const AbsorberAmounts> air_;
   std::shared_ptr<const LightAround::Shapes> shapes_;
   std::shared_ptr<const LightAround::Thermal> rings_;
   std::array<Apparent, 2> rings_apparent_;

@@ -1,5 +1,6 @@
 #include "core/gas/gas_spectrum.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -29,7 +30,7 @@ double mole_fraction(HotGas gas, const GasState& s) {
 }
 
 // Column of a gas along a segment.                                                [mol/m2]
-double amount_mol_m2(HotGas gas, const GasSegment& segment) {
+double amount_mol_m2(HotGas gas, const GasLayer& segment) {
   const GasState& s = segment.state;
   return mole_fraction(gas, s) * s.pressure_pa / (kGasConstantJMolK * s.temperature_k) *
          segment.length_m;
@@ -88,7 +89,7 @@ class BandPath {
     Step transmittance;
     double water_spread = 0;  // one sigma of what is taken
   };
-  Taken add(const GasSegment& segment) {
+  Taken add(const GasLayer& segment) {
     const GasState& s = segment.state;
     const double soot = soot_absorption_per_m(centre_cm1_) * s.soot * segment.length_m;
     Step all = others_ * exp_minus({soot_, soot});
@@ -104,7 +105,7 @@ class BandPath {
   }
 
  private:
-  Step add(std::size_t g, const GasSegment& segment, double& water_spread) {
+  Step add(std::size_t g, const GasLayer& segment, double& water_spread) {
     const HotGas gas = kGases[g];
     Step step{through_[g], 0};
     if (!(mole_fraction(gas, segment.state) > 0) || !(segment.length_m > 0)) return step;
@@ -140,7 +141,7 @@ class BandPath {
   std::optional<WaterThroughAir> water_;
 };
 
-absl::Status check(std::span<const GasSegment> path, GasBands bands, GasBands within) {
+absl::Status check(std::span<const GasLayer> path, GasBands bands, GasBands within) {
   if (bands.first >= bands.last || bands.first < within.first || bands.last > within.last) {
     return absl::InvalidArgumentError(absl::StrFormat("gas bands %d to %d: expected %d to %d",
                                                       bands.first, bands.last, within.first,
@@ -155,17 +156,22 @@ absl::Status check(std::span<const GasSegment> path, GasBands bands, GasBands wi
   return absl::OkStatus();
 }
 
-GasThroughAir through(std::span<const GasSegment> path, const AbsorberAmounts* air,
-                      GasBands bands) {
+double emission_w_m2_sr_um(double lambda_um, const GasLayer& layer) {
+  const double t = layer.state.temperature_k, spread = layer.temperature_spread_k;
+  if (spread == 0) return planck_radiance_w_m2_sr_um(lambda_um, t);
+  return 0.5 * (planck_radiance_w_m2_sr_um(lambda_um, t - spread) +
+                planck_radiance_w_m2_sr_um(lambda_um, t + spread));
+}
+
+GasThroughAir through(std::span<const GasLayer> path, const AbsorberAmounts* air, GasBands bands) {
   GasThroughAir out{{bands, {}, {}, {}}, {}, {}};
   for (std::size_t band = bands.first; band < bands.last; ++band) {
     BandPath along(band, air);
     out.air_transmittance.push_back(along.transmittance());
     double absorptance = 0, radiance = 0, error = 0;
-    for (const GasSegment& segment : path) {
+    for (const GasLayer& segment : path) {
       const BandPath::Taken taken = along.add(segment);
-      const double b =
-          planck_radiance_w_m2_sr_um(gas_band_lambda_um(band), segment.state.temperature_k);
+      const double b = emission_w_m2_sr_um(gas_band_lambda_um(band), segment);
       absorptance -= taken.transmittance.by;
       radiance -= taken.transmittance.by * b;
       error += taken.water_spread * b;
@@ -185,12 +191,32 @@ double gas_band_centre_cm1(std::size_t band) {
 }
 double gas_band_lambda_um(std::size_t band) { return 1e4 / gas_band_centre_cm1(band); }
 
-absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasSegment> path, GasBands bands) {
+absl::StatusOr<std::size_t> gas_band(double lambda_um) {
+  const double place = (1e4 / lambda_um - kGasFirstCm1) / kGasBandWidthCm1;
+  if (!(place >= 0 && place <= static_cast<double>(kGasBandCount))) {
+    return absl::OutOfRangeError(absl::StrFormat(
+        "%.6g um: the hot gas's tables cover %.4g to %.4g um", lambda_um,
+        1e4 / (kGasFirstCm1 + kGasBandWidthCm1 * static_cast<double>(kGasBandCount)),
+        1e4 / kGasFirstCm1));
+  }
+  return std::min(static_cast<std::size_t>(place), kGasBandCount - 1);
+}
+
+std::vector<double> gas_band_edges_um(double lambda_min_um, double lambda_max_um) {
+  std::vector<double> out;
+  for (std::size_t k = kGasBandCount + 1; k-- > 0;) {
+    const double edge_um = 1e4 / (kGasFirstCm1 + kGasBandWidthCm1 * static_cast<double>(k));
+    if (edge_um > lambda_min_um && edge_um < lambda_max_um) out.push_back(edge_um);
+  }
+  return out;
+}
+
+absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path, GasBands bands) {
   if (absl::Status status = check(path, bands, {}); !status.ok()) return status;
   return through(path, nullptr, bands).spectrum;
 }
 
-absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasSegment> path,
+absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasLayer> path,
                                               const AbsorberAmounts& air, GasBands bands) {
   if (absl::Status status = check(path, bands, kAirGasBands); !status.ok()) return status;
   return through(path, &air, bands);

@@ -16,6 +16,10 @@ inline constexpr double kGasFirstCm1 = 50, kGasBandWidthCm1 = 10;
 inline constexpr std::size_t kGasBandCount = 925;
 [[nodiscard]] double gas_band_centre_cm1(std::size_t band);
 [[nodiscard]] double gas_band_lambda_um(std::size_t band);  // 1e4 / centre
+// OUT_OF_RANGE outside [1e4 / 9300, 1e4 / 50] um.
+[[nodiscard]] absl::StatusOr<std::size_t> gas_band(double lambda_um);
+// Edges of the bands between two wavelengths, increasing: where spectra jump. [um]
+[[nodiscard]] std::vector<double> gas_band_edges_um(double lambda_min_um, double lambda_max_um);
 
 // Neighbouring bands, one beyond the last.
 struct GasBands {
@@ -40,7 +44,7 @@ struct GasSpectrum {
 //
 // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that
 // do not exist. Accuracy and limits: docs/methods/gas.md.
-[[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasSegment> path,
+[[nodiscard]] absl::StatusOr<GasSpectrum> gas_spectrum(std::span<const GasLayer> path,
                                                        GasBands bands = {});
 
 // The same as seen through air that lies between the eye and the path: `radiance` is what arrives,
@@ -59,7 +63,7 @@ struct GasThroughAir {
 inline constexpr GasBands kAirGasBands = {60, 335};
 
 // Errors: as above, and INVALID_ARGUMENT for bands that the air has not.
-[[nodiscard]] absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasSegment> path,
+[[nodiscard]] absl::StatusOr<GasThroughAir> gas_through_air(std::span<const GasLayer> path,
                                                             const AbsorberAmounts& air,
                                                             GasBands bands = kAirGasBands);
 

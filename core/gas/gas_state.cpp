@@ -36,10 +36,16 @@ absl::Status check_gas(const GasState& s) {
   return absl::OkStatus();
 }
 
-absl::Status check_gas(const GasSegment& segment) {
+absl::Status check_gas(const GasLayer& segment) {
   if (!(segment.length_m >= 0 && std::isfinite(segment.length_m))) {
     return absl::InvalidArgumentError(
         absl::StrFormat("gas length_m %g: expected 0 or more", segment.length_m));
+  }
+  if (!(segment.temperature_spread_k >= 0 &&
+        segment.temperature_spread_k < segment.state.temperature_k)) {
+    return absl::InvalidArgumentError(absl::StrFormat("gas temperature_spread_k %g at %g K",
+                                                      segment.temperature_spread_k,
+                                                      segment.state.temperature_k));
   }
   return check_gas(segment.state);
 }

@@ -14,9 +14,12 @@ struct GasState {
 };
 
 // A straight stretch of one state.
-struct GasSegment {
+struct GasLayer {
   GasState state;
   double length_m = 0;
+  // Of the temperature along it, one standard deviation: emission is the mean of that at so much
+  // more and less, absorption that of the mean.
+  double temperature_spread_k = 0;
 };
 
 // Where the tables hold. Below 300 K the numbers of water and of CO2 outside 15 and 4.3 um are
@@ -28,6 +31,6 @@ inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
 // outside of the above, a mole fraction outside [0, 1] or all of them above 1 together, a soot
 // volume fraction outside [0, 1e-3], a length that is negative or not finite.
 [[nodiscard]] absl::Status check_gas(const GasState& state);
-[[nodiscard]] absl::Status check_gas(const GasSegment& segment);
+[[nodiscard]] absl::Status check_gas(const GasLayer& segment);
 
 }  // namespace irsig

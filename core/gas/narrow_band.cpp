@@ -62,7 +62,7 @@ double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k
   return 5.94e-6 * wavenumber_cm1 * std::sqrt(temperature_k / (273 * widths(gas).molar_mass_g));
 }
 
-double amount_cm_atm(HotGas gas, const GasSegment& segment) {
+double amount_cm_atm(HotGas gas, const GasLayer& segment) {
   const GasState& s = segment.state;
   return share(gas, s) * s.pressure_pa / 101325 * 100 * segment.length_m * 273 / s.temperature_k;
 }

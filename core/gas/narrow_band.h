@@ -23,6 +23,6 @@ enum class HotGas { kH2o, kCo2, kCo };
 [[nodiscard]] double doppler_width_cm1(HotGas gas, double wavenumber_cm1, double temperature_k);
 
 // Partial pressure x length, at 273 K.                                             [cm atm]
-[[nodiscard]] double amount_cm_atm(HotGas gas, const GasSegment& segment);
+[[nodiscard]] double amount_cm_atm(HotGas gas, const GasLayer& segment);
 
 }  // namespace irsig

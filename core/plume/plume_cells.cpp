@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/plume/plume_field_maker.h"
+#include "core/spectral/planck.h"
 
 namespace irsig {
 namespace {
@@ -71,6 +72,7 @@ void PlumeFieldMaker::build_cells() {
   std::sort(cells.begin(), cells.end(), BlockTree::before);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   field_->cells_ = BlockTree(cells);
+  field_->cell_origin_ = cells;
   field_->cell_blocks_.resize(cells.size());
   BlockTree::Cursor cursor;
   for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -103,6 +105,60 @@ void PlumeFieldMaker::build_cells() {
         box.high[a] = std::max(box.high[a], low + 1);
       }
     }
+}
+
+void PlumeFieldMaker::build_points() {
+  constexpr std::array<double, 2> kLambdaUm = {4.3, 10};
+  constexpr double kMuch = 1e-4;  // of all
+  double edge_m = 0;
+  for (const std::array<double, 3> axis :
+       {std::array{1.0, 0.0, 0.0}, std::array{0.0, 1.0, 0.0}, std::array{0.0, 0.0, 1.0}})
+    edge_m = std::max(edge_m,
+                      length(field_->body_from_index(axis) - field_->body_from_index({0, 0, 0})));
+  // Each group of 2^3 voxels.
+  const auto for_each_group = [&](auto visit) {
+    for (std::size_t c = 0; c < field_->cell_blocks_.size(); ++c) {
+      const PlumeField::CellBlock& block = field_->cell_blocks_[c];
+      if (block.values[0] < 0) continue;  // its own voxels hold no gas
+      for (unsigned n = 0; n < 64; ++n) {
+        const unsigned x = (n >> 4) * 2, y = (n >> 2 & 3) * 2, z = (n & 3) * 2;
+        const Cell& origin = field_->cell_origin_[c];
+        PlumePoint group;
+        std::array<PlumePoint, 8> voxel;
+        for (unsigned k = 0; k < 8; ++k) {
+          const unsigned i = x + (k >> 2), j = y + (k >> 1 & 1), l = z + (k & 1);
+          const GasSums gas = field_->at_voxel(block, i, j, l);
+          voxel[k].at = field_->body_from_index({static_cast<double>(origin[0]) + i,
+                                                 static_cast<double>(origin[1]) + j,
+                                                 static_cast<double>(origin[2]) + l});
+          voxel[k].reach_m = static_cast<float>(edge_m);
+          group.at = group.at + 0.125 * voxel[k].at;
+          if (!(gas.weight > 0)) continue;
+          for (std::size_t m = 0; m < kLambdaUm.size(); ++m) {
+            voxel[k].thin_w[m] = static_cast<float>(
+                gas.weight * field_->voxel_volume_m3_ *
+                planck_radiance_w_m2_sr_um(kLambdaUm[m], gas.weight_temperature / gas.weight));
+            group.thin_w[m] += voxel[k].thin_w[m];
+          }
+        }
+        group.reach_m = static_cast<float>(1.5 * edge_m);
+        if (group.thin_w[0] > 0 || group.thin_w[1] > 0) visit(group, voxel);
+      }
+    }
+  };
+  std::array<double, 2> all{};
+  for_each_group([&](const PlumePoint& group, const std::array<PlumePoint, 8>&) {
+    for (std::size_t m = 0; m < all.size(); ++m) all[m] += static_cast<double>(group.thin_w[m]);
+  });
+  for_each_group([&](const PlumePoint& group, const std::array<PlumePoint, 8>& voxel) {
+    bool much = false;
+    for (std::size_t m = 0; m < all.size(); ++m)
+      much |= static_cast<double>(group.thin_w[m]) > kMuch * all[m];
+    if (much)
+      field_->points_.insert(field_->points_.end(), voxel.begin(), voxel.end());
+    else
+      field_->points_.push_back(group);
+  });
 }
 
 }  // namespace irsig

@@ -37,6 +37,19 @@ Vec<Body> PlumeField::body_from_index(const std::array<double, 3>& at) const {
   return {out[0], out[1], out[2]};
 }
 
+std::vector<PlumeField::Box> PlumeField::cell_boxes() const {
+  const double low = interpolation_ == PlumeInterpolation::kLinear ? 0 : -0.5;
+  std::vector<Box> out;
+  for (const BlockTree::Cell& origin : cell_origin_) {
+    Box& box = out.emplace_back();
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.low[a] = origin[a] + low;
+      box.high[a] = box.low[a] + 8;
+    }
+  }
+  return out;
+}
+
 std::size_t PlumeField::bytes() const {
   return cells_.bytes() + cell_blocks_.capacity() * sizeof(CellBlock) +
          value_blocks_.capacity() * sizeof(ValueBlock) + values_.capacity() * sizeof(float);

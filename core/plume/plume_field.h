@@ -34,6 +34,14 @@ struct PlumeReport {
   std::array<double, kPlumeSpecies> amount{};  // of all voxels: CO2, H2O, CO [mol]; soot [m3]
 };
 
+// What voxels would send out if their gas were thin, for aiming: amount x blackbody at 4.3 and
+// 10 um [mol W/(m2 sr um)]. Of one voxel, where it is much of all; else of 2^3.
+struct PlumePoint {
+  Vec<Body> at;       // their middle
+  float reach_m = 0;  // from there: the voxel next to them, along the longest axis of the lattice
+  std::array<float, 2> thin_w{};
+};
+
 // Hot gas on a sparse lattice, placed in the body frame. Immutable: any number of threads may read.
 //
 // Memory: the values of the voxels that hold gas (of all 512 of a block where at least half do), 24
@@ -54,6 +62,7 @@ class PlumeField {
   [[nodiscard]] std::array<double, 3> index_direction(Vec<Body> direction) const;
   [[nodiscard]] Vec<Body> body_from_index(const std::array<double, 3>& at) const;
   [[nodiscard]] double voxel_volume_m3() const { return voxel_volume_m3_; }
+  [[nodiscard]] const std::vector<PlumePoint>& points() const { return points_; }
   // Corners of the box, in index coordinates, outside of which there is no gas; the field reaches
   // half a voxel (kConstant) or one (kLinear) beyond centres.
   struct Box {
@@ -72,6 +81,8 @@ class PlumeField {
     bool uniform = false;                  // the whole block is one gas
   };
   [[nodiscard]] const BlockTree& cells() const { return cells_; }
+  // Of each block of 8^3 cells that hold gas: its box, in index coordinates.
+  [[nodiscard]] std::vector<Box> cell_boxes() const;
   [[nodiscard]] const CellBlock& cell_block(std::int64_t i) const {
     return cell_blocks_[static_cast<std::size_t>(i)];
   }
@@ -94,7 +105,9 @@ class PlumeField {
   double voxel_volume_m3_ = 0;
   Box bounds_{};
   BlockTree cells_;
+  std::vector<BlockTree::Cell> cell_origin_;  // [cell block]
   std::vector<CellBlock> cell_blocks_;
+  std::vector<PlumePoint> points_;
   std::vector<ValueBlock> value_blocks_;
   std::size_t channels_ = 0;
   std::vector<float> values_;  // [voxel][channel]: K, Pa; amounts as GasSums has them

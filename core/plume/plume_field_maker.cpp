@@ -310,6 +310,7 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeFieldMaker::make() {
     if (origin_[b] == origin_[b - 1])
       return refuse(fmt::format("the block at {} is there twice", place(origin_[b])));
   build_cells();
+  build_points();
   return std::shared_ptr<const PlumeField>(std::move(field_));
 }
 

@@ -48,6 +48,7 @@ class PlumeFieldMaker {
   [[nodiscard]] absl::Status faults() const;
   void sort_values();
   void build_cells();
+  void build_points();
   void build_filled(PlumeField::CellBlock& block) const;
   [[nodiscard]] bool is_uniform(const PlumeField::CellBlock& block) const;
 

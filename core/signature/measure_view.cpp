@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/signature/gas_rows.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/pass.h"
 
@@ -131,9 +132,55 @@ void estimate_times(const PathCounts& counts, double reflected_share, bool atmos
   }
 }
 
-// All of a row but its picture.
+void add(const Estimate& more, Estimate& to) {
+  to.value += more.value;
+  to.stderr_ = std::hypot(to.stderr_, more.stderr_);
+}
+void add(const SpectralEstimate& more, SpectralEstimate& to) {
+  for (std::size_t k = 0; k < to.value.size(); ++k) {
+    to.value[k] += more.value[k];
+    to.stderr_[k] = std::hypot(to.stderr_[k], more.stderr_[k]);
+  }
+}
+void add(const GasRow::Change& change, Measured& to) {
+  to.value += change.in_band.value;
+  to.stderr_ = std::hypot(to.stderr_, change.in_band.stderr_);
+  to.of(BoundOf::kPlume) += change.bound_w_sr;
+}
+
+// What hot gas changes; of random numbers of its own.
+void add_gas(const GasRow& gas, SignatureResult& r) {
+  r.has_plume = true;
+  r.plume_w_sr = gas.source.in_band;
+  r.apparent_plume_w_sr = gas.apparent.in_band;
+  r.contrast_plume_w_sr = gas.contrast.in_band;
+  r.plume_emitted_w_sr = gas.emitted_w_sr;
+  r.apparent_plume_emitted_w_sr = gas.apparent_emitted_w_sr;
+  r.plume_bound_w_sr = gas.source.bound_w_sr;
+  r.apparent_plume_bound_w_sr = gas.apparent.bound_w_sr;
+  r.contrast_plume_bound_w_sr = gas.contrast.bound_w_sr;
+  r.plume_model_error_w_sr = gas.model_error_w_sr;
+  r.plume_spectral = gas.source.spectral;
+  r.apparent_plume_spectral = gas.apparent.spectral;
+  r.contrast_plume_spectral = gas.contrast.spectral;
+  add(gas.source.in_band, r.intensity_w_sr);
+  add(gas.apparent.in_band, r.apparent_intensity_w_sr);
+  add(gas.contrast.in_band, r.contrast_intensity_w_sr);
+  add(gas.source.spectral, r.spectral);
+  add(gas.apparent.spectral, r.apparent_spectral);
+  add(gas.contrast.spectral, r.contrast_spectral);
+  for (double* model : {&r.apparent_model_error_w_sr, &r.contrast_model_error_w_sr})
+    *model = std::hypot(*model, gas.model_error_w_sr);
+  for (std::size_t k = 0; k < r.replicate_w_sr.size(); ++k) {
+    r.replicate_w_sr[k] += gas.source.replicate[k];
+    r.replicate_apparent_w_sr[k] += gas.apparent.replicate[k];
+    r.replicate_contrast_w_sr[k] += gas.contrast.replicate[k];
+  }
+}
+
+// All of a row but its picture. gas: null without.
 SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& scene,
-                       const ViewRequest& request, const ViewPlan& plan) {
+                       const ViewRequest& request, const ViewPlan& plan, const GasRow* gas) {
   SignatureResult r;
   r.condition = pass.condition_of(row);
   r.band = pass.band_of(row);
@@ -162,7 +209,12 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   spectrum(r.background_spectral);
   add_path(pass.light(row).environment(), band, pass.background_model_w_sr(row), r);
 
-  const auto [source, apparent, contrast] = pass.measured(row);
+  auto [source, apparent, contrast] = pass.measured(row);
+  if (gas != nullptr) {
+    add(gas->source, source);
+    add(gas->apparent, apparent);
+    add(gas->contrast, contrast);
+  }
   r.depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
   r.quadrature_bound_w_sr = source.of(BoundOf::kQuadrature) + source.of(BoundOf::kBasis);
@@ -187,7 +239,7 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.backface_share = pass.backface_share();
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;
-  else if (r.numerical_error_w_sr <= pass.relative_goal_w_sr(row))
+  else if (r.numerical_error_w_sr <= request.accuracy.relative_error * std::abs(source.value))
     r.stop_reason = StopReason::kTargetReached;
   else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
     r.stop_reason = StopReason::kFloorReached;
@@ -205,6 +257,7 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.replicate_w_sr = pass.replicates(row, Pass::Replicated::kSource);
   r.replicate_apparent_w_sr = pass.replicates(row, Pass::Replicated::kApparent);
   r.replicate_contrast_w_sr = pass.replicates(row, Pass::Replicated::kContrast);
+  if (gas != nullptr) add_gas(*gas, r);
   return r;
 }
 
@@ -255,6 +308,8 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   if (auto status = check_request(scene, request); !status.ok()) return status;
   auto view = prepared_for(scene, request, plan, std::move(prepared));
   if (!view.ok()) return view.status();
+  const auto gas = gas_rows(scene, request, plan, *view);
+  if (!gas.ok()) return gas.status();
   const std::uint64_t seed = view_seed(scene, request);
   Pass pass(scene, request, plan, *std::move(view),
             {request.selected_condition, request.selected_band}, seed);
@@ -274,7 +329,10 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   out.guarded_path_limit = pass.counts().truncated_paths;
   out.seed = seed;
   for (std::size_t row = 0; row < pass.rows(); ++row)
-    out.row.push_back(row_of(pass, row, scene, request, plan));
+    out.row.push_back(row_of(pass, row, scene, request, plan,
+                             gas->empty() || !(*gas)[row] ? nullptr : &*(*gas)[row]));
+  for (const std::optional<GasRow>& of_row : *gas)
+    if (of_row) out.rays = std::max(out.rays, pass.counts().rays + plan.pilot_rays + of_row->rays);
   add_pictures(pass, request, out);
   return out;
 }

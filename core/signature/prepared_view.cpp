@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/environment/line_horizon.h"
+#include "core/plume/plume_silhouette.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -67,6 +68,15 @@ std::vector<Environment::Line::End> target_ends(const Target& target, Vec<Body> 
   return {near, far};
 }
 
+// How far from the target's reference point hot gas reaches under any condition.
+double gas_reach_m(const ViewRequest& request) {
+  double out = 0;
+  for (const ConditionSpec& c : request.condition)
+    if (c.gas != nullptr)
+      for (const Vec<Body>& corner : gas_corners(*c.gas)) out = std::max(out, length(corner));
+  return out;
+}
+
 }  // namespace
 
 ViewPlan plan_with_everything(const ViewRequest& request) {
@@ -103,9 +113,10 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   // Lines of sight leave the target downwards where the sensor is above it: between the elevations
   // of the target's lowest and highest point, as the sensor sees them.
   const double elevation = v.aspect_elevation_deg * std::numbers::pi / 180,
-               reach =
-                   std::asin(std::min(1.0, (length(target.centre) + target.radius_m) / range_m)) +
-                   kGrazing,
+               reach = std::asin(std::min(1.0, std::max(length(target.centre) + target.radius_m,
+                                                        gas_reach_m(request)) /
+                                                   range_m)) +
+                       kGrazing,
                quarter = std::numbers::pi / 2;
   line.end = out.end_;
   line.behind = behind != nullptr

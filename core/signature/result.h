@@ -43,12 +43,16 @@ struct SignatureResult {
   IRSIG_SOURCE_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_SENSOR_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
   IRSIG_BOUND_QUANTITIES(IRSIG_NUMBER_MEMBER)
+  // Hot gas, if the condition has any: else 0.
+  bool has_plume = false;
+  IRSIG_PLUME_QUANTITIES(IRSIG_VALUE_MEMBER, IRSIG_NUMBER_MEMBER)
 #undef IRSIG_VALUE_MEMBER
 #undef IRSIG_NUMBER_MEMBER
   Estimate cause_w_sr[kCauses];
   std::vector<Estimate> part_w_sr;  // by the part that the sensor sees
   SpectralEstimate spectral, spectral_cause[kCauses], apparent_spectral, contrast_spectral,
       background_spectral;  // the last: radiance
+  SpectralEstimate plume_spectral, apparent_plume_spectral, contrast_plume_spectral;  // has_plume
   // Between target and sensor, on the stored wavelengths: no sampling error.
   std::vector<double> path_transmittance_spectral, path_radiance_spectral;
   std::vector<float> image_w_m2_sr;  // row by row from the top; empty: none

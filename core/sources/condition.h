@@ -9,11 +9,14 @@
 
 namespace irsig {
 
+class PlumeField;
+
 // One season at one time.
 struct ConditionSpec {
   // In the order of the scene's parts; where facets have temperatures of their own, the hottest.
   std::vector<double> part_temperature_k;
   std::shared_ptr<const EmitterTemperatures> emitter = nullptr;  // null: parts have one each
+  std::shared_ptr<const PlumeField> gas = nullptr;  // hot gas around the target; null: none
   Surroundings surroundings;
   bool sun = false;         // whether direct sun is part of this condition
   Vec<Body> sun_direction;  // unit vector towards the sun

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -45,10 +47,36 @@ struct Ground : Plane {};  // mirrors nothing; the target stands on it as it flo
 using Boundary = std::variant<NoBoundary, Sea, Ground>;
 [[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
 
-// What rays cross between surfaces. Clear air around the target takes nothing from them and adds
-// nothing; what stands between target and sensor is not here but in ViewEnvironment.
+// Hot gas as primary rays of a view meet it. A ray is traced once and shaded under any condition:
+// what it meets is kept in measures, which are added up over rays, and what the gas takes of the
+// light behind it in classes of gas that are alike.
+class GasOnRays {
+ public:
+  virtual ~GasOnRays() = default;
+  [[nodiscard]] virtual std::uint32_t measures() const = 0;
+  [[nodiscard]] virtual std::uint32_t classes() const = 0;
+
+  // What a ray's gas takes of the light behind it is `factor` times what that of class `like`
+  // takes. at_m: where on the ray the gas is.
+  struct Crossing {
+    std::uint32_t like = 0;
+    double factor = 0, at_m = 0;
+  };
+  // Of a ray that ends at end_m; nullopt: it meets no gas.
+  //   from, direction  relative to the target's centre; a unit vector
+  //   measure          [measures()]
+  [[nodiscard]] virtual std::optional<Crossing> cross(Vec<Body> from, Vec<Body> direction,
+                                                      double end_m,
+                                                      std::span<double> measure) const = 0;
+};
+
+// What primary rays cross before they meet anything. Clear air around the target takes nothing from
+// them and adds nothing; what stands between target and sensor is not here but in ViewEnvironment.
 struct ClearMedium {};
-using Medium = std::variant<ClearMedium>;
+struct HotGas {
+  std::shared_ptr<const GasOnRays> rays;
+};
+using Medium = std::variant<ClearMedium, HotGas>;
 
 struct SunDirection {
   Vec<Body> direction;  // unit vector towards the sun's centre

@@ -111,9 +111,15 @@ template <bool kSpectral>
 IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const Ray& ray,
                                         bool above) const {
   const std::uint32_t order = all.order;
-  if (order == 0 && !settings_.background) return;
   PathState& s = ray.state;
   const Float3 d = ray.direction;
+  if (order == 0 && gas_ != nullptr) {
+    s.first += gas_->classes();
+    if (sources_.behind)
+      add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
+    return;
+  }
+  if (order == 0 && !settings_.background) return;
   const float* spectrum = ray.spectrum;
   if (order > 0 && any_glint_ && !above) meet_sea(work, s, ray.from, d, spectrum);
   if (order == 0) {
@@ -138,7 +144,7 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
 // The first facet of a path: what it is counted under, and what stands behind it.
 IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& hit) const {
   PathState& s = ray.state;
-  s.first = hit.part;
+  if (gas_ == nullptr) s.first = hit.part;
   ++work.counts->target_paths;
   work.area[s.replicate] += static_cast<double>(s.weight);
   if (!sources_.behind) return;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/transport/path_work.h"
@@ -11,12 +12,6 @@ namespace {
 
 // Pairs of later orders are made when they are needed.
 constexpr std::uint32_t kSeedOrders = 33;
-
-// What rays lose and gain on their way to what they have met.
-struct CrossMedium {
-  RayBatch& batch;
-  void operator()(ClearMedium /*clear*/) const {}
-};
 
 }  // namespace
 
@@ -31,6 +26,7 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       layout_(target.part.size(), sources_),
       view_(view),
       hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
+  if (const auto* gas = std::get_if<HotGas>(&sources_.medium)) gas_ = gas->rays.get();
   any_glint_ = sources_.glitters();
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
@@ -93,8 +89,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
   work.row.resize(nodes_);
   work.list.resize(most);
   work.replicate_of_list.resize(capacity);
-  for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.inverse_length, &work.roulette_x,
-                  &work.roulette_y, &work.lobe})
+  for (auto* v : {&work.x_m, &work.y_m, &work.ray_weight, &work.density_factor,
+                  &work.inverse_length, &work.roulette_x, &work.roulette_y, &work.lobe})
     v->resize(most);
   work.child_sample.resize(most);
   work.ones.assign(nodes_, 1.0f);
@@ -112,6 +108,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       w.weight = none;
     if (keep_last) w.last = none;
     w.beyond_order_m2.assign(orders, 0.0);
+    if (gas_ != nullptr) w.gas_m2.assign(gas_->measures(), 0.0);
   }
   work.weight.assign(settings_.replicates * work.orders, none);
   work.last.assign(keep_last ? settings_.replicates : 0, none);
@@ -123,6 +120,10 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     work.area.assign(settings_.replicates, 0.0);
     work.behind_area.assign(settings_.replicates, 0.0);
     work.beyond.assign(settings_.replicates * orders, 0.0);
+    if (gas_ != nullptr) {
+      work.gas.assign(static_cast<std::size_t>(settings_.replicates) * gas_->measures(), 0.0);
+      work.gas_measure.resize(gas_->measures());
+    }
     if (spectral_)
       trace_stratum<true>(work, s);
     else
@@ -140,6 +141,8 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       out[r].behind_area_m2 += normalise * work.behind_area[r];
       for (std::size_t k = 0; k < orders; ++k)
         out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
+      for (std::size_t m = 0; m < out[r].gas_m2.size(); ++m)
+        out[r].gas_m2[m] += normalise * work.gas[r * out[r].gas_m2.size() + m];
     }
   }
   const std::size_t spacing = beyond_spacing(settings_.max_reflections);
@@ -219,10 +222,19 @@ void PathTracer::trace_stratum(Work& work, std::uint32_t stratum) const {
 void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
   SampleList& list = work.list;
   settings_.pseudo_random ? draw_pairs_random(list) : draw_pairs(list);
+  const CellDensity* density = work.stratum == 0 && view_.density ? &*view_.density : nullptr;
   for (std::uint32_t i = 0; i < list.size; ++i) {
-    const CoverageMask::Point p = mask.map({list.x[i], list.y[i]});
-    work.x_m[i] = p.x_m;
-    work.y_m[i] = p.y_m;
+    const SamplePair at{list.x[i], list.y[i]};
+    if (density != nullptr) {
+      const CellDensity::Place p = density->map(at);
+      work.x_m[i] = p.x_m;
+      work.y_m[i] = p.y_m;
+      work.density_factor[i] = p.factor;
+    } else {
+      const CoverageMask::Point p = mask.map(at);
+      work.x_m[i] = p.x_m;
+      work.y_m[i] = p.y_m;
+    }
   }
   ImagePlane plane{to_float(view_.frame.sensor + view_.frame.plane_m * view_.frame.forward),
                    to_float(view_.frame.right),
@@ -233,6 +245,8 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
                                       (view_.frame.plane_m * view_.frame.plane_m))};
   aim(plane, work.x_m.data(), work.y_m.data(), list.size, work.batch.packet.data(),
       work.ray_weight.data(), work.inverse_length.data());
+  if (density != nullptr)
+    for (std::uint32_t i = 0; i < list.size; ++i) work.ray_weight[i] *= work.density_factor[i];
   const ImagePlan& plan = *work.plan;
   const auto pixels_x = static_cast<float>(plan.width_px / view_.frame.width_m),
              pixels_y = static_cast<float>(plan.height_px / view_.frame.height_m);
@@ -255,6 +269,43 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
   work.batch.size = list.size;
 }
 
+// Counts the gas on primary rays that have met what they meet; those without any end here.
+void PathTracer::cross_gas(Work& work) const {
+  RayBatch& batch = work.batch;
+  const std::size_t measures = gas_->measures();
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < batch.size; ++i) {
+    const RayPacket& packet = batch.packet_of(i);
+    const std::uint32_t lane = RayBatch::lane_of(i);
+    PathState& s = batch.state[i];
+    const double inverse_length = s.inverse_length;
+    const Float3 org{packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+        d{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
+    const Vec<Body> from{org.x, org.y, org.z},
+        direction = inverse_length * Vec<Body>{static_cast<double>(d.x), static_cast<double>(d.y),
+                                               static_cast<double>(d.z)};
+    double end_m = packet.triangle[lane] == RayPacket::kMiss
+                       ? std::numeric_limits<double>::infinity()
+                       : static_cast<double>(packet.tfar[lane]) / inverse_length;
+    if (plane_ && direction.z > 0)
+      end_m = std::min(end_m, std::max(0.0, (plane_->z_m - from.z) / direction.z));
+    const auto crossing = gas_->cross(from, direction, end_m, work.gas_measure);
+    if (!crossing) continue;
+    const auto along = static_cast<float>(crossing->at_m * inverse_length);
+    if (plane_ && plane_->earth_radius_m > 0 && view_.frame.sensor.z > plane_->z_m &&
+        hidden_by_sea({org.x + along * d.x, org.y + along * d.y, org.z + along * d.z}, d,
+                      s.inverse_length))
+      continue;
+    double* sum = work.gas.data() + s.replicate * measures;
+    for (std::size_t m = 0; m < measures; ++m)
+      sum[m] += static_cast<double>(s.weight) * work.gas_measure[m];
+    s.first = crossing->like;
+    s.weight *= static_cast<float>(crossing->factor);
+    batch.move(i, kept++);
+  }
+  batch.size = kept;
+}
+
 // Follows the primary rays of work.batch to their ends and leaves it empty.
 template <bool kSpectral>
 void PathTracer::trace_batch(Work& work) const {
@@ -269,7 +320,7 @@ void PathTracer::trace_batch(Work& work) const {
       work.counts->rays += work.batch.size;
     }
     if (order > 0) work.counts->reflected_rays += work.batch.size;
-    std::visit(CrossMedium{work.batch}, sources_.medium);
+    if (order == 0 && gas_ != nullptr) cross_gas(work);
     work.next.size = 0;
     arrive<kSpectral>(work, order);
     if (any_glint_) trace_glint<kSpectral>(work, order);

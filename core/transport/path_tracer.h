@@ -87,6 +87,10 @@ struct PathWeights {
   double truncated_m2 = 0;  // = beyond_m2[2]
   // The same after each number of reflections 0 .. N.
   std::vector<double> beyond_order_m2;
+  // Through hot gas (HotGas): the sums of its measures. Other rays then count nowhere, and first
+  // "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1) and
+  // beyond (classes .. 2 classes - 1).
+  std::vector<double> gas_m2;
 };
 
 [[nodiscard]] constexpr std::uint32_t beyond_spacing(std::uint32_t max_reflections) {
@@ -139,8 +143,11 @@ class PathTracer {
   [[nodiscard]] const SourceLayout& layout() const { return layout_; }
   [[nodiscard]] bool spectral() const { return spectral_; }
   [[nodiscard]] std::size_t nodes() const { return nodes_; }  // columns of weights: 1 if grey
-  // First parts in a table of weights: with PathSettings::background one more than parts.
-  [[nodiscard]] std::uint32_t firsts() const { return parts_ + (settings_.background ? 1 : 0); }
+  // First parts in a table of weights: with PathSettings::background one more than parts; behind
+  // gas see PathWeights::gas_m2.
+  [[nodiscard]] std::uint32_t firsts() const {
+    return gas_ != nullptr ? 2 * gas_->classes() : parts_ + (settings_.background ? 1 : 0);
+  }
 
   // Traces all replicates, side by side: rays of different replicates that are aimed at the same
   // small piece of the image share a packet. image (if the plan is not empty) has width x height x
@@ -156,6 +163,7 @@ class PathTracer {
   template <bool kSpectral>
   void trace_batch(Work& work) const;
   void aim_batch(Work& work, const CoverageMask& mask) const;
+  void cross_gas(Work& work) const;
   // Where the rays of work.batch end: its stages, in their order.
   template <bool kSpectral>
   void arrive(Work& work, std::uint32_t order) const;
@@ -197,7 +205,8 @@ class PathTracer {
   const Target& target_;
   std::span<const Material> materials_;
   SourceGeometry sources_;
-  std::optional<Plane> plane_;  // of sea or ground
+  std::optional<Plane> plane_;      // of sea or ground
+  const GasOnRays* gas_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;
   SourceLayout layout_;

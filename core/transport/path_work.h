@@ -108,6 +108,8 @@ struct PathTracer::Work {
   std::vector<double> area;           // [replicate]
   std::vector<double> behind_area;    // [replicate]
   std::vector<double> beyond;         // [replicate][order]: PathWeights::beyond_order_m2
+  std::vector<double> gas;            // [replicate][measure]: PathWeights::gas_m2
+  std::vector<double> gas_measure;    // [measure]
   float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
@@ -123,7 +125,7 @@ struct PathTracer::Work {
   std::vector<float> row;  // a spectrum being made
   SampleList list;         // random numbers being drawn
   std::vector<std::uint32_t> replicate_of_list;
-  std::vector<float> x_m, y_m, ray_weight, inverse_length;
+  std::vector<float> x_m, y_m, ray_weight, density_factor, inverse_length;
   VertexList vertex;
   std::vector<float> roulette_x, roulette_y, lobe;
   std::vector<float> sun_keep;             // [sun][vertex]: how often it is followed up

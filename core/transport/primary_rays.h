@@ -1,11 +1,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/base/sobol.h"
 #include "core/geo/viewpoint.h"
 #include "core/scene/target.h"
@@ -76,6 +79,27 @@ class CoverageMask {
   std::vector<std::uint16_t> guide_;  // a column at or before the one of s.x
 };
 
+// Primary rays that are denser where more is to be seen: over the cells of a grid that are hit,
+// with a density in proportion to a weight. Stratified as the sampler's points are.
+class CellDensity {
+ public:
+  // weight: [cell], positive where the cell is hit
+  CellDensity(const CellGrid& grid, std::span<const double> weight);
+
+  struct Place {
+    float x_m, y_m;
+    float factor;  // the density of CoverageMask(grid) over that here
+  };
+  [[nodiscard]] Place map(SamplePair s) const;
+
+ private:
+  double x0_m_, y0_m_, cell_x_m_, cell_y_m_;
+  int rows_;
+  std::vector<double> column_end_;  // running share of the columns
+  std::vector<double> cell_end_;    // [cell] of a column's cells, its own share 1
+  std::vector<float> factor_;       // [cell]
+};
+
 // What of a target is aimed at by itself because it may be bright and is small: facets in groups
 // that lie close together (none of a hot part: those are aimed at anyway).
 struct BrightFacets {
@@ -101,6 +125,7 @@ struct AimedView {
   std::vector<std::uint32_t> stratum_of_facet;  // empty: that of its part
   std::uint32_t first_bright = 0;               // stratum; 0: no facets are bright
   BrightFacets bright;                          // for which it was made
+  std::optional<CellDensity> density;           // of stratum 0, instead of a uniform one
 
   [[nodiscard]] std::uint32_t stratum_of(std::uint32_t facet, std::uint32_t part) const {
     return stratum_of_facet.empty() ? stratum_of_part[part] : stratum_of_facet[facet];
@@ -123,6 +148,25 @@ struct AimedView {
 // Of a sensor that is outside.
 [[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
                                         const BrightFacets& bright = {});
+
+// What a target's view may show beside it: boxes in which all of it lies (corners in the body
+// frame), and small spheres by how much is to be seen in them.
+struct BoxedSight {
+  std::vector<std::array<Vec<Body>, 8>> box;
+  struct Point {
+    Vec<Body> at;
+    double reach_m;                // across
+    std::array<double, 2> weight;  // two measures, which count alike
+  };
+  std::vector<Point> point;
+};
+// A view of it, before and beside a target: one stratum, for all parts, over the cells of the image
+// plane that the boxes touch, half of its rays spread evenly and half by weight. The image plane,
+// where rays begin, lies before both. INVALID_ARGUMENT: the sensor is within a hundredth of its
+// range of what is to be seen, along the line of sight.
+[[nodiscard]] absl::StatusOr<AimedView> make_boxed_view(const Target& target,
+                                                        const Viewpoint& viewpoint,
+                                                        const BoxedSight& sight);
 
 // A narrow view: all that is seen of a sensor (body frame) through a rectangle of width x height
 // across the line of sight at the point `at` (body frame), the target or what is behind it. One

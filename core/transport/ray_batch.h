@@ -60,6 +60,25 @@ struct RayBatch {
     state[i] = s;
     return i;
   }
+  // A primary ray that has met what it meets takes the place of an earlier one.
+  void move(std::uint32_t from, std::uint32_t to) {
+    if (from == to) return;
+    const RayPacket& a = packet_of(from);
+    RayPacket& b = packet_of(to);
+    const std::uint32_t i = lane_of(from), k = lane_of(to);
+    b.org_x[k] = a.org_x[i];
+    b.org_y[k] = a.org_y[i];
+    b.org_z[k] = a.org_z[i];
+    b.dir_x[k] = a.dir_x[i];
+    b.dir_y[k] = a.dir_y[i];
+    b.dir_z[k] = a.dir_z[i];
+    b.tfar[k] = a.tfar[i];
+    b.u[k] = a.u[i];
+    b.v[k] = a.v[i];
+    b.triangle[k] = a.triangle[i];
+    b.geometry[k] = a.geometry[i];
+    state[to] = state[from];
+  }
   // Fields that every ray shares; `hits`: also those that a nearest-hit query wants. tfar: the ends
   // of the rays in units of their directions.
   void prepare_packets(bool hits, float tfar = std::numeric_limits<float>::infinity()) {

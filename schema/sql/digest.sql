@@ -101,6 +101,18 @@ SELECT absorbed, absorbed_stderr, escaped_to_sky, escaped_to_sky_stderr, escaped
        cut_off, cut_off_stderr, balance, balance_stderr
 FROM energy WHERE signature_id = ?1;
 
+-- Of signatures with hot gas only: the others have the digests that they had before there was any.
+-- name: has_plume
+SELECT plume_w_sr IS NOT NULL FROM signature WHERE signature_id = ?1;
+
+-- name: digest_plume
+SELECT s.plume_w_sr, s.plume_stderr_w_sr, s.apparent_plume_w_sr, s.apparent_plume_stderr_w_sr, s.contrast_plume_w_sr,
+       s.contrast_plume_stderr_w_sr, s.plume_emitted_w_sr, s.apparent_plume_emitted_w_sr, s.plume_bound_w_sr,
+       s.apparent_plume_bound_w_sr, s.contrast_plume_bound_w_sr, s.plume_model_error_w_sr, p.plume_w_sr_um,
+       p.plume_stderr_w_sr_um, p.apparent_plume_w_sr_um, p.apparent_plume_stderr_w_sr_um, p.contrast_plume_w_sr_um,
+       p.contrast_plume_stderr_w_sr_um
+FROM signature s JOIN spectrum p USING (signature_id) WHERE s.signature_id = ?1;
+
 -- Of signatures with uncertain inputs only: the others have the digests that they had before there were any.
 -- name: has_input_contributions
 SELECT EXISTS (SELECT 1 FROM input_contribution WHERE signature_id = ?1);

@@ -54,8 +54,11 @@ INSERT INTO spectrum (
   sea_reflected_w_sr_um, sea_reflected_stderr_w_sr_um, parts_reflected_w_sr_um, parts_reflected_stderr_w_sr_um,
   apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
   contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um, background_radiance_w_m2_sr_um,
-  background_radiance_stderr_w_m2_sr_um, path_transmittance, path_radiance_w_m2_sr_um)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21);
+  background_radiance_stderr_w_m2_sr_um, path_transmittance, path_radiance_w_m2_sr_um,
+  plume_w_sr_um, plume_stderr_w_sr_um, apparent_plume_w_sr_um, apparent_plume_stderr_w_sr_um, contrast_plume_w_sr_um,
+  contrast_plume_stderr_w_sr_um)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
+        nullif(?22, x''), nullif(?23, x''), nullif(?24, x''), nullif(?25, x''), nullif(?26, x''), nullif(?27, x''));
 
 -- name: insert_part_intensity
 INSERT INTO part_intensity (signature_id, part_id, intensity_w_sr, intensity_stderr_w_sr) VALUES (?1, ?2, ?3, ?4);

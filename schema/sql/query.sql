@@ -107,7 +107,8 @@ SELECT b.lambda_um, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_u
        parts_reflected_stderr_w_sr_um, apparent_spectral_intensity_w_sr_um, apparent_spectral_intensity_stderr_w_sr_um,
        contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
        background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, spectrum.path_transmittance,
-       path_radiance_w_m2_sr_um
+       path_radiance_w_m2_sr_um, plume_w_sr_um, plume_stderr_w_sr_um, apparent_plume_w_sr_um,
+       apparent_plume_stderr_w_sr_um, contrast_plume_w_sr_um, contrast_plume_stderr_w_sr_um
 FROM spectrum
 JOIN signature USING (signature_id)
 JOIN band b USING (band_id)

@@ -9,6 +9,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/quantities.h"
 #include "google/protobuf/reflection.h"
 #include "schema/store/database.h"
 #include "schema/store/ingest_inputs.h"
@@ -95,7 +96,8 @@ absl::Status check_numbers(const Message& message, const std::string& path, bool
   return absl::OkStatus();
 }
 
-absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string& path) {
+// plume: whether the row has hot gas.
+absl::Status check_spectrum(const schema::Spectrum& spectrum, bool plume, const std::string& path) {
   const auto& lambda_um = spectrum.lambda_um();
   if (lambda_um.empty()) return wrong(path, "has no wavelengths");
   if (std::adjacent_find(lambda_um.begin(), lambda_um.end(), std::greater_equal<>()) !=
@@ -105,7 +107,8 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string&
   const google::protobuf::Descriptor& type = *spectrum.GetDescriptor();
   for (int i = 0; i < type.field_count(); ++i) {
     const int size = spectrum.GetReflection()->FieldSize(spectrum, type.field(i));
-    if (size != lambda_um.size()) {
+    const bool of_plume = absl::StrContains(type.field(i)->name(), "plume");
+    if (size != (of_plume && !plume ? 0 : lambda_um.size())) {
       return wrong(absl::StrCat(path, ".", type.field(i)->name()),
                    absl::StrCat("has ", size, " values for ", lambda_um.size(), " wavelengths"));
     }
@@ -122,6 +125,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
     // looked at with the ledger.
     if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field->is_repeated() &&
         field->name() != "thumbnail" && field->name() != "energy" &&
+        (row.has_plume_w_sr() || !absl::StrContains(field->name(), "plume")) &&
         !row.GetReflection()->HasField(row, field)) {
       return wrong(absl::StrCat(path, ".", field->name()), "is missing");
     }
@@ -130,6 +134,13 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
       row.stop_reason() > schema::STOP_REASON_FLOOR_REACHED) {
     return wrong(path + ".stop_reason", "is not stated");
   }
+#define IRSIG_SAME_PRESENCE(name, ...)                              \
+  if (row.has_##name() != row.has_plume_w_sr())                     \
+    return wrong(absl::StrCat(path, ".", #name),                    \
+                 "is there without the others of hot gas, or they " \
+                 "without it");
+  IRSIG_PLUME_QUANTITIES(IRSIG_SAME_PRESENCE, IRSIG_SAME_PRESENCE)
+#undef IRSIG_SAME_PRESENCE
   IRSIG_STORE_TRY(check_ledger(row, expected.ledger, path));
   IRSIG_STORE_TRY(check_inputs(row, expected.inputs, path));
   std::set<std::uint32_t> seen;
@@ -166,7 +177,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
       return wrong(path + ".thumbnail", "is incomplete");
     }
   }
-  return check_spectrum(row.spectrum(), path + ".spectrum");
+  return check_spectrum(row.spectrum(), row.has_plume_w_sr(), path + ".spectrum");
 }
 
 }  // namespace

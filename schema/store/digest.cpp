@@ -119,6 +119,11 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
         encode(database, out, First::kContent, sql::digest_ledger, signature_id).status());
     IRSIG_STORE_TRY(
         encode(database, out, First::kContent, sql::digest_energy, signature_id).status());
+    const absl::StatusOr<std::int64_t> plume = database.integer(sql::has_plume, signature_id);
+    if (!plume.ok()) return plume.status();
+    if (*plume != 0)
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_plume, signature_id).status());
     const absl::StatusOr<std::int64_t> inputs =
         database.integer(sql::has_input_contributions, signature_id);
     if (!inputs.ok()) return inputs.status();

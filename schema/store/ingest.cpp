@@ -103,17 +103,22 @@ absl::StatusOr<std::int64_t> insert_signature(Database& database, const LeasedJo
 #define IRSIG_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
   , row.name().value(), row.name().stderr()
 #define IRSIG_NUMBER_ARGUMENT(name, kind, unit, since, what) , row.name()
-#define IRSIG_INPUT_ARGUMENT(name, kind, unit, since, what) \
+#define IRSIG_STATED_VALUE_ARGUMENTS(name, stderr_name, unit, since, what) \
+  , if_stated(row.has_##name(), row.name().value()),                       \
+      if_stated(row.has_##name(), row.name().stderr())
+#define IRSIG_STATED_ARGUMENT(name, kind, unit, since, what) \
   , if_stated(row.has_##name(), row.name())
   IRSIG_STORE_TRY(database.run(
       insert_signature_statement(), job.job_id, job.view.viewpoint_id, *condition_id, *band_id,
       row.sun_azimuth_deg(), row.sun_zenith_deg(), static_cast<int>(row.stop_reason()),
       row.energy_gain(),
       row.reflections() IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_ARGUMENTS, IRSIG_NUMBER_ARGUMENT)
-          IRSIG_INPUT_QUANTITIES(IRSIG_INPUT_ARGUMENT)));
+          IRSIG_PLUME_QUANTITIES(IRSIG_STATED_VALUE_ARGUMENTS, IRSIG_STATED_ARGUMENT)
+              IRSIG_INPUT_QUANTITIES(IRSIG_STATED_ARGUMENT)));
 #undef IRSIG_VALUE_ARGUMENTS
 #undef IRSIG_NUMBER_ARGUMENT
-#undef IRSIG_INPUT_ARGUMENT
+#undef IRSIG_STATED_VALUE_ARGUMENTS
+#undef IRSIG_STATED_ARGUMENT
   return database.last_insert_rowid();
 }
 

@@ -37,7 +37,13 @@ constexpr Array kArrays[] = {ARRAY(spectral_intensity_w_sr_um),
                              ARRAY(background_radiance_w_m2_sr_um),
                              ARRAY(background_radiance_stderr_w_m2_sr_um),
                              ARRAY(path_transmittance),
-                             ARRAY(path_radiance_w_m2_sr_um)};
+                             ARRAY(path_radiance_w_m2_sr_um),
+                             ARRAY(plume_w_sr_um),
+                             ARRAY(plume_stderr_w_sr_um),
+                             ARRAY(apparent_plume_w_sr_um),
+                             ARRAY(apparent_plume_stderr_w_sr_um),
+                             ARRAY(contrast_plume_w_sr_um),
+                             ARRAY(contrast_plume_stderr_w_sr_um)};
 #undef ARRAY
 static_assert(std::size(kArrays) == kSpectrumArrays);
 

@@ -9,11 +9,11 @@
 
 namespace irsig {
 
-inline constexpr std::size_t kSpectrumArrays = 20;
-// Arrays that spectra of format version 1 and 2 do not have come last.
+inline constexpr std::size_t kSpectrumArrays = 26;
+// Arrays that spectra of format version 1 and 2, and rows without hot gas, do not have come last.
 inline constexpr std::size_t kOldSpectrumArrays = 14;
 
-// The bytes of a spectrum's arrays in the order of schema/result.proto (fields 2 to 21): float32,
+// The bytes of a spectrum's arrays in the order of schema/result.proto (fields 2 to 27): float32,
 // little-endian. Views into the message where the machine is little-endian, so the message must
 // live as long.
 class SpectrumBlobs {
@@ -27,7 +27,7 @@ class SpectrumBlobs {
 };
 
 // The other way round; DATA_LOSS where the sizes do not fit the wavelengths. An array that was not
-// computed (a NULL among those that old spectra do not have) comes and stays empty.
+// computed (a NULL among those that not all spectra have) comes and stays empty.
 [[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
 

@@ -32,7 +32,7 @@ TEST(GasAir, HotWaterThroughHumidAir) {
     const double t = table.number(row, "temperature_k"), u = table.number(row, "u_cm_atm");
     const AbsorberAmounts amounts =
         air.amounts(level_path(0, 1000 * table.number(row, "range_km")));
-    const std::vector<GasSegment> path = {{{t, 101325, 0.1, 0, 0, 0}, u / 0.1 / 100}};
+    const std::vector<GasLayer> path = {{{t, 101325, 0.1, 0, 0, 0}, u / 0.1 / 100}};
     const GasBands bands = {195, 205};
     const auto ours = gas_through_air(path, amounts, bands);
     const auto alone = gas_spectrum(path, bands);
@@ -92,8 +92,8 @@ TEST(GasAir, ShareOfAbsorptionIsMalkmus) {
 // Without air nothing changes, with air nothing exceeds the gas's own light; grey light is a
 // product.
 TEST(GasAir, Limits) {
-  const std::vector<GasSegment> path = {{{300, 101325, 0.05, 0.05, 0.001, 1e-8}, 0.5},
-                                        {{900, 101325, 0.1, 0.08, 0.002, 1e-7}, 1}};
+  const std::vector<GasLayer> path = {{{300, 101325, 0.05, 0.05, 0.001, 1e-8}, 0.5},
+                                      {{900, 101325, 0.1, 0.08, 0.002, 1e-7}, 1}};
   const auto alone = gas_spectrum(path, kAirGasBands);
   const auto none = gas_through_air(path, AbsorberAmounts());
   const AbsorberAmounts amounts = humid_air().amounts(level_path(0, 3000));
@@ -110,7 +110,7 @@ TEST(GasAir, Limits) {
     EXPECT_NEAR(behind->air_transmittance[b] - behind->spectrum.transmittance[b],
                 behind->spectrum.absorptance[b], 1e-9);
   }
-  const std::vector<GasSegment> soot = {{{900, 101325, 0, 0, 0, 1e-7}, 1}};
+  const std::vector<GasLayer> soot = {{{900, 101325, 0, 0, 0, 1e-7}, 1}};
   const auto grey = gas_through_air(soot, amounts);
   const auto grey_alone = gas_spectrum(soot, kAirGasBands);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {

@@ -67,7 +67,7 @@ struct Radiances {
 Radiances radiances(const std::vector<Layer>& layers, const std::vector<double>& cold_depth,
                     const AbsorberAmounts& amounts) {
   Radiances out;
-  std::vector<GasSegment> path;
+  std::vector<GasLayer> path;
   for (const Layer& l : layers) {
     path.push_back({{l.temperature_k, 101325, 0, 0.1, 0, 0}, l.cm_atm / 0.1 / 100});
   }
@@ -161,7 +161,7 @@ TEST(GasLines, TableBetweenItsKnots) {
         co2_lines(Co2Region::k4um, t, t < 350 ? 1e-28 : 3e-26), kCo2Shape, t, atm, kGrid);
     for (const double cm_atm : {0.1, 1.0, 10.0}) {
       const auto ours = gas_spectrum(
-          std::vector<GasSegment>{{{t, 101325 * atm, 0, 0.1, 0, 0}, cm_atm / 0.1 / 100 / atm}},
+          std::vector<GasLayer>{{{t, 101325 * atm, 0, 0.1, 0, 0}, cm_atm / 0.1 / 100 / atm}},
           {217, 235});
       ASSERT_TRUE(ours.ok());
       double exact = 0, table = 0;

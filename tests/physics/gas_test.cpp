@@ -25,7 +25,7 @@ GasState gas(double temperature_k, double h2o, double co2, double co, double soo
 }
 
 // Of the sum over the bands of emissivity times the blackbody's radiance.
-double total_emissivity(const std::vector<GasSegment>& path, double temperature_k) {
+double total_emissivity(const std::vector<GasLayer>& path, double temperature_k) {
   const auto spectrum = gas_spectrum(path);
   EXPECT_TRUE(spectrum.ok()) << spectrum.status();
   double sum = 0;
@@ -70,9 +70,9 @@ TEST(Gas, TotalEmissivities) {
 
 TEST(Gas, AColumnMayBeCut) {
   const GasState hot = gas(900, 0.1, 0.08, 0.002, 1e-8);
-  const auto whole = gas_spectrum(std::vector<GasSegment>{{hot, 2.0}});
+  const auto whole = gas_spectrum(std::vector<GasLayer>{{hot, 2.0}});
   const auto cut = gas_spectrum(
-      std::vector<GasSegment>{{hot, 1e-9}, {hot, 0.4}, {hot, 0}, {hot, 1.5}, {hot, 0.1 - 1e-9}});
+      std::vector<GasLayer>{{hot, 1e-9}, {hot, 0.4}, {hot, 0}, {hot, 1.5}, {hot, 0.1 - 1e-9}});
   ASSERT_TRUE(whole.ok() && cut.ok());
   for (std::size_t b = 0; b < kGasBandCount; ++b) {
     EXPECT_NEAR(cut->transmittance[b], whole->transmittance[b], 1e-12);
@@ -90,7 +90,7 @@ TEST(Gas, FromThinToThick) {
   const double b = planck_radiance_w_m2_sr_um(1e4 / nu, 1000);
   double last = 0;
   for (double length_m = 1e-16; length_m < 1e9; length_m *= 10) {
-    const auto s = gas_spectrum(std::vector<GasSegment>{{hot, length_m}}, {225, 226});
+    const auto s = gas_spectrum(std::vector<GasLayer>{{hot, length_m}}, {225, 226});
     ASSERT_TRUE(s.ok());
     EXPECT_LE(s->radiance_w_m2_sr_um[0], b * (1 + 1e-12));
     EXPECT_GE(s->radiance_w_m2_sr_um[0], last);
@@ -98,17 +98,16 @@ TEST(Gas, FromThinToThick) {
     EXPECT_NEAR(s->absorptance[0] + s->transmittance[0], 1, 1e-15);
     if (length_m < 1e-10) {
       const double per_m = s->absorptance[0] / length_m;
-      const auto half = gas_spectrum(std::vector<GasSegment>{{hot, length_m / 2}}, {225, 226});
+      const auto half = gas_spectrum(std::vector<GasLayer>{{hot, length_m / 2}}, {225, 226});
       EXPECT_NEAR(half->absorptance[0] / (length_m / 2) / per_m, 1, 1e-6);
     }
   }
   EXPECT_NEAR(last / b, 1, 1e-12);
   const GasState cold = gas(250, 0, 0.1, 0);
   const auto radiance = [&](double cold_m, double hot_m) {
-    const auto s = gas_spectrum(std::vector<GasSegment>{{cold, cold_m}, {hot, hot_m}}, {225, 226});
+    const auto s = gas_spectrum(std::vector<GasLayer>{{cold, cold_m}, {hot, hot_m}}, {225, 226});
     return s->radiance_w_m2_sr_um[0] -
-           gas_spectrum(std::vector<GasSegment>{{cold, cold_m}}, {225, 226})
-               ->radiance_w_m2_sr_um[0];
+           gas_spectrum(std::vector<GasLayer>{{cold, cold_m}}, {225, 226})->radiance_w_m2_sr_um[0];
   };
   // A thousandth of a thin hot layer sends a thousandth, behind what is not thin itself.
   EXPECT_NEAR(radiance(0.05, 1e-9) / radiance(0.05, 1e-12) / 1e3, 1, 1e-3);
@@ -117,7 +116,7 @@ TEST(Gas, FromThinToThick) {
 // Many layers between 300 and 1500 K are one column of their mean width; the nearest hides the
 // others where it is black.
 TEST(Gas, Layers) {
-  std::vector<GasSegment> path;
+  std::vector<GasLayer> path;
   for (int i = 0; i < 40; ++i) path.push_back({gas(300 + 30 * i, 0.1, 0.1, 0), 0.05});
   const auto from_cold = gas_spectrum(path);
   std::ranges::reverse(path);
@@ -142,8 +141,8 @@ TEST(Gas, HotBehindCold) {
     const double cold_m = table.number(row, "cold_m");
     double flux = 0;
     for (std::size_t i = 0; i < std::size(kCosine); ++i) {
-      const std::vector<GasSegment> path = {{gas(300, 0.2, 0.1, 0), cold_m / kCosine[i]},
-                                            {gas(2000, 0.2, 0.1, 0), 0.5 / kCosine[i]}};
+      const std::vector<GasLayer> path = {{gas(300, 0.2, 0.1, 0), cold_m / kCosine[i]},
+                                          {gas(2000, 0.2, 0.1, 0), 0.5 / kCosine[i]}};
       flux += 2 * kWeight[i] * kCosine[i] * total_emissivity(path, 2000);
     }
     if (row == 0) at_no_depth = flux;
@@ -162,7 +161,7 @@ TEST(Gas, HotBehindCold) {
 
 TEST(Gas, SootIsGreyPerWavelength) {
   const GasState soot = gas(1200, 0, 0, 0, 1e-6);
-  const auto s = gas_spectrum(std::vector<GasSegment>{{soot, 0.5}});
+  const auto s = gas_spectrum(std::vector<GasLayer>{{soot, 0.5}});
   for (std::size_t b = 0; b < kGasBandCount; ++b) {
     EXPECT_NEAR(s->absorptance[b],
                 -std::expm1(-0.5e-6 * soot_absorption_per_m(gas_band_centre_cm1(b))), 1e-14);
@@ -178,7 +177,7 @@ TEST(Gas, SootIsGreyPerWavelength) {
 
 TEST(Gas, RefusesWhatItDoesNotKnow) {
   const auto message = [](GasState s, double length_m = 1) {
-    return std::string(gas_spectrum(std::vector<GasSegment>{{gas(300, 0, 0, 0), 1}, {s, length_m}})
+    return std::string(gas_spectrum(std::vector<GasLayer>{{gas(300, 0, 0, 0), 1}, {s, length_m}})
                            .status()
                            .message());
   };

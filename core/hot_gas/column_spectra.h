@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/atmosphere/absorber_amounts.h"
+#include "core/gas/gas_spectrum.h"
+#include "core/hot_gas/column_tests.h"
+
+namespace irsig {
+
+// A sweep's wavelengths among the bands of hot gas.
+class GasWavelengths {
+ public:
+  // OUT_OF_RANGE: a wavelength that the gas's tables have not.
+  [[nodiscard]] static absl::StatusOr<GasWavelengths> make(std::vector<double> um);
+
+  [[nodiscard]] const std::vector<double>& um() const { return um_; }
+  [[nodiscard]] std::size_t band(std::size_t wavelength) const { return band_[wavelength]; }
+  // Those in which any wavelength lies, neighbours together.
+  [[nodiscard]] const std::vector<GasBands>& ranges() const { return ranges_; }
+
+ private:
+  std::vector<double> um_;
+  std::vector<std::size_t> band_;
+  std::vector<GasBands> ranges_;
+};
+
+// What a column of hot gas sends and takes, on a sweep's wavelengths: at its near end, or behind
+// air.
+struct ColumnLight {
+  std::vector<double> emitted_w_m2_sr_um;
+  // Of light from behind that would arrive without the gas: the share that it takes.
+  std::vector<double> absorbed;
+  // What of the emission is extrapolated: from the column's steps, and steps twice as large, to
+  // none.
+  std::vector<double> step_w_m2_sr_um;
+  // One sigma of the emission, since lines of water are not known where hot and cold gas share
+  // them.
+  std::vector<double> model_error_w_m2_sr_um;
+};
+
+// Steps that are isothermal show thick lines the mean of a step and not its front: an error in
+// proportion to the steps, which is extrapolated away (beside 3 % of 3.2-5 um without air at the
+// steps of view_steps(), 0.3 % are left: tests/physics/plume_view_test.cpp).
+// Bands are 10 cm-1 wide; inside a band emission follows Planck's function at the column's
+// temperature, weighted with amounts and T^4.
+//   air  between column and sensor; null: none (light at the column's near end)
+// Errors: those of core/gas (temperature, pressure and amounts that its tables have not).
+[[nodiscard]] absl::StatusOr<ColumnLight> column_light(const GasColumn& column,
+                                                       const GasWavelengths& wavelengths,
+                                                       const AbsorberAmounts* air);
+
+}  // namespace irsig

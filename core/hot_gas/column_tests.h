@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/plume/gas_segments.h"
+
+namespace irsig {
+
+// What one ray meets of hot gas, from near to far.
+using GasColumn = std::vector<GasSegment>;
+
+// Grey test gases that stand for the spectra of a column: a spectrum is, at each wavelength, some
+// function of the column, and all these functions are much alike: absorption coefficients of lines
+// that are weak or strong, the same at all temperatures or rising with it. Test gases span them: of
+// each species four optical depths, 0.1 to 100 over `most`, as lines from the ground state and as
+// hot ones (T^4), each with what it emits as seen at 4.3 and at 10 um and what it absorbs.
+class ColumnTests {
+ public:
+  // most: the largest amount of each species in any column; hottest_k likewise.
+  ColumnTests(const std::array<double, kPlumeSpecies>& most, double hottest_k);
+
+  static constexpr std::size_t kDepths = 6, kLambdas = 2;
+  static constexpr std::size_t kGases = kPlumeSpecies * kDepths * 3;
+  static constexpr std::size_t kCount = kGases * (kLambdas + 1);
+  // [gas][emitted at each wavelength, absorbed]; 0 of species that there are not.
+  void test(const GasColumn& column, std::span<double> out) const;
+  // Of tests: the absorbed ones, in their order.
+  [[nodiscard]] static std::array<double, kGases> absorbed(std::span<const double> tests);
+
+ private:
+  std::array<double, kPlumeSpecies> scale_{};
+  double hottest_k_;
+};
+
+// Weights of columns that together have given tests: sum over columns of weight x tests = sums, in
+// least squares of what each test is off relative to its sum. None is negative, few are not 0
+// ([lawson1974], ch. 23): a quadrature rule for all functions that the tests stand for.
+//   columns  [column][test]
+// Ends where no test is off by more than tolerance of its sum, or `most` weights are not 0.
+[[nodiscard]] std::vector<double> column_weights(const std::vector<std::vector<double>>& columns,
+                                                 std::span<const double> sums, double tolerance,
+                                                 std::size_t most);
+
+}  // namespace irsig

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/accuracy/replicates.h"
+#include "core/signature/prepared_scene.h"
+#include "core/signature/prepared_view.h"
+#include "core/signature/request.h"
+#include "core/signature/result.h"
+
+namespace irsig {
+
+// What hot gas changes of one row: what it sends, less what it takes of the light from behind.
+struct GasRow {
+  struct Change {
+    Estimate in_band;  // [W/sr]
+    double bound_w_sr = 0;
+    SpectralEstimate spectral;      // on the band's stored wavelengths [W/(sr um)]
+    std::vector<double> replicate;  // [W/sr]
+  };
+  // At the target; at the sensor: of the target behind the gas, and of what stands behind both.
+  Change source, apparent, contrast;
+  double emitted_w_sr = 0, apparent_emitted_w_sr = 0;  // sent alone
+  double model_error_w_sr = 0;                         // one sigma, of `apparent` and `contrast`
+  std::uint64_t rays = 0;
+};
+
+// Rows of the request's selected conditions x bands, as Pass has them; nullopt: no hot gas under
+// that condition. Empty: under none.
+//
+// Rays of their own are aimed at the gas, and their paths go on to what is behind it: independent
+// of those of the target's own light, so that both add up with their errors. How many follows from
+// how test gases scatter (core/hot_gas), not from what is selected. (docs/methods/plume.md)
+//   view  with the light of the selected conditions
+// INVALID_ARGUMENT: gas at the sensor; gas that its tables have not; air whose amounts are not
+// known (imported), since gas behind it is not a product of band means.
+[[nodiscard]] absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
+    const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
+    std::shared_ptr<const PreparedView> view);
+
+}  // namespace irsig

@@ -1,0 +1,265 @@
+// Rationale: hot gas beside, before and behind a target: its rays, the few columns that stand for
+// all, what it takes of the light behind it.
+// Expected: a slab sends what one column sends times its area; of a black target behind it the
+// transmitted part is left; gas, target and surroundings of one temperature show no contrast; a
+// funnel's plume is what rays computed one by one add up to, within the stated error.
+// Source: closed forms; column spectra of core/gas (tests/physics/gas_test.cpp).
+#include <cmath>
+#include <numbers>
+
+#include "core/environment/environment.h"
+#include "core/gas/gas_spectrum.h"
+#include "core/hot_gas/column_spectra.h"
+#include "core/plume/generate_plume.h"
+#include "core/plume/march.h"
+#include "core/plume/plume_field.h"
+#include "core/plume/plume_silhouette.h"
+#include "core/spectral/planck.h"
+#include "tests/physics/scene_fixture.h"
+
+namespace irsig {
+namespace {
+
+using namespace fixture;
+
+constexpr double kGasK = 700, kAreaM2 = 16;
+
+// 4 x 4 m, 1 m thick, `ahead_m` before the origin, across the line of sight from ahead.
+std::shared_ptr<const PlumeField> slab(double ahead_m, double kelvin = kGasK) {
+  UniformPlume spec;
+  spec.kind = "slab";
+  spec.length_m = 1;
+  spec.width_m = spec.height_m = 4;
+  spec.temperature_k = kelvin;
+  spec.co2 = 0.07;
+  spec.h2o = 0.06;
+  spec.soot = 1e-8;
+  spec.voxel_m = 0.25;
+  auto made = generate_uniform_plume(spec);
+  EXPECT_TRUE(made.ok()) << made.status();
+  made->grids.interpolation = PlumeInterpolation::kConstant;
+  made->grids.position_m = {ahead_m, 0, 0};
+  auto field = plume_of(made->volume, made->grids);
+  EXPECT_TRUE(field.ok()) << field.status();
+  return *field;
+}
+
+GasLayer slab_layer(double kelvin = kGasK) { return {{kelvin, 101325, 0.06, 0.07, 0, 1e-8}, 1.0}; }
+
+std::unique_ptr<Simulator> disk(double radius_m) {
+  SceneSpec scene = scene_of(generated("disk", 200, radius_m), grey(1), mwir());
+  scene.band.push_back({"LWIR", 8, 12, 0.25, {}});
+  scene.spectral_breaks_um = gas_band_edges_um(3, 12);
+  return simulator_of(scene);
+}
+
+std::vector<double> nodes_of(const Simulator& simulator) {
+  std::vector<double> um;
+  for (const BandGrid& grid : simulator.band_grids())
+    um.insert(um.end(), grid.node_um.begin(), grid.node_um.end());
+  return um;
+}
+
+double in_band_of(const Simulator& simulator, std::size_t band,
+                  const std::vector<double>& spectrum) {
+  std::size_t first = 0;
+  for (std::size_t b = 0; b < band; ++b) first += simulator.band_grids()[b].node_um.size();
+  const BandGrid& grid = simulator.band_grids()[band];
+  double sum = 0;
+  for (std::size_t i = 0; i < grid.node_um.size(); ++i)
+    sum += grid.band_weight[i] * spectrum[first + i];
+  return sum;
+}
+
+// What one column of the slab sends and takes, from core/gas alone. [node]
+struct Column {
+  std::vector<double> emitted, absorbed;
+};
+Column column_of(const Simulator& simulator, const GasLayer& layer, const AbsorberAmounts* air) {
+  Column out;
+  const std::vector<GasLayer> path = {layer};
+  for (const double um : nodes_of(simulator)) {
+    const std::size_t band = *gas_band(um);
+    const double shape =
+        planck_radiance_w_m2_sr_um(um, layer.state.temperature_k) /
+        planck_radiance_w_m2_sr_um(gas_band_lambda_um(band), layer.state.temperature_k);
+    if (air == nullptr) {
+      const auto alone = gas_spectrum(path, {band, band + 1});
+      out.emitted.push_back(shape * alone->radiance_w_m2_sr_um[0]);
+      out.absorbed.push_back(alone->absorptance[0]);
+    } else {
+      const auto through = gas_through_air(path, *air, {band, band + 1});
+      out.emitted.push_back(shape * through->spectrum.radiance_w_m2_sr_um[0]);
+      out.absorbed.push_back(through->spectrum.absorptance[0] / through->air_transmittance[0]);
+    }
+  }
+  return out;
+}
+
+TEST(PlumeView, ASlabSendsItsColumnTimesItsArea) {
+  const auto simulator = disk(0.01);
+  ViewRequest r = request(*simulator, 0, 0, 1e5, {300});
+  r.condition[0].gas = slab(10);
+  r.accuracy.samples_per_replicate = 1024;
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  const Column column = column_of(*simulator, slab_layer(), nullptr);
+  for (std::size_t b = 0; b < 2; ++b) {
+    const SignatureResult& row = view->row[b];
+    ASSERT_TRUE(row.has_plume);
+    // 1e5 m away: perspective and the slab's sides.
+    expect_within_t(row.plume_w_sr, kAreaM2 * in_band_of(*simulator, b, column.emitted), 2, "slab",
+                    2e-3, 3e-4 * row.plume_w_sr.value);
+    EXPECT_NEAR(row.plume_emitted_w_sr, row.plume_w_sr.value, 1e-3 * row.plume_emitted_w_sr);
+    EXPECT_LT(row.plume_bound_w_sr, 1e-3 * row.plume_w_sr.value);
+    for (std::size_t k = 0; k < row.spectral.value.size(); ++k)
+      EXPECT_NEAR(row.plume_spectral.value[k] / row.plume_w_sr.value,
+                  row.spectral.value[k] / row.intensity_w_sr.value, 1e-4);
+    // A total is the sum of both; nothing is behind, nothing in front.
+    EXPECT_NEAR(row.apparent_plume_w_sr.value, row.plume_w_sr.value, 1e-9 * row.plume_w_sr.value);
+    EXPECT_NEAR(row.contrast_plume_w_sr.value, row.plume_w_sr.value, 1e-9 * row.plume_w_sr.value);
+  }
+}
+
+TEST(PlumeView, OfATargetBehindItGasTakesItsShare) {
+  const auto simulator = disk(1);
+  for (const double target_k : {400.0, kGasK}) {
+    ViewRequest r = request(*simulator, 0, 0, 1e5, {target_k});
+    r.condition[0].gas = slab(10);
+    r.accuracy.samples_per_replicate = 2048;
+    const auto view = simulator->simulate(r);
+    ASSERT_TRUE(view.ok()) << view.status();
+    const Column column = column_of(*simulator, slab_layer(), nullptr);
+    for (std::size_t b = 0; b < 2; ++b) {
+      std::vector<double> taken;
+      const std::vector<double> um = nodes_of(*simulator);
+      for (std::size_t i = 0; i < um.size(); ++i)
+        taken.push_back(column.absorbed[i] * planck_radiance_w_m2_sr_um(um[i], target_k));
+      const double disk_m2 = 0.5 * 200 * std::sin(2 * std::numbers::pi / 200);
+      const double expected = kAreaM2 * in_band_of(*simulator, b, column.emitted) -
+                              disk_m2 * in_band_of(*simulator, b, taken);
+      const SignatureResult& row = view->row[b];
+      expect_within_t(row.plume_w_sr, expected, 4, "slab before a disk", 3e-3,
+                      5e-4 * row.plume_emitted_w_sr);
+    }
+  }
+}
+
+// Behind the target there is no gas to be seen, and half of it beside an edge is half of it.
+TEST(PlumeView, ATargetHidesWhatIsBehindIt) {
+  const auto simulator = disk(4);
+  ViewRequest r = request(*simulator, 0, 0, 1e5, {300});
+  r.condition[0].gas = slab(-10);
+  r.accuracy.samples_per_replicate = 256;
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  ASSERT_TRUE(view->row[0].has_plume);
+  EXPECT_EQ(view->row[0].plume_w_sr.value, 0);
+  EXPECT_EQ(view->row[0].plume_w_sr.stderr_, 0);
+}
+
+TEST(PlumeView, InAWorldOfOneTemperatureThereIsNoContrast) {
+  const auto simulator = disk(1);
+  ViewRequest r = request(*simulator, 0, 0, 1e5, {kGasK});
+  ConditionSpec& c = r.condition[0];
+  c.gas = slab(10);
+  c.surroundings.kind = SurroundingsKind::kSea;
+  c.surroundings.sky_temperature_k = c.surroundings.sea_temperature_k = kGasK;
+  c.surroundings.sea_emissivity = 1;
+  r.accuracy.samples_per_replicate = 512;
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  for (const SignatureResult& row : view->row) {
+    EXPECT_LT(std::abs(row.contrast_plume_w_sr.value),
+              1e-3 * row.plume_emitted_w_sr + 4 * row.contrast_plume_w_sr.stderr_);
+    EXPECT_GT(row.plume_emitted_w_sr, 0);
+  }
+}
+
+// A funnel's plume, at the target and behind 5 km of air, against rays whose spectra are computed
+// one by one.
+TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
+  FunnelPlume spec;
+  spec.exit = {1.2, 20, 650};
+  spec.exhaust.excess_air = 1.2;
+  spec.exhaust.soot_g_per_kg = 0.3;
+  spec.wind_m_s = 6;
+  spec.wind_from_deg = 40;
+  spec.length_m = 40;
+  spec.voxel_m = 0.4;
+  auto made = generate_funnel_plume(spec);
+  ASSERT_TRUE(made.ok()) << made.status();
+  made->grids.position_m = {0, 0, -12};
+  auto field = plume_of(made->volume, made->grids);
+  ASSERT_TRUE(field.ok()) << field.status();
+
+  SceneSpec scene =
+      scene_of(generated("box", 12, 0, 0.1, 0.1, 0.1), grey(1), Band{"CO2", 4.3, 4.6, 0.1, {}});
+  scene.spectral_breaks_um = air_band_edges_um(3, 13);
+  scene.band.push_back({"water", 8.6, 9.2, 0.2, {}});
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 110, 20, 5000, {300});
+  r.condition[0].gas = *field;
+  r.condition[0].surroundings.kind = SurroundingsKind::kSea;
+  r.accuracy = AccuracySpec{};
+  r.accuracy.relative_error = 0.005;
+  const std::vector<double> um = nodes_of(*simulator);
+  WeatherSpec weather{
+      {afgl_profile(AfglProfile::kMidlatitudeSummer), {AerosolKind::kMaritime, 23000}},
+      true,
+      {LowerSpec::Kind::kRoughSea, 290, 1, 6},
+      nullptr};
+  auto environment = Environment::make({weather}, {{0, false, {0, 0, -1}, 1}}, 10, um);
+  ASSERT_TRUE(environment.ok()) << environment.status();
+  r.environment = *std::move(environment);
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+
+  // Rays on a lattice across the line of sight, parallel: 5 km are far.
+  const Vec<Body> direction = -1.0 * body_from_aspect(110, 20);
+  const GasWindow window = gas_window(**field, direction);
+  auto look = r.environment->line(r.viewpoint);
+  const auto seen = r.environment->view(look, std::vector<std::uint32_t>{0});
+  ASSERT_TRUE(seen.ok()) << seen.status();
+  const auto wavelengths = GasWavelengths::make(um);
+  SegmentSteps fine;
+  fine.temperature_step = 0.02;
+  constexpr int kAcross = 128;
+  const double cell_m2 = 4 * window.half_width_m * window.half_height_m / (kAcross * kAcross);
+  std::array<double, 2> here{}, there{};
+  for (int i = 0; i < kAcross; ++i)
+    for (int j = 0; j < kAcross; ++j) {
+      const Vec<Body> at = window.center +
+                           ((2.0 * i + 1) / kAcross - 1) * window.half_width_m * window.right +
+                           ((2.0 * j + 1) / kAcross - 1) * window.half_height_m * window.up +
+                           window.front_m * direction;
+      const GasColumn column =
+          march(**field, {at, direction, 0, window.back_m - window.front_m}, fine);
+      if (column.empty()) continue;
+      const auto alone = column_light(column, *wavelengths, nullptr);
+      const auto behind = column_light(column, *wavelengths, (*seen)[0].air.get());
+      ASSERT_TRUE(alone.ok() && behind.ok());
+      for (std::size_t b = 0; b < 2; ++b) {
+        here[b] += cell_m2 * in_band_of(*simulator, b, alone->emitted_w_m2_sr_um);
+        there[b] += cell_m2 * in_band_of(*simulator, b, behind->emitted_w_m2_sr_um);
+      }
+    }
+  for (std::size_t b = 0; b < 2; ++b) {
+    const SignatureResult& row = view->row[b];
+    const double error = std::hypot(row.plume_w_sr.stderr_, row.plume_bound_w_sr / std::sqrt(3.0));
+    const double lattice = 0.01;  // of so few rays
+    std::printf(
+        "band %zu: %.6g +- %.2g (bound %.2g), rays one by one %.6g; at the sensor %.6g +- %.2g "
+        "(bound %.2g), %.6g\n",
+        b, row.plume_emitted_w_sr, row.plume_w_sr.stderr_, row.plume_bound_w_sr, here[b],
+        row.apparent_plume_emitted_w_sr, row.apparent_plume_w_sr.stderr_,
+        row.apparent_plume_bound_w_sr, there[b]);
+    EXPECT_NEAR(row.plume_emitted_w_sr, here[b], 3 * error + lattice * here[b]);
+    EXPECT_NEAR(row.apparent_plume_emitted_w_sr, there[b],
+                3 * error * there[b] / here[b] + lattice * there[b]);
+    EXPECT_LT(error, 0.01 * here[b]);
+  }
+}
+
+}  // namespace
+}  // namespace irsig
