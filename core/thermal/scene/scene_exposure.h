@@ -31,6 +31,8 @@ class SceneExposure {
   [[nodiscard]] const ThermalFaces& faces() const { return faces_; }
   [[nodiscard]] std::size_t knots() const { return knots_.of_request.size(); }
   [[nodiscard]] std::size_t day_intervals() const { return knots_.day_intervals; }
+  // Which of the request's knots this one is.
+  [[nodiscard]] std::size_t of_request(std::size_t k) const { return knots_.of_request[k]; }
   [[nodiscard]] double knot_s(std::size_t k) const { return request_.knot_s[of_request(k)]; }
   [[nodiscard]] const HeatWeather& weather(std::size_t k) const {
     return request_.weather[of_request(k)];
@@ -64,7 +66,6 @@ class SceneExposure {
                                              std::span<const float> kelvin) const;
 
  private:
-  [[nodiscard]] std::size_t of_request(std::size_t k) const { return knots_.of_request[k]; }
   // Coordinates are known to a part of the target's size.
   [[nodiscard]] double touching_m() const;
   [[nodiscard]] double surface_z_m() const;

@@ -78,15 +78,28 @@ absl::Status check(const Target& target, const SceneHeatRequest& request) {
     if (!part.build_up && !(part.stated_k > 0))
       return wrong(absl::StrCat(name, "neither build-up nor temperature"));
   }
+  for (const WallBuildUp& wall : request.build_up) {
+    if (wall.inner_at.empty()) continue;
+    const std::string name = absl::StrCat("build_up \"", wall.name, "\": ");
+    if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen)
+      return wrong(absl::StrCat(name, "nothing changes inside that is adiabatic or open"));
+    if (wall.inner_at.size() != request.knot_s.size())
+      return wrong(absl::StrCat(name, "inside: one value for each knot"));
+    for (std::size_t k = 1; k < wall.inner_at.size(); k += 2)
+      if (wall.jumps_at(k)) return wrong(absl::StrCat(name, "inside jumps at an odd knot"));
+  }
   return absl::OkStatus();
 }
 
 // First steps of the walls, of all knots.
-double shortest_step_s(const SceneExposure& exposure) {
+double shortest_step_s(const SceneExposure& exposure, const SceneHeatRequest& request) {
   double out = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < exposure.knots(); ++k)
-    out = std::min(
-        out, first_step_s(exposure.knot_s(k) - exposure.knot_s(k - 1), exposure.is_smooth(k - 1)));
+  for (std::size_t k = 1; k < exposure.knots(); ++k) {
+    bool smooth = exposure.is_smooth(k - 1);
+    for (const WallBuildUp& wall : request.build_up)
+      smooth = smooth && !wall.jumps_at(exposure.of_request(k - 1));
+    out = std::min(out, first_step_s(exposure.knot_s(k) - exposure.knot_s(k - 1), smooth));
+  }
   return out;
 }
 
@@ -137,7 +150,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
       coarse_exposure(target, faces, request, every_second_knot(request));
   // One grid for both, so that the one goes on from where the other's day begins.
   const double shortest_s =
-      std::min(shortest_step_s(fine_exposure), shortest_step_s(coarse_exposure));
+      std::min(shortest_step_s(fine_exposure, request), shortest_step_s(coarse_exposure, request));
   SceneWalls fine(fine_exposure, request, shortest_s), coarse(coarse_exposure, request, shortest_s);
   if (const absl::Status status = fine.check(); !status.ok()) return status;
   if (const absl::Status status = coarse.settle(); !status.ok()) return status;
@@ -214,7 +227,7 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
   if (const absl::Status status = check(target, faces, base_request); !status.ok()) return status;
   SceneExposure exposure(target, faces, base_request, every_second_knot(request));
   // Without halving, both sides take the same steps, whose errors are the same.
-  const double shortest_s = shortest_step_s(exposure);
+  const double shortest_s = shortest_step_s(exposure, base_request);
   SceneWalls base(exposure, base_request, shortest_s);
   if (const absl::Status status = base.check(); !status.ok()) return status;
   if (const absl::Status status = base.settle(); !status.ok()) return status;

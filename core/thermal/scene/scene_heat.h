@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/scene/target.h"
+#include "core/thermal/day_schedule.h"
 #include "core/thermal/heat_solver.h"
 
 namespace irsig {
@@ -32,6 +33,13 @@ struct WallBuildUp {
   double inner_k = 0;                            // kAir, kFixedTemperature
   double inner_h_w_m2_k = 0;                     // kAir
   double inner_flux_w_m2 = 0;                    // kHeatFlux
+  // [knot] Instead of inner_k, of kHeatFlux instead of inner_flux_w_m2, where that changes: linear
+  // between knots, with jumps at even ones only. Empty: it does not.
+  std::vector<ScheduleAtKnot> inner_at = {};
+
+  [[nodiscard]] bool jumps_at(std::size_t knot) const {
+    return !inner_at.empty() && inner_at[knot].before != inner_at[knot].after;
+  }
 };
 
 // What lies below the horizon; of what lies below its surface water takes the temperature of the

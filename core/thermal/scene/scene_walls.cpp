@@ -136,18 +136,23 @@ void SceneWalls::note_kelvin(std::size_t k, std::span<const Wall> walls,
 
 void SceneWalls::inside(const Wall& wall, std::size_t k, Side side, const FaceExposure& to) const {
   const WallBuildUp& build_up = build_up_of(wall);
+  const auto now = [&](double constant) {
+    if (build_up.inner_at.empty()) return constant;
+    const ScheduleAtKnot& at = build_up.inner_at[exposure_.of_request(k)];
+    return side == Side::kAfter ? at.after : at.before;
+  };
   switch (build_up.inner_side) {
     case InnerSide::kAdiabatic:
       return;
     case InnerSide::kHeatFlux:
-      std::ranges::fill(to.absorbed_w_m2, build_up.inner_flux_w_m2);
+      std::ranges::fill(to.absorbed_w_m2, now(build_up.inner_flux_w_m2));
       return;
     case InnerSide::kAir:
       std::ranges::fill(to.forced_h_w_m2_k, build_up.inner_h_w_m2_k);
-      std::ranges::fill(to.fluid_k, build_up.inner_k);
+      std::ranges::fill(to.fluid_k, now(build_up.inner_k));
       return;
     case InnerSide::kFixedTemperature:
-      std::ranges::fill(to.fluid_k, build_up.inner_k);
+      std::ranges::fill(to.fluid_k, now(build_up.inner_k));
       return;
     case InnerSide::kOpen:
       exposure_.expose(k, side, wall.back, to);
@@ -199,7 +204,8 @@ absl::Status SceneWalls::pass(std::size_t first, std::size_t last, Incoming inco
       inside(wall, k + 1, Side::kBefore, to.inner_end);
       if (!wall.inner.empty()) both(wall.back, to.inner_begin, to.inner_end);
       const double length_s = exposure_.knot_s(k + 1) - exposure_.knot_s(k);
-      const bool smooth = exposure_.is_smooth(k);
+      const bool smooth =
+          exposure_.is_smooth(k) && !build_up_of(wall).jumps_at(exposure_.of_request(k));
       if (!probes.empty() && probes[w]) {
         fill_with_means(to, probes[w]->exposure());
         if (absl::Status s = probes[w]->advance(k, length_s, smooth); !s.ok())
