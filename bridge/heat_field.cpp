@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/environment/inside_schedule.h"
 #include "bridge/environment/named.h"
 #include "bridge/environment/weather_from_message.h"
 #include "bridge/heat_weather.h"
@@ -151,6 +152,13 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
   auto weather = heat_weather(sweep, heat);
   if (!weather.ok()) return weather.status();
   out.warning.insert(out.warning.end(), weather->warning.begin(), weather->warning.end());
+  for (int b = 0; b < sweep.build_up_size(); ++b) {
+    const auto schedule = inside_schedule(sweep.build_up(b));
+    if (!schedule.ok()) return at(absl::StrCat("build_up[", b, "]"), schedule.status());
+    if (*schedule)
+      request.build_up[static_cast<std::size_t>(b)].inner_at =
+          at_knots(**schedule, weather->knot_s);
+  }
   request.beneath = weather->beneath;
   request.knot_s = weather->knot_s;
   request.weather = weather->at;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "bridge/environment/inside_schedule.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/base/constants.h"
 #include "core/geo/sun.h"
@@ -184,7 +185,16 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   std::vector<double> must = fixed;
   for (const double t : {begin_s, day_end_s, std::max(end_s, day_end_s)})
     if (std::find(must.begin(), must.end(), t) == must.end()) must.push_back(t);
-  std::vector<double> other = radiation->sun_crossings();
+  std::vector<double> other;
+  for (const schema::BuildUp& build_up : sweep.build_up()) {
+    const auto schedule = inside_schedule(build_up);
+    if (!schedule.ok()) return schedule.status();
+    if (!*schedule) continue;
+    const auto times = times_between(**schedule, begin_s, std::max(end_s, day_end_s));
+    other.insert(other.end(), times.begin(), times.end());
+  }
+  const std::vector<double>& crossings = radiation->sun_crossings();
+  other.insert(other.end(), crossings.begin(), crossings.end());
   if (course.radiation_interval_s > 0)
     for (const WeatherRecord& r : course.record) other.push_back(r.unix_s);
   std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });

@@ -21,9 +21,9 @@ struct HeatKnots {
   std::vector<std::string> warning;
 };
 
-// Knots: the times wanted, sunrise and sunset, records where they jump (means over hours), the end
-// of the first day; between them at most heat.step_minutes. Times within a minute of a wanted one
-// are taken as that.
+// Knots: the times wanted, those of what changes inside walls, sunrise and sunset, records where
+// they jump (means over hours), the end of the first day; between them at most heat.step_minutes.
+// Times within a minute of a wanted one are taken as that.
 [[nodiscard]] absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep,
                                                      const schema::HeatRun& heat);
 

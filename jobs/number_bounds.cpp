@@ -101,6 +101,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"BuildUp.inside_temperature_k", 100, 5000, "rooms, tanks and machines"},
     {"BuildUp.inside_h_w_m2_k", 0, 1e6, "boiling water"},
     {"BuildUp.inside_heat_flux_w_m2", -1e7, 1e7, "a flame's"},
+    {"InsideAt.temperature_k", 100, 5000, "rooms, tanks and machines"},
+    {"InsideAt.heat_flux_w_m2", -1e7, 1e7, "a flame's"},
     {"Layer.thickness_m", 0, 1e6, "soil as deep as heat goes in a lifetime"},
     {"Layer.conductivity_w_m_k", 0, 1e12, "0 is insulation"},
     {"Layer.density_kg_m3", 0, 1e9, "0 stores no heat"},
@@ -291,7 +293,10 @@ std::string other_unit(std::string_view key, double value, const NumberBounds& b
                               number_text(converted), " ", of_key)
                : "";
   };
-  if (key.ends_with("temperature_k") && value > -100 && value < 0)
+  // Below a coldest temperature outdoors degrees Celsius are meant; a sigma may be small.
+  constexpr double kColdestK = 100;
+  if (key.ends_with("temperature_k") && value > -100 &&
+      value < (bounds.least >= kColdestK ? bounds.least : 0))
     return if_inside(value + 273.15, "C", "K");
   if (key.ends_with("_um") && value > bounds.most) return if_inside(1e-3 * value, "nm", "um");
   if (key.ends_with("pressure_pa") && value < bounds.least)

@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/geo/sun.h"
 #include "core/thermal/solids.h"
 #include "jobs/nearest_name.h"
 #include "jobs/resolve.h"
+#include "jobs/time_of_day.h"
 
 namespace irsig {
 namespace {
@@ -61,11 +64,86 @@ void check_inside(const schema::BuildUp& build_up, const SectionCheck& check) {
     else if (check.has(key))
       check.error(key, absl::StrCat("does not apply to inside = \"", inside, "\""));
   };
-  needs("inside_temperature_k", inside == "air" || inside == "temperature",
-        "the temperature behind the wall");
+  const bool temperature = inside == "air" || inside == "temperature",
+             heat_flux = inside == "heat_flux", scheduled = !build_up.inside_schedule().empty();
+  if (scheduled) {
+    if (!temperature && !heat_flux)
+      check.error("inside_schedule", absl::StrCat("does not apply to inside = \"", inside, "\""));
+    (void)check.at_most_one({"inside_temperature_k", "inside_heat_flux_w_m2", "inside_schedule"});
+  } else {
+    needs("inside_temperature_k", temperature,
+          "the temperature behind the wall, or an inside_schedule");
+    needs("inside_heat_flux_w_m2", heat_flux,
+          "the heat that goes into the wall, or an inside_schedule");
+  }
   needs("inside_h_w_m2_k", inside == "air",
         "its convection and radiation, about 8 W/(m2 K) in rooms");
-  needs("inside_heat_flux_w_m2", inside == "heat_flux", "the heat that goes into the wall");
+}
+
+// The schedule's times, in UTC and in its order: other offsets and another first time of the same
+// day are the same schedule.
+void resolve_schedule(schema::BuildUp& build_up, const std::string& path, const SectionCheck& check,
+                      Findings& findings) {
+  auto& schedule = *build_up.mutable_inside_schedule();
+  if (schedule.empty()) {
+    if (build_up.has_inside_between())
+      check.error("inside_between", "does not apply without inside_schedule");
+    return;
+  }
+  if (schedule.size() > 1)
+    check.require({"inside_between"},
+                  "expected what holds between two times of the schedule: \"linear\" or \"steps\"");
+  (void)check.one_of("inside_between", {"linear", "steps"});
+  const bool heat_flux = build_up.inside() == "heat_flux",
+             applies =
+                 heat_flux || build_up.inside() == "air" || build_up.inside() == "temperature";
+  const char *needed = heat_flux ? "heat_flux_w_m2" : "temperature_k",
+             *other = heat_flux ? "temperature_k" : "heat_flux_w_m2";
+  std::vector<std::pair<DayTime, schema::InsideAt>> by_time;
+  for (int i = 0; i < schedule.size(); ++i) {
+    const schema::InsideAt& at = schedule[i];
+    const SectionCheck here(at, absl::StrCat(path, ".inside_schedule[", i, "]"), findings);
+    here.require({"time"}, "expected a time of day with its offset from UTC: \"06:00+09:00\"");
+    if (applies) {
+      here.require({needed}, absl::StrCat("expected what is behind the wall then: inside is \"",
+                                          build_up.inside(), "\""));
+      if (here.has(other))
+        here.error(other, absl::StrCat("does not apply to inside = \"", build_up.inside(), "\""));
+    }
+    if (!at.has_time()) continue;
+    const auto wrong = [&](const std::string& what) {
+      here.error("time", absl::StrCat("= \"", one_line(at.time()), "\" ", what));
+    };
+    const TimeOfDay text = time_of_day(at.time());
+    if (!text.wrong.empty()) {
+      wrong(text.wrong);
+      continue;
+    }
+    const auto time = day_time(text.text);
+    if (!time.ok()) {
+      wrong(absl::StrCat("is no time of a day, expected \"00:00\" to \"23:59\" with offset: ",
+                         time.status().message()));
+      continue;
+    }
+    if (!by_time.empty()) {
+      const DayTime &first = by_time.front().first, &before = by_time.back().first;
+      if (time->offset_s != first.offset_s)
+        wrong("has another offset from UTC than the schedule's first time, expected the same");
+      else if (time->local_s == before.local_s)
+        wrong("is the time before once more, expected one value for each time");
+      else if (time->local_s < before.local_s)
+        wrong("is earlier than the time before it, expected times in the order of the day");
+    }
+    by_time.emplace_back(*time, at);
+  }
+  if (!findings.empty()) return;
+  std::sort(by_time.begin(), by_time.end(),
+            [](const auto& a, const auto& b) { return a.first.utc_s < b.first.utc_s; });
+  schedule.Clear();
+  for (auto& [time, at] : by_time) {
+    at.set_time(format_rfc3339_utc(utc_time(time.utc_s)).substr(std::string("1970-01-01T").size()));
+    *schedule.Add() = at;
+  }
 }
 
 const schema::Material* material_of(const schema::Sweep& sweep, const std::string& name) {
@@ -87,6 +165,7 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     for (int l = 0; l < build_up.layer_size(); ++l)
       resolve_layer(*build_up.mutable_layer(l), absl::StrCat(path, ".layer[", l, "]"), findings);
     check_inside(build_up, check);
+    resolve_schedule(build_up, path, check, findings);
     const auto uses = [&](const schema::Part& p) { return p.build_up() == build_up.name(); };
     if (build_up.has_name() && std::none_of(sweep.part().begin(), sweep.part().end(), uses))
       check.error("name", absl::StrCat("= \"", one_line(build_up.name()),

@@ -9,6 +9,7 @@
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/season_course.h"
+#include "jobs/time_of_day.h"
 
 namespace irsig {
 namespace {
@@ -67,30 +68,6 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
 }
 
 int month_of(const std::string& date) { return std::atoi(date.substr(5, 2).c_str()); }
-
-// The time of day in full, "10:30:00+09:00", from "10:30+09:00"; an empty string and what is wrong
-// if it is no time of day or has no offset.
-struct TimeOfDay {
-  std::string text, wrong;
-};
-TimeOfDay time_of_day(const std::string& text) {
-  constexpr const char* kExample =
-      "expected a time of day with its offset from UTC: \"10:30+09:00\" or \"01:30Z\"";
-  const auto digit_at = [&](std::size_t i) {
-    return i < text.size() && all_digits(text.substr(i, 1));
-  };
-  if (!(digit_at(0) && digit_at(1) && text.size() > 4 && text[2] == ':' && digit_at(3) &&
-        digit_at(4))) {
-    return {"", absl::StrCat("is no time of day, ", kExample)};
-  }
-  std::size_t offset = 5;
-  while (offset < text.size() && (digit_at(offset) || text[offset] == ':' || text[offset] == '.'))
-    ++offset;
-  if (offset == text.size()) return {"", absl::StrCat("has no offset, ", kExample)};
-  const std::string seconds = text.substr(5, offset - 5);
-  return {absl::StrCat(text.substr(0, 5), seconds.empty() ? ":00" : seconds, text.substr(offset)),
-          ""};
-}
 
 // The instant of each season's date at each time, [season][time]; nullopt where the file is wrong.
 std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep& sweep,

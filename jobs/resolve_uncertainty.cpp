@@ -28,7 +28,8 @@ std::string expected_for(const std::string& input) {
   if (input == "solar_absorptance" || input == "conductivity_relative")
     return "computed temperatures ([heat])";
   if (input == "inside_temperature_k")
-    return "computed temperatures ([heat]) of a build_up with inside_temperature_k";
+    return "computed temperatures ([heat]) of a build_up with inside_temperature_k, or with "
+           "temperatures in its inside_schedule";
   if (input == "part_temperature_k")
     return "a part whose temperature is stated or read from a temperature_field";
   if (input == "emissivity") return "a part whose material states one";

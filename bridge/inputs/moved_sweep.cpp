@@ -161,8 +161,13 @@ class SweepMover {
   void move_build_ups(const std::string& input) {
     if (sweep_.heat_size() == 0) return;
     for (schema::BuildUp& b : *sweep_.mutable_sweep()->mutable_build_up()) {
-      if (input == "inside_temperature_k" && b.has_inside_temperature_k())
-        b.set_inside_temperature_k(mover_.moved(b.inside_temperature_k(), kColdestK, kHottestK));
+      if (input == "inside_temperature_k") {
+        if (b.has_inside_temperature_k())
+          b.set_inside_temperature_k(mover_.moved(b.inside_temperature_k(), kColdestK, kHottestK));
+        for (schema::InsideAt& at : *b.mutable_inside_schedule())
+          if (at.has_temperature_k())
+            at.set_temperature_k(mover_.moved(at.temperature_k(), kColdestK, kHottestK));
+      }
       if (input == "conductivity_relative")
         for (schema::Layer& l : *b.mutable_layer())
           l.set_conductivity_w_m_k(mover_.moved(l.conductivity_w_m_k(), 0, kMostConductivity));

@@ -34,7 +34,8 @@ struct WallBuildUp {
   double inner_h_w_m2_k = 0;                     // kAir
   double inner_flux_w_m2 = 0;                    // kHeatFlux
   // [knot] Instead of inner_k, of kHeatFlux instead of inner_flux_w_m2, where that changes: linear
-  // between knots, with jumps at even ones only. Empty: it does not.
+  // between knots. A jump at an odd knot, which the second computation lacks, is one of the
+  // differences of the two. Empty: it does not change.
   std::vector<ScheduleAtKnot> inner_at = {};
 
   [[nodiscard]] bool jumps_at(std::size_t knot) const {

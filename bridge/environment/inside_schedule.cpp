@@ -1,0 +1,30 @@
+#include "bridge/environment/inside_schedule.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "bridge/environment/named.h"
+#include "core/geo/sun.h"
+
+namespace irsig {
+
+absl::StatusOr<std::optional<DaySchedule>> inside_schedule(const schema::BuildUp& build_up) {
+  if (build_up.inside_schedule().empty()) return std::nullopt;
+  DaySchedule out;
+  for (const schema::InsideAt& at : build_up.inside_schedule()) {
+    const auto time = parse_rfc3339(absl::StrCat("1970-01-01T", at.time()));
+    if (!time.ok()) return time.status();
+    out.at.push_back({unix_seconds(*time),
+                      build_up.inside() == "heat_flux" ? at.heat_flux_w_m2() : at.temperature_k()});
+  }
+  if (out.at.size() > 1) {
+    const auto steps = named<bool>("inside_between", build_up.inside_between(),
+                                   {{"linear", false}, {"steps", true}});
+    if (!steps.ok()) return steps.status();
+    out.steps = *steps;
+  }
+  if (absl::Status status = check_schedule(out); !status.ok()) return status;
+  return out;
+}
+
+}  // namespace irsig

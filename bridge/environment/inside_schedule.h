@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "core/thermal/day_schedule.h"
+#include "schema/sweep.pb.h"
+
+namespace irsig {
+
+// What a resolved build-up's inner side is over the day: temperature in K, of inside = "heat_flux"
+// heat into the wall in W/m2. nullopt: it has no schedule. INVALID_ARGUMENT: times that are none,
+// or not in their order.
+[[nodiscard]] absl::StatusOr<std::optional<DaySchedule>> inside_schedule(
+    const schema::BuildUp& build_up);
+
+}  // namespace irsig
