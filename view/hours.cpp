@@ -9,6 +9,7 @@
 #include <set>
 #include <tuple>
 
+#include "bridge/environment/inside_schedule.h"
 #include "core/geo/sun.h"
 #include "view/signature_quantity.h"
 #include "view/table.h"
@@ -37,7 +38,10 @@ class Days {
   }
 
   [[nodiscard]] HourOfDay place(const std::string& season, const std::string& time_utc) const {
-    const double time = *unix_s_of(time_utc) + offset_s_;
+    return place(season, *unix_s_of(time_utc));
+  }
+  [[nodiscard]] HourOfDay place(const std::string& season, double unix_s) const {
+    const double time = unix_s + offset_s_;
     const std::set<double>& times = times_.at(season);
     const double first = *times.begin(), last = *times.rbegin();
     const bool one_day = last - first <= kDay_s;
@@ -77,6 +81,62 @@ absl::Status two_times(const Hours& hours) {
       fmt::format("a plot over the hours needs two times or more of a day, and there is one alone "
                   "of each: {}",
                   fmt::join(found, ", ")));
+}
+
+// A schedule between two instants.
+absl::Status add_inside(const schema::BuildUp& build_up, const std::string& season,
+                        const std::string& day, const Days& days, double first_s, double last_s,
+                        std::vector<HourlyInside>& out) {
+  const auto schedule = inside_schedule(build_up);
+  if (!schedule.ok()) return schedule.status();
+  if (!*schedule) return absl::OkStatus();
+  std::vector<double> knot = {first_s};
+  const std::vector<double> between = times_between(**schedule, first_s, last_s);
+  knot.insert(knot.end(), between.begin(), between.end());
+  if (last_s > first_s) knot.push_back(last_s);
+  const std::vector<ScheduleAtKnot> value = at_knots(**schedule, knot);
+  for (std::size_t k = 0; k < knot.size(); ++k) {
+    HourOfDay at = days.place(season, knot[k]);
+    at.day = day;  // an hour of the day that it is drawn with
+    const bool heat_flux = build_up.inside() == "heat_flux";
+    out.push_back({at, season, build_up.name(), knot[k], value[k].before, heat_flux});
+    if (value[k].after != value[k].before)
+      out.push_back({at, season, build_up.name(), knot[k], value[k].after, heat_flux});
+  }
+  return absl::OkStatus();
+}
+
+// Of the walls of the parts whose temperatures are there.
+absl::Status add_inside(const schema::Sweep& sweep, const Days& days, Hours& hours) {
+  struct Span {
+    std::string season;
+    double first_s, last_s;
+    std::set<std::string> part;
+  };
+  std::vector<std::string> order;
+  std::map<std::string, Span> of_day;
+  for (const HourlyTemperature& t : hours.temperature) {
+    const double s = *unix_s_of(t.part.time_utc);
+    const auto [found, added] = of_day.try_emplace(t.at.day, Span{t.part.season, s, s, {}});
+    if (added) order.push_back(t.at.day);
+    found->second.first_s = std::min(found->second.first_s, s);
+    found->second.last_s = std::max(found->second.last_s, s);
+    found->second.part.insert(t.part.part);
+  }
+  for (const std::string& day : order) {
+    const Span& span = of_day.at(day);
+    for (const schema::BuildUp& build_up : sweep.build_up()) {
+      const bool used = std::any_of(sweep.part().begin(), sweep.part().end(), [&](const auto& p) {
+        return p.build_up() == build_up.name() && span.part.contains(p.name());
+      });
+      if (!used) continue;
+      if (absl::Status status =
+              add_inside(build_up, span.season, day, days, span.first_s, span.last_s, hours.inside);
+          !status.ok())
+        return status;
+    }
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -143,6 +203,8 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
                      return std::tuple(order(day, a.at.day), order(part, a.part.part), a.at.hour) <
                             std::tuple(order(day, b.at.day), order(part, b.part.part), b.at.hour);
                    });
+  if (absl::Status status = add_inside(sweep->resolved.sweep(), days, out); !status.ok())
+    return status;
   if (absl::Status status = two_times(out); !status.ok()) return status;
   return out;
 }
@@ -168,6 +230,10 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
                                  {quantity.stderr_name}};
   if (!no_bounds) columns.push_back({quantity.error_name});
   if (quantity.input_name != nullptr) columns.push_back({quantity.input_name});
+  const std::size_t behind = columns.size();
+  if (!hours.inside.empty())
+    for (const char* name : {"build_up", "inside_temperature_k", "inside_heat_flux_w_m2"})
+      columns.push_back({name});
   const auto table = make_table_writer(format, columns, out);
   if (!table.ok()) return table.status();
   const Cell none;
@@ -176,6 +242,17 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
                                t.at.hour,        t.part.part,   t.part.mean_k, t.part.coldest_k,
                                t.part.hottest_k, t.part.error_k};
     cells.resize(columns.size(), none);
+    (*table)->row(cells);
+  }
+  for (const HourlyInside& i : hours.inside) {
+    std::vector<Cell> cells(columns.size(), none);
+    cells[0] = hours.sweep;
+    cells[1] = i.at.day;
+    cells[2] = i.season;
+    cells[3] = format_rfc3339_utc(utc_time(i.unix_s));
+    cells[4] = i.at.hour;
+    cells[behind] = i.build_up;
+    cells[behind + (i.heat_flux ? 2 : 1)] = i.value;
     (*table)->row(cells);
   }
   for (const HourlyValue& v : hours.value) {
@@ -201,6 +278,7 @@ absl::Status write_hours(const Hours& hours, std::string_view format, std::ostre
       const double input = input_uncertainty_of(quantity, s);
       cells.push_back(std::isnan(input) ? none : Cell(input));
     }
+    cells.resize(columns.size(), none);
     (*table)->row(cells);
   }
   return (*table)->finish();

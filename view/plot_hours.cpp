@@ -75,6 +75,23 @@ std::vector<CurvePanel> temperature_panels(const Hours& hours, const CurvePanel&
     add(curve_named(out.back().curve, t.part.part, parts.place(t.part.part)), t.at.hour,
         t.part.mean_k, t.part.coldest_k, t.part.hottest_k);
   }
+  // What is behind walls: temperatures among those of the parts, heat in a panel of its own.
+  for (const HourlyInside& i : hours.inside) {
+    const std::string title =
+        i.at.day + (i.heat_flux ? ", heat into walls" : ", computed temperatures");
+    auto panel =
+        std::find_if(out.begin(), out.end(), [&](const CurvePanel& p) { return p.title == title; });
+    if (panel == out.end()) {
+      panel = out.insert(out.end(), like);
+      panel->title = title;
+      panel->y_label = "Heat flux in W/m\u00b2";
+    }
+    const std::string name = "behind " + i.build_up;
+    Curve& curve = curve_named(panel->curve, name, parts.place(name));
+    curve.marks = false;
+    curve.x.push_back(i.at.hour);
+    curve.y.push_back(i.value);
+  }
   return out;
 }
 

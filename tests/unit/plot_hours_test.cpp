@@ -104,6 +104,64 @@ TEST(PlotHours, TemperaturesHaveAPanelForEachSeason) {
   EXPECT_EQ(one->temperature.size(), 16U) << "of what was asked for alone";
 }
 
+// Rationale: a part that warms before sunrise is explained by what is behind it.
+// Expected: the schedule's curve from a day's first hour to its last, upright where it jumps, in
+// the hours of the place; in the table at its times.
+TEST(PlotHours, WhatIsBehindWallsIsDrawn) {
+  FakeStoreReader db = day_of_hours();
+  add_temperatures(db);
+  schema::Sweep& sweep = *db.sweeps["box ship"].resolved.mutable_sweep();
+  const auto wall = [&](const std::string& part, const std::string& inside) -> schema::BuildUp& {
+    schema::Part& of = *sweep.add_part();
+    of.set_name(part);
+    of.set_build_up(part + " wall");
+    schema::BuildUp& out = *sweep.add_build_up();
+    out.set_name(part + " wall");
+    out.set_inside(inside);
+    return out;
+  };
+  schema::BuildUp& hull = wall("hull", "air");
+  hull.set_inside_between("steps");
+  for (const auto& [time, kelvin] : {std::pair{"06:00:00Z", 310}, {"10:30:00Z", 295}}) {
+    schema::InsideAt& at = *hull.add_inside_schedule();
+    at.set_time(time);
+    at.set_temperature_k(kelvin);
+  }
+  schema::InsideAt& machine = *wall("deck", "heat_flux").add_inside_schedule();
+  machine.set_time("00:00:00Z");
+  machine.set_heat_flux_w_m2(120);
+  wall("unseen", "air").add_inside_schedule()->set_time("00:00:00Z");
+
+  const auto hours = hours_of(db, {.season = "winter", .band = "lwir"});
+  ASSERT_TRUE(hours.ok()) << hours.status();
+  std::vector<std::pair<double, double>> of_hull;
+  for (const HourlyInside& i : hours->inside) {
+    EXPECT_NE(i.build_up, "unseen wall");
+    EXPECT_EQ(i.at.day, "winter");
+    if (!i.heat_flux) of_hull.emplace_back(i.at.hour, i.value);
+  }
+  // 9 h to 30 h of the place are 0 h to 21 h UTC.
+  const std::vector<std::pair<double, double>> expected = {{9, 295},    {15, 295},   {15, 310},
+                                                           {19.5, 310}, {19.5, 295}, {30, 295}};
+  ASSERT_EQ(of_hull.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(of_hull[i].first, expected[i].first, 1e-6) << i;
+    EXPECT_EQ(of_hull[i].second, expected[i].second) << i;
+  }
+  EXPECT_THAT(plot_hours(*hours),
+              AllOf(HasSubstr(">behind hull wall<"), HasSubstr(">behind deck wall<"),
+                    HasSubstr("winter, heat into walls"), HasSubstr("Heat flux in W/m\u00b2"),
+                    Not(HasSubstr("nan"))));
+  std::ostringstream csv;
+  ASSERT_TRUE(write_hours(*hours, "csv", csv).ok());
+  EXPECT_THAT(
+      csv.str(),
+      AllOf(
+          HasSubstr(",build_up,inside_temperature_k,inside_heat_flux_w_m2\n"),
+          HasSubstr("box ship,winter,winter,2025-01-29T06:00:00Z,15,,,,,,,,,,,,,,hull wall,310,\n"),
+          HasSubstr(",deck wall,,120\n")));
+}
+
 TEST(PlotHours, SeveralDaysOfASeasonAreCurvesOfTheirOwn) {
   FakeSweep sweep;
   sweep.viewpoint = {{90, 10, 2000}};
