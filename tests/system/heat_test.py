@@ -143,6 +143,26 @@ class Heat(unittest.TestCase):
             self.assertAlmostEqual(coldest, 310, delta=0.01)
             self.assertAlmostEqual(hottest, 310, delta=0.01)
 
+    def test_a_wall_kept_by_a_schedule(self):
+        text = """inside = "temperature"
+inside_between = "steps"
+inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:30+01:00", temperature_k = 300 }]"""
+        day = {"LAYER": '[{ solid = "copper", thickness_m = 0.001 }]', "HEAT": "rays = 32\nstep_minutes = 20",
+               "TIME": '["05:25Z", "05:35Z", "17:25Z", "17:35Z"]', "ACCURACY": "samples_per_replicate = 64"}
+        self.run_it(sweep(INSIDE=text, **day))
+        rows = self.table("show", "temperatures", "a.sigdb")
+        mean = next(name for name in rows[0] if name.startswith("mean_k"))
+        for row, expected in zip(rows, (300, 330, 330, 300), strict=True):
+            self.assertAlmostEqual(float(row[mean]), expected, delta=0.02)
+        # The same in UTC: nothing is left to do.
+        said = self.run_it(sweep(INSIDE=text.replace("06:30+01:00", "05:30Z").replace("18:30+01:00", "17:30Z"), **day))
+        self.assertNotIn("temperatures 0 of 1", said, "computed again")
+        drawn = self.irsig("plot", "a.sigdb", "--kind", "hours", "--aspect", "30,20", "--out", "hours.csv")
+        self.assertEqual(drawn.returncode, 0, drawn.stderr)
+        with open(self.path / "hours.csv") as file:
+            behind = [(row["time_utc"][11:16], float(row["inside_temperature_k"])) for row in csv.DictReader(file) if row["build_up"]]
+        self.assertEqual(behind, [("05:25", 300), ("05:30", 300), ("05:30", 330), ("17:30", 330), ("17:30", 300), ("17:35", 300)])
+
     def test_hard_weather_and_walls(self):
         night = {"DATE": "2025-12-21", "COLDEST": "238", "WARMEST": "242", "DEW": "235", "LATITUDE": "85",
                  "SURROUNDINGS": 'kind = "ground"\nground_temperature_k = 240\nground_emissivity = 0.95\nsolar_albedo = 0.8'}
@@ -209,6 +229,10 @@ class Heat(unittest.TestCase):
                      "density_kg_m3 = -3")
         self.refused(sweep(BUILD_UP=""), "wrong.toml")
         self.refused(sweep(INSIDE='inside = "open"'), "expected two_sided = true")
+        self.refused(sweep(INSIDE='inside = "temperature"\ninside_schedule = [{ time = "06:00", temperature_k = 20 }]'),
+                     'wrong.toml:21:22: build_up[0].inside_schedule[0].time = "06:00" has no offset',
+                     "wrong.toml:21:38: build_up[0].inside_schedule[0].temperature_k = 20, expected a number from 100 to 5000",
+                     "20 C are 293.15 K")
         self.refused(sweep(HEAT="element_size_m = 0.01", MODEL='generate = "box"\ntriangles = 48\nlength_m = 500\ndraft_m = 0'),
                      "heat.element_size_m")
         self.refused(sweep().replace("wind_from_deg = 240\n", ""), "wind_from_deg")
