@@ -153,19 +153,47 @@ void SceneExposure::light() {
   }
 }
 
-void SceneExposure::long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
-                              std::span<double> incoming_w_m2) {
+void SceneExposure::send_around(std::size_t k) {
   const Beneath& b = request_.beneath;
   const double sky = 0.5 * (weather(k).before.sky_w_m2 + weather(k).after.sky_w_m2),
                ground = kStefanBoltzmannWM2K4 * power4(b.temperature_k),
                below = b.emissivity * ground + (1 - b.emissivity) * sky;
-  for (std::size_t i = 0; i < faces_.size(); ++i) {
+  for (std::size_t i = 0; i < faces_.size(); ++i)
     own_[i] = covered_[i] ? (b.water ? 0 : ground)
                           : static_cast<double>(factors_->sky[i]) * sky +
                                 static_cast<double>(factors_->lower[i]) * below;
+}
+
+void SceneExposure::long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
+                              std::span<double> incoming_w_m2) {
+  if (request_.exchange)
+    long_wave_of_faces(k, kelvin, tolerance_w_m2, incoming_w_m2);
+  else
+    long_wave_of_air(k, incoming_w_m2);
+}
+
+void SceneExposure::long_wave_of_faces(std::size_t k, std::span<const float> kelvin,
+                                       double tolerance_w_m2, std::span<double> incoming_w_m2) {
+  send_around(k);
+  for (std::size_t i = 0; i < faces_.size(); ++i)
     emitted_[i] = emissivity_[i] * kStefanBoltzmannWM2K4 * power4(static_cast<double>(kelvin[i]));
-  }
   long_wave_.solve(own_, emitted_, tolerance_w_m2, incoming_w_m2);
+}
+
+void SceneExposure::long_wave_of_air(std::size_t k, std::span<double> incoming_w_m2) {
+  send_around(k);
+  const double air_w_m2 = kStefanBoltzmannWM2K4 * power4(weather(k).air_k);
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    const double seen =
+        static_cast<double>(factors_->sky[i]) + static_cast<double>(factors_->lower[i]);
+    incoming_w_m2[i] = own_[i] + (covered_[i] ? 0 : std::max(0.0, 1 - seen) * air_w_m2);
+  }
+}
+
+void SceneExposure::arriving(std::span<const double> emitted_w_m2, double tolerance_w_m2,
+                             std::span<double> incoming_w_m2) {
+  std::ranges::fill(own_, 0.0);
+  long_wave_.solve(own_, emitted_w_m2, tolerance_w_m2, incoming_w_m2);
 }
 
 FaceProperties SceneExposure::properties(std::uint32_t face) const {
@@ -184,8 +212,10 @@ void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32
   const float* direct = direct_.data() + k * faces_.size();
   for (std::size_t at = 0; at < face.size(); ++at) {
     const std::uint32_t f = face[at];
-    to.absorbed_w_m2[at] = light.direct_normal_w_m2 * static_cast<double>(direct[f]) +
-                           light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[f]);
+    to.absorbed_w_m2[at] =
+        light.direct_normal_w_m2 * static_cast<double>(direct[f]) +
+        (request_.diffuse_sun ? light.diffuse_horizontal_w_m2 * static_cast<double>(diffuse_[f])
+                              : 0);
     if (covered_[f]) {
       to.fluid_k[at] = request_.beneath.temperature_k;
       to.forced_h_w_m2_k[at] = in_water_w_m2_k_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -44,12 +45,27 @@ class SceneExposure {
   }
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
   // Whether faces send anything to each other.
-  [[nodiscard]] bool exchanges() const { return !factors_->to.empty(); }
+  [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
+  [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }
 
   // Long-wave irradiance of every face at a knot when they are so warm; `incoming_w_m2` comes with
   // a guess. All [face].
   void long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                  std::span<double> incoming_w_m2);
+  // The same where what a face sees of others is black and as warm as the air, whatever is asked.
+  void long_wave_of_air(std::size_t k, std::span<double> incoming_w_m2);
+  // And where it is what they send, whatever is asked.
+  void long_wave_of_faces(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
+                          std::span<double> incoming_w_m2);
+  // What arrives if faces emit so much and nothing else does; `incoming_w_m2` comes with a guess.
+  void arriving(std::span<const double> emitted_w_m2, double tolerance_w_m2,
+                std::span<double> incoming_w_m2);
+  // Absorbed of the sky's sunlight at a knot, whether asked for or not, on its brighter side.
+  [[nodiscard]] double absorbed_diffuse_w_m2(std::size_t k, std::uint32_t face) const {
+    return std::max(weather(k).before.diffuse_horizontal_w_m2,
+                    weather(k).after.diffuse_horizontal_w_m2) *
+           static_cast<double>(diffuse_[face]);
+  }
 
   // At the begin of the interval after a knot, or at the end of the one before.
   enum class Side { kAfter, kBefore };
@@ -70,6 +86,8 @@ class SceneExposure {
   [[nodiscard]] double touching_m() const;
   [[nodiscard]] double surface_z_m() const;
   void light();
+  // Of sky and what lies below, into own_.
+  void send_around(std::size_t k);
 
   const Target& target_;
   const ThermalFaces& faces_;

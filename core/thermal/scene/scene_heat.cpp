@@ -6,6 +6,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "core/thermal/scene/heat_bounds.h"
 #include "core/thermal/scene/scene_exposure.h"
 #include "core/thermal/scene/scene_walls.h"
 
@@ -136,6 +137,34 @@ SceneKnots every_second_knot(const SceneHeatRequest& request) {
   return half;
 }
 
+// Bounds of both effects, and the sum of those that are left out.
+//   left_out_k  [facet]
+absl::Status add_effect_bounds(const Target& target, const SceneHeatRequest& request,
+                               const HeatBounds& bounds, SceneHeatResult& out,
+                               std::vector<double>& left_out_k) {
+  const auto add = [&](const char* name, bool on, const std::vector<double>& bound_k,
+                       std::vector<float>& to) {
+    for (std::size_t f = 0; f < bound_k.size(); ++f) {
+      const std::uint32_t part = target.facet[f].part;
+      const bool computed = request.part[part].build_up.has_value();
+      to.push_back(computed ? static_cast<float>(bound_k[f]) : NAN);
+      if (on || !computed) continue;
+      if (!std::isfinite(bound_k[f]))
+        return absl::InvalidArgumentError(absl::StrCat(
+            name, " cannot be left out: facet ", f, " of part \"", target.part[part].name,
+            "\" loses so little heat by itself that nothing says how much it changes"));
+      left_out_k[f] += bound_k[f];
+    }
+    return absl::OkStatus();
+  };
+  if (const absl::Status status =
+          add("heat_exchange", request.exchange, bounds.exchange_k, out.exchange_bound_k);
+      !status.ok())
+    return status;
+  return add("heat_diffuse_sun", request.diffuse_sun, bounds.diffuse_sun_k,
+             out.diffuse_sun_bound_k);
+}
+
 }  // namespace
 
 absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
@@ -163,6 +192,12 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   if (const absl::Status status = fine.sharpen(off_k); !status.ok()) return status;
 
   SceneHeatResult out;
+  std::vector<double> left_out_k(faces.fronts, 0.0);
+  if (request.effect_bounds || !request.exchange || !request.diffuse_sun)
+    if (const absl::Status status = add_effect_bounds(
+            target, request, heat_bounds(request, fine_exposure, fine), out, left_out_k);
+        !status.ok())
+      return status;
   out.exchange_rounds = coarse.passes() + fine.passes();
   out.exchange_left_k = fine.left_k();
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
@@ -200,7 +235,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
     const std::vector<double> uneven_k = fine_exposure.uneven_k(f, of_facet);
     for (std::size_t o = 0; o < outputs; ++o) {
       const std::size_t k = request.output_knot[o];
-      double error = fine.error_k(f) + fine.left_k() + difference_k(f, k) +
+      double error = left_out_k[f] + fine.error_k(f) + fine.left_k() + difference_k(f, k) +
                      std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f]));
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
         error += 0.5 * std::abs(static_cast<double>(out.kelvin[o][f] - fine.kelvin(k, back)));

@@ -82,12 +82,20 @@ struct SceneHeatRequest {
   std::uint64_t seed = 1;
   double tolerance_k = 0.01;           // of conduction
   double exchange_tolerance_k = 0.02;  // half of it may be left by the last pass
+  // What may be left out: without `exchange` what a face sees of others is black and as warm as the
+  // air; without `diffuse_sun` the sky's sunlight warms nothing. What that changes at most is in
+  // error_k then.
+  bool exchange = true, diffuse_sun = true;
+  bool effect_bounds = false;  // whether SceneHeatResult has theirs; where one is off it always has
 };
 
 struct SceneHeatResult {
   // [output][facet] of its front. Of facets with a stated temperature, and of degenerate ones: not
   // a number.
   std::vector<std::vector<float>> kelvin, error_k;
+  // [facet] By how much it would be warmer or colder at most, at any time, if that effect were as
+  // it is not (heat_bounds.h); empty where none were asked for. Not a number as above.
+  std::vector<float> exchange_bound_k, diffuse_sun_bound_k;
   int exchange_rounds = 0;     // passes over the knots, of both computations
   double exchange_left_k = 0;  // what another pass would change at most
   double closure_w_m2 = 0;     // of all walls (HeatResult)
@@ -102,7 +110,7 @@ struct SceneHeatResult {
 // stated model alone.
 //
 // INVALID_ARGUMENT: what is wrong in the request or in a build-up, by name; more faces x knots than
-// fit into memory.
+// fit into memory; an effect is off whose bound is not known.
 [[nodiscard]] absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                                                                const SceneHeatRequest& request);
 
