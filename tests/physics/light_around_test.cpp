@@ -102,7 +102,7 @@ TEST(LightAround, IntegralsAreThoseOfTheSpectra) {
 
 TEST(LightAround, SumsOverDirectionsAreThoseOfTheSpectra) {
   Random random;
-  const std::size_t first = 3, n = 200, stride = 2;
+  const std::size_t first = 3, stride = 2;
   for (std::size_t c = 0; c < scenes().seen.size(); ++c) {
     const LightAround& around = scenes().seen[c].around;
     const Spectra here = radiance_of(around), seen = apparent_of(around);
@@ -111,8 +111,14 @@ TEST(LightAround, SumsOverDirectionsAreThoseOfTheSpectra) {
     std::vector<LightAround::Weights> lists;
     for (int list = 0; list < 3; ++list) weights.push_back(random.list(around.count() * stride));
     for (std::size_t k = 0; k < weights[1].size(); k += 3) weights[1][k] = 0;  // none met
+    weights.emplace_back(around.count() * stride, 0.0);  // one direction alone on each side
+    weights.back()[0] = weights.back()[sky * stride] = 1;
     for (const auto& w : weights) lists.push_back({w.data(), stride});
-    for (const bool above : {true, false}) {
+    // Bands are taken sixteen at once, and the rest one by one.
+    for (const auto& [above, n] : {std::pair{true, std::size_t{200}},
+                                   {false, std::size_t{200}},
+                                   {true, std::size_t{7}},
+                                   {false, std::size_t{23}}}) {
       const auto sums = around.sums(above, lists, first, n);
       for (std::size_t list = 0; list < lists.size(); ++list)
         for (std::size_t i = 0; i < n; ++i) {
@@ -137,7 +143,9 @@ TEST(LightAround, ChangesOfTheAirAreBoundedAndExactAtNight) {
     ASSERT_EQ(e.end.size(), 2u);
     ASSERT_EQ(e.end_change.size(), 2u);
     const Spectra here = radiance_of(e.around);
-    const std::vector<double> weight = random.list(n), of_node = random.list(here.size());
+    const std::vector<double> weight = random.list(n);
+    std::vector<double> of_node = random.list(here.size());
+    std::fill_n(of_node.begin(), 24, 0.0);  // a ring at least that no path met
     double largest = 0, total = 0;
     for (std::size_t k = 0; k < here.size(); ++k)
       for (std::size_t i = 0; i < n; ++i) {
@@ -193,6 +201,23 @@ TEST(LightAround, SidesThatAreNotWantedAreDark) {
   const double bound = none.changed(e.end_change, 0, weight, of_node);
   EXPECT_GE(bound, largest * (1 - 1e-9));
   EXPECT_LE(bound, 1.5 * largest);
+  // To the last bit of it: thermal light and the sun's each by its largest change in a band.
+  const LightAround::Shapes& shapes = none.shapes();
+  double expected = 0;
+  for (std::size_t i = 0; i < 50; ++i) {
+    double thermal = 0, solar = 0;
+    for (const LightAround::AirChange& change : e.end_change) {
+      thermal = std::max(thermal, std::abs(change.path_thermal[shapes.band[i]]));
+      solar = std::max(solar, std::abs(change.path_solar[shapes.band[i]]));
+    }
+    expected += thermal * shapes.thermal[i] + solar * shapes.solar[i];
+  }
+  expected *= static_cast<double>(of_node.size());
+  EXPECT_NEAR(bound, expected, 1e-12 * expected);
+  // What is dark stays so.
+  EXPECT_EQ(e.around.only(false, true).only(true, true).radiance(0)[3], 0);
+  EXPECT_GT(e.around.only(false, true).only(true, true).radiance(sky)[3], 0);
+  EXPECT_EQ(e.around.only(true, false).only(true, true).radiance(sky)[3], 0);
 }
 
 // What is kept of a condition's sunlight is not a view's: it is the same object under any line.
