@@ -136,6 +136,28 @@ TEST(HeatEffects, BoundsCoverWhatLeavingOutChanges) {
   }
 }
 
+// Rationale: under a clear sky faces are colder than the air, which stands for them where exchange
+// is left out. Expected: the bound covers what that warms, and is no more than a few times it.
+TEST(HeatEffects, ANightWithoutExchangeIsWarmer) {
+  const Target target = yard();
+  SceneHeatRequest r = day(1800);
+  for (HeatWeather& w : r.weather) w.before = w.after = {0, 0, 220};
+  r.effect_bounds = true;
+  const SceneHeatResult with = solved(target, r);
+  r.exchange = false;
+  const SceneHeatResult without = solved(target, r);
+  for (const SceneHeatResult* from : {&with, &without}) {
+    const Compared c =
+        compared(with, without, [&](std::size_t f) { return at(from->exchange_bound_k, f); });
+    EXPECT_LE(c.largest_of_bound, 1);
+    EXPECT_GT(c.largest_k, 0.3);
+    EXPECT_LT(c.largest_bound_k, 5 * c.largest_k);
+  }
+  // Face by face: the wall that sees no other face has less than the ground before it.
+  const auto [least, most] = std::ranges::minmax(without.exchange_bound_k);
+  EXPECT_LT(least, 0.5F * most);
+}
+
 // Rationale: asking for bounds must not change what they are bounds of.
 // Expected: the same bits; no bounds where none were asked for and nothing is left out.
 TEST(HeatEffects, BoundsChangeNoTemperature) {
@@ -181,6 +203,38 @@ TEST(HeatEffects, ABoundIsNearlySharpForOnePlate) {
       EXPECT_GT(largest_k, 0.75 * at(from->diffuse_sun_bound_k, f));
       EXPECT_LT(at(from->exchange_bound_k, f), 0.01) << "a plate alone sees no other";
     }
+  }
+}
+
+// Rationale: in a deep well what warms one face comes back from the others, so that a face by
+// itself would be expected to change too little. Expected: the bound of diffuse sunlight covers
+// what it changes there, which is more than the least that a face alone would allow for.
+TEST(HeatEffects, InAWellFacesAnswerToEachOther) {
+  Mesh mesh = plate("floor", {-1, -1, 0}, {0, 2, 0}, {2, 0, 0}, 2);
+  append(mesh, plate("west", {-1, -1, 0}, {0, 0, -6}, {0, 2, 0}, 3));
+  append(mesh, plate("east", {1, -1, 0}, {0, 2, 0}, {0, 0, -6}, 3));
+  append(mesh, plate("south", {-1, -1, 0}, {2, 0, 0}, {0, 0, -6}, 3));
+  append(mesh, plate("north", {-1, 1, 0}, {0, 0, -6}, {2, 0, 0}, 3));
+  const Target target =
+      target_of(mesh, {part("floor"), part("west"), part("east"), part("south"), part("north")});
+  SceneHeatRequest r = day(1800);
+  for (HeatWeather& w : r.weather) {
+    w.wind_m_s = 0;
+    w.before.direct_normal_w_m2 = w.after.direct_normal_w_m2 = 0;
+  }
+  r.build_up = {{.name = "sheet", .layers = {{0.001, 45, 7850, 490}}}};
+  r.part.assign(5, {0.9, 0.95, 0u, 0});
+  r.effect_bounds = true;
+  const SceneHeatResult with = solved(target, r);
+  r.diffuse_sun = false;
+  const SceneHeatResult without = solved(target, r);
+  for (const SceneHeatResult* from : {&with, &without}) {
+    const Compared c =
+        compared(with, without, [&](std::size_t f) { return at(from->diffuse_sun_bound_k, f); });
+    std::printf("differs by up to %.2f K, %.2f of the bound there, bounds up to %.2f K\n",
+                c.largest_k, c.largest_of_bound, c.largest_bound_k);
+    EXPECT_LE(c.largest_of_bound, 1);
+    EXPECT_GT(c.largest_of_bound, 0.3);
   }
 }
 
