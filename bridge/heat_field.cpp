@@ -16,6 +16,7 @@
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
 #include "bridge/spec_to_request.h"
+#include "core/effects/effects.h"
 #include "core/geo/sun.h"
 #include "core/materials/total_emissivity.h"
 #include "core/thermal/scene/scene_heat.h"
@@ -167,8 +168,32 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
   request.rays = sweep.heat().rays();
   request.seed = sweep.seed();
   request.tolerance_k = sweep.heat().tolerance_k();
+  for (const std::string& name : sweep.effects().without()) {
+    const auto effect = effect_named(name);
+    if (effect == Effect::kHeatExchange)
+      request.exchange = false;
+    else if (effect == Effect::kHeatDiffuseSun)
+      request.diffuse_sun = false;
+    else
+      return absl::InvalidArgumentError(
+          absl::StrCat("effects.without: \"", name, "\" is no effect of computed temperatures"));
+  }
   out.output_of_time = weather->output_of_time;
   return out;
+}
+
+// Of all effects of temperatures where one is off.
+void add_effects(const SceneHeatRequest& request, const SceneHeatResult& heat,
+                 schema::HeatField& field) {
+  if (request.exchange && request.diffuse_sun) return;
+  const auto add = [&](Effect which, bool on, const std::vector<float>& bound_k) {
+    schema::HeatEffect& effect = *field.add_effect();
+    effect.set_effect(std::string(info_of(which).name));
+    effect.set_off(!on);
+    effect.set_bound_k(bytes_of({bound_k}));
+  };
+  add(Effect::kHeatExchange, request.exchange, heat.exchange_bound_k);
+  add(Effect::kHeatDiffuseSun, request.diffuse_sun, heat.diffuse_sun_bound_k);
 }
 
 // Degenerate facets change as the mean of their part does, as far as that is known; they send
@@ -266,6 +291,7 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
 
   field.set_kelvin(bytes_of(by_time.kelvin));
   field.set_error_k(bytes_of(by_time.error_k));
+  add_effects(asked->request, *solved, field);
   out.set_field(field.SerializeAsString());
   out.mutable_warning()->Assign(asked->warning.begin(), asked->warning.end());
   return out;

@@ -32,6 +32,10 @@ absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes, std:
     return absl::InvalidArgumentError(absl::StrCat("computed temperatures are of another mesh: of ",
                                                    field.facets(), " facets, the model has ",
                                                    facets));
+  for (const schema::HeatEffect& effect : field.effect())
+    if (effect.bound_k().size() != sizeof(float) * facets)
+      return absl::InvalidArgumentError(absl::StrCat("computed temperatures: the bound of ",
+                                                     effect.effect(), " is of other facets"));
   return field;
 }
 

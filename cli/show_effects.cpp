@@ -17,12 +17,16 @@ void write_for_people(std::ostream& out) {
   out << "Effects: what a signature is made of. Those marked * can be left out ([effects] of a "
          "sweep\n"
          "file, --effects): by themselves where the accuracy asked for has room for their bound.\n";
-  for (const EffectInfo& e : effect_table()) {
+  const auto write = [&](const EffectInfo& e) {
     out << fmt::format("\n{}{}: {}\n  matters  {}\n", e.name, e.switchable ? " *" : "", e.what,
                        e.when);
     if (e.switchable) out << fmt::format("  bound    {}\n", e.bound);
     out << fmt::format("  costs    {}\n", e.cost);
-  }
+  };
+  for (const EffectInfo& e : effect_table()) write(e);
+  out << "\nOf computed temperatures ([heat]): on unless effects.without of the sweep file names "
+         "them; the\nbound, in kelvin, is part of the temperatures' error then.\n";
+  for (const EffectInfo& e : heat_effect_table()) write(e);
 }
 
 absl::Status write_effects(std::string_view format, std::ostream& out) {
@@ -33,9 +37,12 @@ absl::Status write_effects(std::string_view format, std::ostream& out) {
   auto writer = make_table_writer(
       format, {{"effect"}, {"what"}, {"matters"}, {"bound"}, {"cost"}, {"switchable"}}, out);
   if (!writer.ok()) return writer.status();
-  for (const EffectInfo& e : effect_table())
+  const auto row = [&](const EffectInfo& e) {
     (*writer)->row(
         {text(e.name), text(e.what), text(e.when), text(e.bound), text(e.cost), e.switchable});
+  };
+  for (const EffectInfo& e : effect_table()) row(e);
+  for (const EffectInfo& e : heat_effect_table()) row(e);
   return (*writer)->finish();
 }
 

@@ -200,7 +200,10 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.clear_band();
   asked.clear_accuracy();
+  schema::Effects of_heat;
+  *of_heat.mutable_without() = asked.effects().without();
   asked.clear_effects();
+  if (of_heat.without_size() > 0) *asked.mutable_effects() = of_heat;
   asked.clear_output();
   asked.clear_profile();
   asked.clear_uncertainty();  // what a run of changes asks for stands in it

@@ -10,17 +10,25 @@
 namespace irsig {
 namespace {
 
-std::vector<std::string> switchable_names() {
+// Those of rows, or those of temperatures.
+std::vector<std::string> switchable_names(bool of_heat) {
   std::vector<std::string> names;
-  for (const EffectInfo& effect : effect_table())
-    if (effect.switchable) names.emplace_back(effect.name);
+  const auto add = [&](const auto& table) {
+    for (const EffectInfo& effect : table)
+      if (effect.switchable) names.emplace_back(effect.name);
+  };
+  if (of_heat)
+    add(heat_effect_table());
+  else
+    add(effect_table());
   return names;
 }
 
-void check_name(const schema::Effects& effects, int i, const SectionCheck& check) {
-  const std::string& name = effects.only(i);
-  const std::string key = absl::StrCat("only[", i, "]");
-  const auto& names = effects.only();
+// One name of a list, of rows or of temperatures.
+void check_name(const google::protobuf::RepeatedPtrField<std::string>& names, int i,
+                const char* list, bool of_heat, const SectionCheck& check) {
+  const std::string& name = names[i];
+  const std::string key = absl::StrCat(list, "[", i, "]");
   if (std::find(names.begin(), names.begin() + i, name) != names.begin() + i) {
     check.error_at(key, absl::StrCat("= \"", name, "\" is there twice"));
     return;
@@ -28,11 +36,25 @@ void check_name(const schema::Effects& effects, int i, const SectionCheck& check
   const auto effect = effect_named(name);
   if (!effect) {
     check.error_at(key, absl::StrCat("= \"", name, "\" is no effect that can be left out, ",
-                                     suggestion(name, switchable_names())));
+                                     suggestion(name, switchable_names(of_heat))));
+  } else if (!of_heat && is_of_heat(*effect)) {
+    check.error_at(key, absl::StrCat("= \"", name, "\" is an effect of computed temperatures, ",
+                                     "which is on unless effects.without names it"));
+  } else if (of_heat && !is_of_heat(*effect)) {
+    check.error_at(key,
+                   absl::StrCat("= \"", name, "\" is no effect of computed temperatures, expected ",
+                                "one of ", quoted_list(switchable_names(true)),
+                                "; the others are left out by mode = \"only\""));
   } else if (!info_of(*effect).switchable) {
     check.error_at(key, absl::StrCat("= \"", name, "\" cannot be left out by itself, ",
-                                     "expected one of ", quoted_list(switchable_names())));
+                                     "expected one of ", quoted_list(switchable_names(of_heat))));
   }
+}
+
+void sort_by_table(google::protobuf::RepeatedPtrField<std::string>& names) {
+  std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
+    return effect_named(a) < effect_named(b);
+  });
 }
 
 }  // namespace
@@ -46,19 +68,22 @@ void check_effects(const SweepFile& file, Findings& findings) {
   const bool only = effects.mode() == "only";
   if (only && !has_list)
     check.error("only", absl::StrCat("is missing, expected the effects that are on, of ",
-                                     quoted_list(switchable_names())));
+                                     quoted_list(switchable_names(false))));
   if (has_list && !only && (known || !effects.has_mode()))
     check.error("only", "does not apply without mode = \"only\"");
-  for (int i = 0; i < effects.only_size(); ++i) check_name(effects, i, check);
+  for (int i = 0; i < effects.only_size(); ++i) check_name(effects.only(), i, "only", false, check);
+  if (effects.without_size() > 0 && !file.sweep.has_heat())
+    check.error("without", "does not apply without [heat]: it leaves out effects of temperatures");
+  for (int i = 0; i < effects.without_size(); ++i)
+    check_name(effects.without(), i, "without", true, check);
 }
 
 void write_effect_defaults(schema::Sweep& sweep) {
   schema::Effects& effects = *sweep.mutable_effects();
   if (!effects.has_mode()) effects.set_mode("auto");
   // The same effects are the same sweep, in whatever order they were written.
-  std::sort(
-      effects.mutable_only()->begin(), effects.mutable_only()->end(),
-      [](const std::string& a, const std::string& b) { return effect_named(a) < effect_named(b); });
+  sort_by_table(*effects.mutable_only());
+  sort_by_table(*effects.mutable_without());
 }
 
 }  // namespace irsig

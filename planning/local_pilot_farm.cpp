@@ -9,6 +9,7 @@
 #include "coordinator/client/scratch_folder.h"
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
+#include "view/heat_effects.h"
 
 namespace irsig {
 namespace {
@@ -54,9 +55,14 @@ class LocalPilotFarm final : public PilotFarm {
       auto rows = (*reader)->find(filter);
       if (!rows.ok()) return rows.status();
       stage.rows = *std::move(rows);
+      const auto stored = (*reader)->sweep(filter.sweep);
+      if (!stored.ok()) return stored.status();
+      const auto heat = HeatEffects::make(*stored);
+      if (!heat.ok()) return heat.status();
       for (const StoredSignature& row : stage.rows) {
         auto ledger = (*reader)->ledger(row.signature_id);
         if (!ledger.ok()) return ledger.status();
+        for (StoredEffect& effect : heat->of(row)) ledger->effect.push_back(std::move(effect));
         stage.ledgers.push_back(*std::move(ledger));
       }
       auto jobs = (*reader)->job_costs(filter.sweep);

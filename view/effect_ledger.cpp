@@ -47,6 +47,7 @@ std::string_view reason_in_words(std::string_view reason) {
   if (reason == "no_goal") return "no relative error was asked for that says what is small";
   if (reason == "not_worth") return "so little could be left out that it does not pay to find out";
   if (reason == "unbounded") return "no finite bound is known";
+  if (reason == "not_asked") return "on unless effects.without names it";
   if (reason == "forced") return "forced: the user's word";
   return reason;
 }

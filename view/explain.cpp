@@ -11,6 +11,7 @@
 #include "core/base/printable.h"
 #include "view/effect_ledger.h"
 #include "view/error_budget.h"
+#include "view/heat_effects.h"
 #include "view/measured_row.h"
 #include "view/query.h"
 #include "view/query_table.h"
@@ -24,6 +25,7 @@ struct Explained {
   std::vector<StoredInput> input;
   std::vector<StoredPart> part;
   std::vector<StoredTemperature> temperature;  // computed, of the row's condition
+  std::vector<HeatEffects::Kelvin> left_out;   // of these temperatures
   schema::Accuracy accuracy;                   // of the sweep
 
   [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
@@ -53,7 +55,7 @@ absl::StatusOr<QueryRow> find_one(StoreReader& reader, const std::string& sweep,
 absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, std::uint64_t row) {
   auto found = find_one(reader, sweep, row);
   if (!found.ok()) return found.status();
-  Explained out{*std::move(found), {}, {}, {}, {}, {}};
+  Explained out{*std::move(found), {}, {}, {}, {}, {}, {}};
   const std::int64_t id = out.signature().signature_id;
   auto ledger = reader.ledger(id);
   if (!ledger.ok()) return ledger.status();
@@ -74,6 +76,11 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
   const auto stored = reader.sweep(out.signature().sweep);
   if (!stored.ok()) return stored.status();
   out.accuracy = stored->resolved.sweep().accuracy();
+  const auto heat = HeatEffects::make(*stored);
+  if (!heat.ok()) return heat.status();
+  if (!out.ledger.effect.empty())
+    for (StoredEffect& effect : heat->of(s)) out.ledger.effect.push_back(std::move(effect));
+  out.left_out = heat->kelvin_of(s);
   return out;
 }
 
@@ -249,6 +256,10 @@ std::string text_of(const Explained& e) {
   for (const StoredTemperature& t : e.temperature)
     out += fmt::format("  {:<20} {:>8.2f} K, {:.2f} to {:.2f} K, +- {:.2g} K\n", t.part, t.mean_k,
                        t.coldest_k, t.hottest_k, t.error_k);
+  for (const HeatEffects::Kelvin& k : e.left_out)
+    out += fmt::format("  {:<20} {}, facets would be warmer or colder by {:.3g} K at most{}\n",
+                       k.effect, k.off ? "off: with it" : "on: without it", k.largest_k,
+                       k.off ? ", which is in their errors" : "");
   return out;
 }
 

@@ -86,16 +86,32 @@ const std::array<EffectInfo, kEffects>& effect_table() {
   return table;
 }
 
+const std::array<EffectInfo, kHeatEffects>& heat_effect_table() {
+  static constexpr std::array<EffectInfo, kHeatEffects> table{{
+      {Effect::kHeatExchange, "heat_exchange",
+       "long-wave radiation that facets send to each other; off: what a facet sees of others is "
+       "black and as warm as the air",
+       "corners, courtyards, decks below walls, clear nights",
+       "what arrives instead x the emissivity, against the least convection and the emission of "
+       "each face (maximum principle), with what other faces answer",
+       "passes over the day until exchange and temperatures agree", true},
+      {Effect::kHeatDiffuseSun, "heat_diffuse_sun",
+       "sunlight that the sky scatters onto facets, with what they reflect of it; off: none warms",
+       "by day; most of all in the shade", "what each face absorbs of it, against the same losses",
+       "next to nothing", true},
+  }};
+  return table;
+}
+
 const EffectInfo& info_of(Effect effect) {
-  return effect_table()[static_cast<std::size_t>(effect)];
+  const auto index = static_cast<std::size_t>(effect);
+  return is_of_heat(effect) ? heat_effect_table()[index - kEffects] : effect_table()[index];
 }
 
 std::optional<Effect> effect_named(std::string_view name) {
-  const auto& table = effect_table();
-  const auto found =
-      std::find_if(table.begin(), table.end(), [&](const EffectInfo& e) { return e.name == name; });
-  if (found == table.end()) return std::nullopt;
-  return found->effect;
+  for (std::size_t i = 0; i < kEffects + kHeatEffects; ++i)
+    if (const EffectInfo& e = info_of(static_cast<Effect>(i)); e.name == name) return e.effect;
+  return std::nullopt;
 }
 
 std::string_view name_of(EffectState state) {

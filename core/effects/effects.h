@@ -31,8 +31,12 @@ enum class Effect : std::uint8_t {
   kSpectralVariation,
   kPerspective,
   kRefraction,
+  // Of computed temperatures: decided for a whole sweep by its author, not for a row by its bound.
+  kHeatExchange,
+  kHeatDiffuseSun,
 };
-inline constexpr std::size_t kEffects = 19;
+inline constexpr std::size_t kEffects = 19;  // of rows: those that a ledger has
+inline constexpr std::size_t kHeatEffects = 2;
 
 struct EffectInfo {
   Effect effect;
@@ -51,7 +55,12 @@ struct EffectInfo {
 inline constexpr double kRaySeconds = 3e-7;
 
 [[nodiscard]] const std::array<EffectInfo, kEffects>& effect_table();
-[[nodiscard]] const EffectInfo& info_of(Effect effect);
+// Of computed temperatures; what leaving them out changes is bounded in kelvin.
+[[nodiscard]] const std::array<EffectInfo, kHeatEffects>& heat_effect_table();
+[[nodiscard]] constexpr bool is_of_heat(Effect effect) {
+  return static_cast<std::size_t>(effect) >= kEffects;
+}
+[[nodiscard]] const EffectInfo& info_of(Effect effect);  // of either table
 [[nodiscard]] std::optional<Effect> effect_named(std::string_view name);
 
 // All that ends with the last reflection.

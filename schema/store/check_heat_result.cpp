@@ -59,6 +59,20 @@ absl::Status check_numbers(const schema::HeatField& field) {
       return wrong(name, absl::StrCat("has ", bytes.size(), " bytes for ", field.unix_s_size(),
                                       " times and ", field.facets(), " facets"));
   }
+  for (int e = 0; e < field.effect_size(); ++e) {
+    const std::string path = absl::StrCat("field.effect[", e, "].bound_k");
+    const std::string& bytes = field.effect(e).bound_k();
+    if (bytes.size() != sizeof(float) * field.facets())
+      return wrong(path,
+                   absl::StrCat("has ", bytes.size(), " bytes for ", field.facets(), " facets"));
+    for (std::size_t f = 0; f < field.facets(); ++f) {
+      const float bound_k = number_at(bytes, f);
+      // Not known is allowed of what is not left out.
+      if (!std::isnan(bound_k) &&
+          (!(bound_k >= 0) || (field.effect(e).off() && !std::isfinite(bound_k))))
+        return wrong(absl::StrCat(path, "[", f, "]"), absl::StrCat("is ", bound_k));
+    }
+  }
   for (std::size_t i = 0; i < numbers; ++i) {
     const float kelvin = number_at(field.kelvin(), i), error_k = number_at(field.error_k(), i);
     if (std::isnan(kelvin) && std::isnan(error_k)) continue;

@@ -3,7 +3,7 @@ changes nothing; what is computed once; and what is refused.
 
 usage: heat_test.py <irsig> <repository>
 """
-import csv, io, pathlib, subprocess, sys, tempfile, unittest
+import csv, io, json, pathlib, subprocess, sys, tempfile, unittest
 
 IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
 SWEEP = """
@@ -221,6 +221,47 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
             for column in a:
                 if column.startswith("intensity"):
                     self.assertAlmostEqual(float(a[column]) / float(b[column]), 1, delta=1e-6)
+
+    # A roof on a floor: sheets that see each other, the sky and the ground.
+    CORNER = {"MODEL": 'file = "corner.obj"\nunit_m = 1\nforward_axis = "+x"\nup_axis = "+z"', "INSIDE": 'inside = "open"',
+              "BUILD_UP": 'build_up = "wall"\ntwo_sided = true', "TIME": '["00:00Z", "12:00Z"]'}
+
+    def corner(self, db, effects="", **changes):
+        (self.path / "corner.obj").write_text("g body\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in (
+            (0, 0, 1), (4, 0, 1), (4, 4, 1), (0, 4, 1), (0, 0, 4), (0, 4, 4))) + "f 1 2 3\nf 1 3 4\nf 1 4 6\nf 1 6 5\n")
+        self.run_it(sweep(**(self.CORNER | changes)) + effects, db)
+        rows = []
+        for row in (1, 2):
+            done = self.irsig("explain", db, "--row", str(row), "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            rows.append(json.loads(done.stdout))
+        return rows
+
+    def test_an_effect_that_is_left_out_is_within_its_bound(self):
+        everything = self.corner("all.sigdb")
+        digest = self.irsig("digest", "all.sigdb").stdout.split()[0]
+        self.corner("none.sigdb", "[effects]\nwithout = []\n")
+        self.assertEqual(self.irsig("digest", "none.sigdb").stdout.split()[0], digest)
+        for name, differs, times in (("heat_exchange", 0, 16), ("heat_diffuse_sun", 1, 5)):
+            rows = self.corner(f"{name}.sigdb", f'[effects]\nwithout = ["{name}"]\n')
+            for number, (all_on, one_off) in enumerate(zip(everything, rows, strict=True)):
+                a, b = all_on["signature"][0], one_off["signature"][0]
+                ledger = {e["effect"]: e for e in one_off["effects"]}
+                other = {"heat_exchange": "heat_diffuse_sun", "heat_diffuse_sun": "heat_exchange"}[name]
+                self.assertEqual((ledger[name]["state"], ledger[other]["state"]), ("off", "on"))
+                self.assertEqual({e["effect"]: e["state"] for e in all_on["effects"]}[name], "on")
+                bound, change = ledger[name]["bound_w_sr"], abs(a["intensity_w_sr"] - b["intensity_w_sr"])
+                errors = a["numerical_error_w_sr"] * 1.8
+                self.assertLess(change, bound + errors, (name, number))
+                self.assertLess(bound, one_off["signature"][0]["numerical_error_w_sr"] * 1.8, (name, number))
+                if number == differs:  # of exchange in the clear night, of diffuse sunlight at noon
+                    self.assertGreater(times * change, bound, (name, change, bound))
+            text = self.irsig("explain", f"{name}.sigdb", "--row", "1").stdout
+            self.assertRegex(text, name + r" +off: with it, facets would be warmer or colder by [0-9.]+ K at most, which is in")
+        (self.path / "heat_exchange.toml").write_text(sweep(**self.CORNER) + '[effects]\nwithout = ["heat_exchange"]\n')
+        plan = self.irsig("plan", "heat_exchange.toml")
+        self.assertEqual(plan.returncode, 0, plan.stderr)
+        self.assertRegex(plan.stdout, r"heat_exchange +0 +[1-9]")
 
     def test_what_is_refused(self):
         self.refused(sweep(ABSORPTANCE=""), "has no solar_absorptance")
