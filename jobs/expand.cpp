@@ -22,15 +22,11 @@ struct Piece {
 
 std::uint32_t size_of(Span span) { return span.end - span.begin; }
 
-// The span in `count` pieces whose lengths differ by at most one.
-std::vector<Span> cut(Span span, std::uint32_t count) {
-  std::vector<Span> pieces;
+// The i-th of `count` pieces of the span, whose lengths differ by at most one.
+Span cut(Span span, std::uint64_t i, std::uint32_t count) {
   const std::uint64_t size = size_of(span);
-  for (std::uint64_t i = 0; i < count; ++i) {
-    pieces.push_back({static_cast<std::uint32_t>(span.begin + size * i / count),
-                      static_cast<std::uint32_t>(span.begin + size * (i + 1) / count)});
-  }
-  return pieces;
+  return {static_cast<std::uint32_t>(span.begin + size * i / count),
+          static_cast<std::uint32_t>(span.begin + size * (i + 1) / count)};
 }
 
 double estimated_paths(const schema::Accuracy& accuracy) {
@@ -73,29 +69,27 @@ double shading_cost(const schema::ResolvedSweep& sweep, const Piece& piece) {
   return cost;
 }
 
-double largest_shading_cost(const schema::ResolvedSweep& sweep, const std::vector<Piece>& pieces) {
-  double largest = 0;
-  for (const Piece& piece : pieces) largest = std::max(largest, shading_cost(sweep, piece));
-  return largest;
-}
-
 // The fewest pieces along one axis that are small enough, or single steps of that axis if none are.
 std::vector<Piece> cut_along(const schema::ResolvedSweep& sweep, const Piece& whole,
                              Span Piece::*axis, double most) {
   const std::uint32_t steps = size_of(whole.*axis);
-  const auto in = [&](std::uint32_t count) {
-    std::vector<Piece> pieces;
-    for (const Span span : cut(whole.*axis, count)) {
-      pieces.push_back(whole);
-      pieces.back().*axis = span;
-    }
-    return pieces;
+  const auto piece = [&](std::uint32_t i, std::uint32_t count) {
+    Piece out = whole;
+    out.*axis = cut(whole.*axis, i, count);
+    return out;
+  };
+  // Stops at the first: of 10^5 steps there may be 10^5 counts to try.
+  const auto any_above = [&](std::uint32_t count) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (shading_cost(sweep, piece(i, count)) > most) return true;
+    return false;
   };
   const double total = shading_cost(sweep, whole);
   auto count = static_cast<std::uint32_t>(
       std::clamp(std::ceil(total / most), 1.0, static_cast<double>(steps)));
-  std::vector<Piece> pieces = in(count);
-  while (count < steps && largest_shading_cost(sweep, pieces) > most) pieces = in(++count);
+  while (count < steps && any_above(count)) ++count;
+  std::vector<Piece> pieces;
+  for (std::uint32_t i = 0; i < count; ++i) pieces.push_back(piece(i, count));
   return pieces;
 }
 
@@ -233,6 +227,11 @@ std::string job_key(const std::string& sweep_digest, int physics_version,
 }
 
 }  // namespace
+
+double job_count(const schema::ResolvedSweep& sweep) {
+  return static_cast<double>(sweep.heat_size()) +
+         static_cast<double>(cut_job(sweep).size()) * sweep.viewpoint_size();
+}
 
 std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int physics_version) {
   const std::string sweep_sha256 = sha256_hex(canonical_encoding(sweep));

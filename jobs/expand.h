@@ -53,4 +53,7 @@ namespace irsig {
 [[nodiscard]] std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep,
                                                        int physics_version);
 
+// How many jobs that makes.
+[[nodiscard]] double job_count(const schema::ResolvedSweep& sweep);
+
 }  // namespace irsig

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <unordered_map>
 
 #include "absl/strings/str_cat.h"
 #include "jobs/resolve.h"
@@ -46,6 +47,7 @@ constexpr std::string_view kSpectralValue =
 constexpr std::string_view kAirOutdoors = "what air outdoors has";
 constexpr std::string_view kSigma =
     "smaller is known exactly; of larger ones one step says nothing";
+constexpr std::string_view kIndexOfList = "the longest list";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -220,6 +222,37 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Precompute.lambda_max_um", kShortestUm, kLongestUm, kWavelength},
     {"Precompute.step_um", 1e-9, kLongestUm, kStep},
 
+    {"Viewpoint.aspect_azimuth_deg", -360, 360, kAzimuth},
+    {"Viewpoint.aspect_elevation_deg", -90, 90, kElevation},
+    {"Viewpoint.range_m", 1e-3, 1e9, kRange},
+    {"Condition.season_index", 0, kMostConditions, kIndexOfList},
+    {"Condition.time_index", 0, kMostConditions, kIndexOfList},
+    {"Condition.part_temperature_k", 0, kHottestK, kTemperature},
+    {"Condition.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
+    {"Condition.air_temperature_k", 0, kHottestK, kTemperature},
+    {"ConditionField.part", 0, 1e6, kIndexOfList},
+    {"ConditionField.heat", 0, kMostConditions, kIndexOfList},
+    {"WeatherCourse.radiation_interval_s", 0, 86400, "the means of a day"},
+    {"WeatherRecord.unix_s", -1e10, 1e10, "some centuries to either side"},
+    {"WeatherRecord.air_temperature_k", 100, 400, kAirOutdoors},
+    {"WeatherRecord.dew_point_k", 50, 400, kAirOutdoors},
+    {"WeatherRecord.pressure_pa", 1e4, 1.2e5, "at the surface, mountains included"},
+    {"WeatherRecord.wind_speed_m_s", 0, 150, "more than any storm"},
+    {"WeatherRecord.wind_from_deg", -360, 360, kAzimuth},
+    {"WeatherRecord.cloud_cover", 0, 1, kFraction},
+    {"WeatherRecord.direct_normal_w_m2", 0, 2000, "more than the sun's outside the air"},
+    {"WeatherRecord.diffuse_horizontal_w_m2", 0, 2000, "more than the sun's outside the air"},
+    {"WeatherRecord.sky_w_m2", 0, 2000, "more than that of any sky"},
+    {"HeatRun.part_temperature_k", 0, kHottestK, kTemperature},
+    {"Weather.air_temperature_k", 0, kHottestK, kTemperature},
+    {"Weather.relative_humidity_percent", 0, 1000, kHumidity},
+    {"Weather.pressure_pa", 0, 1.2e5, "at the surface; 0: the profile's"},
+    {"Weather.visibility_m", 0, 100e3, "0: the aerosol's own, or none"},
+    {"Weather.air_mass", 0, 10, "open ocean to continent; 0: not the Navy's aerosol"},
+    {"Weather.wind_speed_m_s", 0, 150, "more than any storm"},
+    {"Weather.wind_speed_24h_m_s", 0, 150, "more than any storm"},
+    {"Weather.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
+
     {"Goniometer.seed", 0, 18446744073709551615.0, kSeed},
     {"Particles.width_m", 1e-6, 1000, "a grain to a field"},
     {"Particles.tiles", 1, 100, "a copy is a triangle's memory again"},
@@ -343,10 +376,14 @@ std::string number_text(double value) {
 }
 
 const NumberBounds& bounds_of(std::string_view key) {
-  const auto found = std::find_if(kBounds.begin(), kBounds.end(),
-                                  [&](const NumberBounds& bounds) { return bounds.key == key; });
-  if (found == kBounds.end()) std::abort();  // a field without a row: number_bounds_test
-  return *found;
+  static const auto& rows = *[] {
+    auto* made = new std::unordered_map<std::string_view, const NumberBounds*>();
+    for (const NumberBounds& row : kBounds) made->emplace(row.key, &row);
+    return made;
+  }();
+  const auto found = rows.find(key);
+  if (found == rows.end()) std::abort();  // a field without a row: number_bounds_test
+  return *found->second;
 }
 
 std::string text_of(const NumberBounds& bounds) {
@@ -364,6 +401,13 @@ void check_numbers(const Message& message, const std::string& path, Findings& fi
   const google::protobuf::Reflection& r = *message.GetReflection();
   std::vector<const FieldDescriptor*> present;
   r.ListFields(message, &present);
+  // A number that a resolved sweep always has is one when it is 0, too.
+  const google::protobuf::Descriptor& type = *message.GetDescriptor();
+  for (int i = 0; i < type.field_count(); ++i)
+    if (const FieldDescriptor* field = type.field(i); !field->is_repeated() &&
+                                                      !field->has_presence() && is_number(*field) &&
+                                                      !r.HasField(message, field))
+      present.push_back(field);
   for (const FieldDescriptor* field : present) {
     const std::string at = path.empty() ? field->name() : absl::StrCat(path, ".", field->name());
     const auto element = [&](int i) {

@@ -50,6 +50,9 @@ void take_temperature_field(const std::map<std::string, schema::ConditionField>&
 // if nothing was found so far. `file` has the text of the files that air and seasons name.
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);
 
+// [place]
+void check_place(const schema::Sweep& sweep, Findings& findings);
+
 // [air], and what a season says about the air; `surroundings`: the season's, complete.
 void check_air(const schema::Sweep& sweep, Findings& findings);
 void check_season_air(const schema::Sweep& sweep, int season_index,
@@ -67,6 +70,10 @@ void write_air_defaults(schema::Air& air);
 [[nodiscard]] std::vector<schema::Surroundings> resolve_surroundings(const schema::Sweep& sweep,
                                                                      Findings& findings);
 
+// The same of one condition's, which are complete.
+void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surroundings& complete,
+                                 const std::string& path, Findings& findings);
+
 // The sweep's own surroundings with what the season says in their place, field by field.
 [[nodiscard]] schema::Surroundings overridden(schema::Surroundings base,
                                               const schema::Surroundings& season);
@@ -79,6 +86,8 @@ void check_run(const schema::Sweep& sweep, Findings& findings);
 
 // [effects], and its defaults.
 void check_effects(const SweepFile& file, Findings& findings);
+// The names in it.
+void check_effect_names(const schema::Effects& effects, Findings& findings);
 void write_effect_defaults(schema::Sweep& sweep);
 
 // [[profile]] and [[published]], once viewpoints and everything else are known; and their defaults.

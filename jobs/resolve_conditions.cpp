@@ -14,22 +14,6 @@
 namespace irsig {
 namespace {
 
-void check_place(const schema::Sweep& sweep, Findings& findings) {
-  if (!sweep.has_place()) {
-    if (sweep.transport().sun()) {
-      findings.add("place",
-                   "[place] is missing, expected latitude_deg, longitude_deg and heading_deg: the "
-                   "sun is on");
-    }
-    return;
-  }
-  const SectionCheck check(sweep.place(), "place", findings);
-  check.require({"latitude_deg"}, "expected degrees north of the equator, -90 to 90");
-  check.require({"longitude_deg"}, "expected degrees east of Greenwich, -180 to 180");
-  check.require({"heading_deg"},
-                "expected the bow's direction in degrees clockwise from true north");
-}
-
 bool all_digits(std::string_view text) {
   for (const char c : text) {
     if (!std::isdigit(static_cast<unsigned char>(c))) return false;
@@ -87,6 +71,7 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
     auto& row = instants[static_cast<std::size_t>(s)];
+    std::map<std::string, int> at;  // by the instant
     for (int t = 0; t < sweep.time_size(); ++t) {
       row.emplace_back();
       const std::string path =
@@ -105,12 +90,10 @@ std::vector<std::vector<std::optional<UtcTime>>> check_times(const schema::Sweep
                                         ": ", instant.status().message()));
         continue;
       }
-      for (int earlier = 0; earlier < t; ++earlier) {
-        const auto& other = row[static_cast<std::size_t>(earlier)];
-        if (!other || format_rfc3339_utc(*other) != format_rfc3339_utc(*instant)) continue;
+      const auto [earlier, is_first] = at.try_emplace(format_rfc3339_utc(*instant), t);
+      if (!is_first)
         findings.add(path, absl::StrCat(path, " = \"", written, "\" is the same instant as time[",
-                                        earlier, "], expected different times"));
-      }
+                                        earlier->second, "], expected different times"));
       row.back() = *instant;
       const auto [other, is_new] =
           seen.try_emplace({season.name(), format_rfc3339_utc(*instant)}, s);
@@ -145,6 +128,22 @@ void resolve_sun(const schema::Sweep& sweep, int season_index, const UtcTime& ut
 }
 
 }  // namespace
+
+void check_place(const schema::Sweep& sweep, Findings& findings) {
+  if (!sweep.has_place()) {
+    if (sweep.transport().sun()) {
+      findings.add("place",
+                   "[place] is missing, expected latitude_deg, longitude_deg and heading_deg: the "
+                   "sun is on");
+    }
+    return;
+  }
+  const SectionCheck check(sweep.place(), "place", findings);
+  check.require({"latitude_deg"}, "expected degrees north of the equator, -90 to 90");
+  check.require({"longitude_deg"}, "expected degrees east of Greenwich, -180 to 180");
+  check.require({"heading_deg"},
+                "expected the bow's direction in degrees clockwise from true north");
+}
 
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
                         Findings& findings) {

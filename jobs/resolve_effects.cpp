@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ std::vector<std::string> switchable_names(bool of_heat) {
   else
     add(effect_table());
   return names;
+}
+
+constexpr std::array<const char*, 3> kModes = {"auto", "all", "only"};
+bool is_mode(const std::string& mode) {
+  return std::find(kModes.begin(), kModes.end(), mode) != kModes.end();
 }
 
 // One name of a list, of rows or of temperatures.
@@ -64,16 +70,21 @@ void check_effects(const SweepFile& file, Findings& findings) {
   const SectionCheck check(effects, "effects", findings);
   // An empty list is one, too: none of them.
   const bool has_list = file.where.contains("effects.only");
-  const bool known = check.one_of("mode", {"auto", "all", "only"});
+  const bool known = !effects.has_mode() || is_mode(effects.mode());
   const bool only = effects.mode() == "only";
   if (only && !has_list)
     check.error("only", absl::StrCat("is missing, expected the effects that are on, of ",
                                      quoted_list(switchable_names(false))));
-  if (has_list && !only && (known || !effects.has_mode()))
-    check.error("only", "does not apply without mode = \"only\"");
-  for (int i = 0; i < effects.only_size(); ++i) check_name(effects.only(), i, "only", false, check);
+  if (has_list && !only && known) check.error("only", "does not apply without mode = \"only\"");
   if (effects.without_size() > 0 && !file.sweep.has_heat())
     check.error("without", "does not apply without [heat]: it leaves out effects of temperatures");
+  check_effect_names(effects, findings);
+}
+
+void check_effect_names(const schema::Effects& effects, Findings& findings) {
+  const SectionCheck check(effects, "effects", findings);
+  (void)check.one_of("mode", {kModes.begin(), kModes.end()});
+  for (int i = 0; i < effects.only_size(); ++i) check_name(effects.only(), i, "only", false, check);
   for (int i = 0; i < effects.without_size(); ++i)
     check_name(effects.without(), i, "without", true, check);
 }

@@ -142,6 +142,20 @@ Surroundings overridden(Surroundings base, const Surroundings& season) {
   return base;
 }
 
+void check_complete_surroundings(const schema::Sweep& sweep, const Surroundings& complete,
+                                 const std::string& path, Findings& findings) {
+  const bool atmosphere = sweep.air().model() == "atmosphere";
+  check_table(complete,
+              {.kind = complete.kind(),
+               .atmosphere = atmosphere,
+               .grey_sea = complete.sea_model() == "grey",
+               .heat = sweep.has_heat()},
+              path, findings);
+  for (const auto& [key, expected] : missing_from(complete, atmosphere, sweep.has_heat()))
+    findings.add(absl::StrCat(path, ".", key),
+                 absl::StrCat(path, ".", key, " is missing, ", expected));
+}
+
 std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findings& findings) {
   const Surroundings& base = sweep.surroundings();
   const bool atmosphere = sweep.air().model() == "atmosphere";

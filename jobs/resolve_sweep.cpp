@@ -7,6 +7,7 @@
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
 #include "jobs/resolve_uncertainty.h"
+#include "jobs/size_bounds.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
@@ -150,6 +151,8 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   *resolved.mutable_sweep() = file.sweep;
   Findings findings(file);
   check_name(file, *resolved.mutable_sweep(), findings);
+  check_sizes(file.sweep, "", findings);
+  if (!findings.empty()) return findings.status();
   check_numbers(file.sweep, "", findings);
   resolve_target(model_bytes, resolved, findings);
   resolve_build_ups(*resolved.mutable_sweep(), findings);
@@ -160,6 +163,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);
+  check_row_count(resolved, findings);
   if (!findings.empty()) return findings.status();
   write_defaults(*resolved.mutable_sweep());
   write_effect_defaults(*resolved.mutable_sweep());

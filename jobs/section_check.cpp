@@ -13,6 +13,9 @@ namespace {
 
 using google::protobuf::FieldDescriptor;
 
+// The errors that are kept of a sweep that has no file.
+constexpr std::size_t kMostOfAMessage = 20;
+
 // The line and column at the end of "file:line:column".
 std::pair<long, long> place_of(const std::string& location) {
   const std::size_t column = location.rfind(':');
@@ -44,6 +47,11 @@ void Findings::add(const std::string& path, const std::string& what) {
 }
 
 void Findings::add_at(const std::string& place, const std::string& what) {
+  // A sweep without a file has come from somebody else, who may have made any number of errors.
+  if (file_.file_name.empty() && found_.size() >= kMostOfAMessage) {
+    ++more_;
+    return;
+  }
   found_.push_back({place, one_line(file_.as_written(what))});
 }
 
@@ -60,7 +68,8 @@ absl::Status Findings::status() const {
   if (found_.empty()) return absl::OkStatus();
   std::vector<std::tuple<std::pair<long, long>, std::size_t, std::string>> lines;
   for (const auto& [place, what] : found_) {
-    lines.emplace_back(place_of(place), lines.size(), absl::StrCat(place, ": ", what));
+    lines.emplace_back(place_of(place), lines.size(),
+                       file_.file_name.empty() ? what : absl::StrCat(place, ": ", what));
   }
   std::sort(lines.begin(), lines.end());
   std::string message;
@@ -69,6 +78,7 @@ absl::Status Findings::status() const {
     if (!said.insert(line).second) continue;
     absl::StrAppend(&message, message.empty() ? "" : "\n", line);
   }
+  if (more_ > 0) absl::StrAppend(&message, "\nand ", more_, " more");
   return absl::InvalidArgumentError(message);
 }
 

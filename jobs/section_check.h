@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -12,7 +13,8 @@
 namespace irsig {
 
 // The errors found in one sweep file. Each is kept with the place of the key that it is about, so
-// that all of them are reported together, in the order of the file.
+// that all of them are reported together, in the order of the file. Of a sweep without a file (an
+// empty SweepFile) they name the field's path alone, and those after the twentieth are counted.
 class Findings {
  public:
   explicit Findings(const SweepFile& file) : file_(file) {}
@@ -33,6 +35,7 @@ class Findings {
     std::string place, what;
   };
   std::vector<Found> found_;
+  std::size_t more_ = 0;
   std::set<std::string> at_;  // the paths
 };
 
@@ -76,6 +79,7 @@ template <typename Repeated>
 std::vector<std::string> check_names(const Repeated& sections, const std::string& key,
                                      Findings& findings) {
   std::vector<std::string> names;
+  std::map<std::string, int> seen;
   for (int i = 0; i < sections.size(); ++i) {
     const std::string path = key + "[" + std::to_string(i) + "]";
     const std::string& name = sections[i].name();
@@ -85,12 +89,11 @@ std::vector<std::string> check_names(const Repeated& sections, const std::string
       findings.add(path + ".name",
                    path + ".name has control characters or outer spaces, expected a plain name");
     } else {
-      for (int j = 0; j < i; ++j) {
-        if (names[static_cast<std::size_t>(j)] != name) continue;
+      const auto [first, is_new] = seen.try_emplace(name, i);
+      if (!is_new)
         findings.add(path + ".name", path + ".name \"" + name + "\" is also the name of " + key +
-                                         "[" + std::to_string(j) + "], expected a name of its own");
-        break;
-      }
+                                         "[" + std::to_string(first->second) +
+                                         "], expected a name of its own");
     }
     names.push_back(name);
   }

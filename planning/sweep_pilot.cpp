@@ -27,7 +27,7 @@ std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
 // The job size at which a sweep's views are cut into so many jobs: what is cut depends on the
 // accuracy, and the pilot's is another.
 void cut_into(schema::ResolvedSweep& sweep, std::uint64_t pieces) {
-  double low = 0, high = 300;  // powers of ten
+  double low = 0, high = 18;  // powers of ten, as sweeps may have them
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(std::pow(10, middle));

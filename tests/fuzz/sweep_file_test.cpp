@@ -15,6 +15,7 @@
 #include <random>
 #include <sstream>
 
+#include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 
 namespace irsig {
@@ -157,6 +158,8 @@ TEST(SweepFileFuzz, EveryMutationIsReadOrRefusedWithAPlace) {
       continue;
     }
     ++resolved;
+    // What a file may say may be submitted.
+    ASSERT_TRUE(check_resolved(*sweep).ok()) << check_resolved(*sweep) << text;
     ASSERT_GT(sweep->viewpoint_size(), 0) << text;
     ASSERT_GT(sweep->condition_size(), 0) << text;
     for (const schema::Condition& condition : sweep->condition()) {

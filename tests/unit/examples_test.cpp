@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/scene/mesh.h"
+#include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "tests/unit/sweep_text.h"
 
@@ -33,6 +34,7 @@ TEST(Examples, AllOfThemResolveAndExpand) {
     if (entry.path().stem().string().starts_with("goniometer_")) continue;
     const auto sweep = resolved_file(entry.path());
     ASSERT_TRUE(sweep.ok()) << sweep.status();
+    EXPECT_TRUE(check_resolved(*sweep).ok()) << entry.path() << check_resolved(*sweep);
     EXPECT_EQ(sweep->sweep().name(), entry.path().stem())
         << "a file and its sweep have the same name";
     EXPECT_EQ(expand_jobs(*sweep, 1).size(),

@@ -47,6 +47,7 @@ TEST(NumberBounds, EveryNumberHasARowAndEveryRowANumber) {
   Tables expected;
   collect(*schema::Sweep::descriptor(), "", expected);
   collect(*schema::Goniometer::descriptor(), "", expected);
+  collect(*schema::ResolvedSweep::descriptor(), "", expected);
   std::set<std::string> rows;
   for (const NumberBounds& row : number_bounds()) {
     EXPECT_TRUE(rows.insert(std::string(row.key)).second) << row.key << " twice";
@@ -90,6 +91,9 @@ void for_each_number(const std::function<void(const Descriptor&, const FieldDesc
     if (message == nullptr)
       message = schema::Goniometer::descriptor()->file()->FindMessageTypeByName(
           key.substr(0, key.find('.')));
+    if (message == nullptr)
+      message = schema::ResolvedSweep::descriptor()->file()->FindMessageTypeByName(
+          key.substr(0, key.find('.')));
     ASSERT_NE(message, nullptr) << key;
     what(*message, *message->FindFieldByName(key.substr(key.find('.') + 1)));
   }
@@ -100,6 +104,11 @@ std::string found(const Descriptor& type, const FieldDescriptor& field, double v
   const auto* prototype =
       google::protobuf::MessageFactory::generated_factory()->GetPrototype(&type);
   const std::unique_ptr<google::protobuf::Message> message(prototype->New());
+  // The others that are always there.
+  for (int i = 0; i < type.field_count(); ++i)
+    if (const FieldDescriptor& other = *type.field(i);
+        is_number(other) && !other.is_repeated() && !other.has_presence())
+      set_number(*message, other, bounds_of(absl::StrCat(type.name(), ".", other.name())).least);
   set_number(*message, field, value);
   SweepFile file;
   file.file_name = "s.toml";
