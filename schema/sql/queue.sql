@@ -38,6 +38,9 @@ WHERE a.fencing_token = ?1 AND a.outcome = 0;
 -- name: end_attempt
 UPDATE attempt SET outcome = ?2, message = ?3, worker_name = ?4 WHERE fencing_token = ?1;
 
+-- name: running_tokens
+SELECT fencing_token FROM attempt WHERE outcome = 0;
+
 -- name: release_all_jobs
 UPDATE job SET state = 0 WHERE state = 1;
 
@@ -80,11 +83,27 @@ SELECT sweep_id FROM sweep WHERE sweep_sha256 = ?1;
 -- name: cancel_jobs
 UPDATE job SET state = 4 WHERE sweep_id = ?1 AND state IN (0, 1);
 
+-- What sweep_view counts, of the sweep ?1 or (NULL) of all.
 -- name: progress
-SELECT sweep, sweep_sha256, jobs, waiting, leased, done, quarantined, cancelled, rays, worst_relative_error, sweep_id,
-       heat_jobs, heat_done
-FROM sweep_view
-ORDER BY sweep_id;
+SELECT w.name, w.sweep_sha256,
+       count(j.job_id),
+       count(*) FILTER (WHERE j.state = 0),
+       count(*) FILTER (WHERE j.state = 1),
+       count(*) FILTER (WHERE j.state = 2),
+       count(*) FILTER (WHERE j.state = 3),
+       count(*) FILTER (WHERE j.state = 4),
+       coalesce(sum(p.rays) FILTER (WHERE j.state = 2), 0),
+       coalesce(max(p.worst_relative_error) FILTER (WHERE j.state = 2), 0.0),
+       w.sweep_id,
+       count(*) FILTER (WHERE j.kind = 2),
+       count(*) FILTER (WHERE j.kind = 2 AND j.state = 2),
+       coalesce(w.determinism_class, '')
+FROM sweep w
+LEFT JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
+LEFT JOIN provenance p ON p.job_id = j.job_id
+WHERE ?1 IS NULL OR w.sweep_id = ?1
+GROUP BY w.sweep_id
+ORDER BY w.sweep_id;
 
 -- The messages of quarantined jobs: the last failure of each; and of those that were given up because of a job that
 -- they need, how many, the first and the last, by the first such job.
@@ -103,13 +122,6 @@ FROM (SELECT j.job_index, j.job_index AS last_index, 1 AS jobs, coalesce(h.seaso
             GROUP BY j.job_id)
       GROUP BY needed_index)
 ORDER BY job_index;
-
--- name: determinism_class
-SELECT w.determinism_class FROM sweep w
-WHERE w.determinism_class IS NOT NULL
-  AND EXISTS (SELECT 1 FROM job j WHERE j.sweep_id = w.sweep_id AND j.superseded = 0 AND j.state IN (0, 1))
-ORDER BY w.sweep_id
-LIMIT 1;
 
 -- name: bind_determinism_class
 UPDATE sweep SET determinism_class = ?1

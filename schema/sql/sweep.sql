@@ -48,6 +48,10 @@ SELECT count(*) FROM asset WHERE sha256 = ?1;
 -- name: insert_asset
 INSERT INTO asset (sha256, bytes) VALUES (?1, ?2) ON CONFLICT DO NOTHING;
 
+-- As many zeros, to be written over piece by piece.
+-- name: insert_empty_asset
+INSERT INTO asset (sha256, bytes) VALUES (?1, zeroblob(?2)) ON CONFLICT DO NOTHING RETURNING rowid;
+
 -- name: clear_sweep_assets
 DELETE FROM sweep_asset WHERE sweep_id = ?1;
 

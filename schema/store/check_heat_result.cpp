@@ -14,10 +14,14 @@
 #include "schema/store/check_result.h"
 #include "schema/store/database.h"
 #include "schema/store/heat_time.h"
+#include "schema/wire_size.h"
 
 namespace irsig {
 namespace {
 
+constexpr float kHottest_k = 20000;  // what sweep files may state
+// A field takes what its bytes take, and little more.
+constexpr std::uint64_t kMostFieldBytes = 1 << 30;
 constexpr double kSameTime_s = 1e-3;  // times are written with milliseconds at most
 // A mean of float32 values may lie outside of them by its rounding.
 constexpr double kRounding_k = 1e-3;
@@ -76,9 +80,9 @@ absl::Status check_numbers(const schema::HeatField& field) {
   for (std::size_t i = 0; i < numbers; ++i) {
     const float kelvin = number_at(field.kelvin(), i), error_k = number_at(field.error_k(), i);
     if (std::isnan(kelvin) && std::isnan(error_k)) continue;
-    if (!(kelvin > 0) || !std::isfinite(kelvin))
+    if (!(kelvin > 0 && kelvin <= kHottest_k))
       return wrong(absl::StrCat("field.kelvin[", i, "]"), absl::StrCat("is ", kelvin));
-    if (!(error_k >= 0) || !std::isfinite(error_k))
+    if (!(error_k >= 0 && error_k <= kHottest_k))
       return wrong(absl::StrCat("field.error_k[", i, "]"), absl::StrCat("is ", error_k));
   }
   return absl::OkStatus();
@@ -135,6 +139,10 @@ absl::Status check_heat_result(const schema::JobResult& result, const std::strin
   if (result.kind_case() != schema::JobResult::kHeat)
     return absl::InvalidArgumentError("result: kind is not the job's: temperatures");
   schema::HeatField field;
+  if (const absl::Status size =
+          check_wire_size(result.heat().field(), *schema::HeatField::descriptor(), kMostFieldBytes);
+      !size.ok())
+    return wrong("field", absl::StrCat("cannot be read: ", size.message()));
   if (!field.ParseFromString(result.heat().field())) return wrong("field", "cannot be read");
   IRSIG_STORE_TRY(check_times(field, run));
   IRSIG_STORE_TRY(run.input_size() > 0 ? check_changes(field, run) : check_numbers(field));

@@ -20,6 +20,15 @@ absl::Status status_of(int code, std::string message) {
   switch (code & 0xff) {
     case SQLITE_FULL:
       return absl::ResourceExhaustedError(std::move(message));
+    case SQLITE_NOMEM:
+      return absl::ResourceExhaustedError(std::move(message));
+    // What was to be written breaks a rule of its table: the request is wrong, not the database.
+    case SQLITE_CONSTRAINT:
+    case SQLITE_TOOBIG:
+    case SQLITE_MISMATCH:
+      return absl::InvalidArgumentError(std::move(message));
+    case SQLITE_IOERR:
+      return absl::DataLossError(std::move(message));
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       return absl::UnavailableError(std::move(message));
@@ -174,6 +183,18 @@ bool Database::bind(sqlite3_stmt* statement, int parameter, Blob value) {
 
 bool Database::bind(sqlite3_stmt* statement, int parameter, std::nullopt_t) {
   return sqlite3_bind_null(statement, parameter) == SQLITE_OK;
+}
+
+absl::Status Database::write_blob(const char* table, const char* column, std::int64_t row,
+                                  std::uint64_t offset, std::string_view bytes) {
+  sqlite3_blob* blob = nullptr;
+  int code = sqlite3_blob_open(handle_, "main", table, column, row, 1, &blob);
+  if (code == SQLITE_OK)
+    code = sqlite3_blob_write(blob, bytes.data(), static_cast<int>(bytes.size()),
+                              static_cast<int>(offset));
+  const absl::Status status = code == SQLITE_OK ? absl::OkStatus() : error("write a blob");
+  sqlite3_blob_close(blob);
+  return status;
 }
 
 void Database::wait_for_locks_ms(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }

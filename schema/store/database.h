@@ -102,6 +102,10 @@ class Database {
     return rows->integer();
   }
 
+  // Overwrites a piece of a value that is there and long enough.
+  absl::Status write_blob(const char* table, const char* column, std::int64_t row,
+                          std::uint64_t offset, std::string_view bytes);
+
   // How long statements wait for a lock that another connection holds (as opened: 5 s).
   void wait_for_locks_ms(int milliseconds);
 

@@ -20,18 +20,6 @@
 namespace irsig {
 namespace {
 
-double worst_relative_error(const schema::JobResult& result) {
-  double worst = 0;
-  for (const schema::SignatureRow& row : result.view().row()) {
-    const double error = row.numerical_error_w_sr();
-    const double intensity = std::abs(row.intensity_w_sr().value());
-    if (error > 0)
-      worst = std::max(worst,
-                       intensity > 0 ? error / intensity : std::numeric_limits<double>::infinity());
-  }
-  return worst;
-}
-
 absl::Status insert_provenance(Database& database, std::int64_t job_id,
                                const schema::JobResult& result, const std::string& worker_name) {
   return database.run(sql::insert_provenance, job_id, result.seed_hex(), result.physics_version(),
@@ -251,6 +239,18 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
 }
 
 }  // namespace
+
+double worst_relative_error(const schema::JobResult& result) {
+  double worst = 0;
+  for (const schema::SignatureRow& row : result.view().row()) {
+    const double error = row.numerical_error_w_sr();
+    const double intensity = std::abs(row.intensity_w_sr().value());
+    if (error > 0)
+      worst = std::max(worst,
+                       intensity > 0 ? error / intensity : std::numeric_limits<double>::infinity());
+  }
+  return worst;
+}
 
 absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int64_t sweep_id) {
   std::vector<std::int64_t> ids;

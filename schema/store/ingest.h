@@ -23,4 +23,7 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,
                                                                  std::int64_t sweep_id);
 
+// The largest numerical error of a result's rows, relative to their intensities; 0 without rows.
+[[nodiscard]] double worst_relative_error(const schema::JobResult& result);
+
 }  // namespace irsig

@@ -13,6 +13,13 @@ namespace irsig {
 namespace {
 
 constexpr std::int64_t kFailedWorkersToQuarantine = 3;
+// What anybody reads of why jobs failed.
+constexpr std::size_t kMostMessage = 500;
+
+std::string shortened(const std::string& message) {
+  return message.size() <= kMostMessage ? message : message.substr(0, kMostMessage) + " ...";
+}
+
 // With fewer workers than that, a job that can only fail must come to rest as well.
 constexpr std::int64_t kFailuresToQuarantine = 6;
 
@@ -56,28 +63,6 @@ absl::StatusOr<QueuedJob> queued_job(Database& database, std::int64_t job_id,
     if (!*more) return job;
     job.spec.add_needs(need->text());
     job.output.push_back(need->text());
-  }
-}
-
-absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
-                                                           std::int64_t sweep_id) {
-  std::vector<std::string> failures;
-  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id);
-  if (!row.ok()) return row.status();
-  for (;;) {
-    const absl::StatusOr<bool> found = row->next();
-    if (!found.ok()) return found.status();
-    if (!*found) return failures;
-    const std::int64_t first = row->integer(), last = row->integer(), jobs = row->integer();
-    const std::string season = row->text(), worker_name = row->text(), message = row->text();
-    const std::string which =
-        absl::StrCat(jobs == 1 ? absl::StrCat("job ", first)
-                               : absl::StrCat(jobs, " jobs (", first, " to ", last, ")"),
-                     season.empty() ? "" : absl::StrCat(" (temperatures of \"", season, "\")"));
-    failures.push_back(row->is_null()
-                           ? absl::StrCat(which, " on ", worker_name, ": ", message)
-                           : absl::StrCat(which, ": ", jobs == 1 ? "needs" : "need", " job ",
-                                          row->integer(), ", which was given up"));
   }
 }
 
@@ -167,22 +152,33 @@ absl::Status end_lease_done(Database& database, std::uint64_t fencing_token, std
   return database.run(sql::recount_needs_of_dependents, job_id);
 }
 
-absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
-                        const std::string& worker_name, const std::string& message) {
-  const absl::StatusOr<LeasedJob> job = leased_job(database, fencing_token);
-  if (!job.ok()) return job.status();
-  IRSIG_STORE_TRY(end_lease(database, fencing_token, job->job_id, AttemptOutcome::kFailed,
+absl::StatusOr<std::uint64_t> fail_lease(Database& database, std::uint64_t fencing_token,
+                                         const LeasedJob& job, const std::string& worker_name,
+                                         const std::string& message) {
+  IRSIG_STORE_TRY(end_lease(database, fencing_token, job.job_id, AttemptOutcome::kFailed,
                             JobState::kWaiting, message, worker_name));
-  const absl::StatusOr<std::int64_t> failures = database.integer(sql::count_failure, job->job_id);
+  const absl::StatusOr<std::int64_t> failures = database.integer(sql::count_failure, job.job_id);
   if (!failures.ok()) return failures.status();
   const absl::StatusOr<std::int64_t> workers =
-      database.integer(sql::count_failed_workers, job->job_id);
+      database.integer(sql::count_failed_workers, job.job_id);
   if (!workers.ok()) return workers.status();
-  if (*workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine)
-    return absl::OkStatus();
+  if (*workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine) return 0;
   IRSIG_STORE_TRY(
-      database.run(sql::set_job_state, job->job_id, static_cast<int>(JobState::kQuarantined)));
-  return database.run(sql::quarantine_dependents, job->job_id);
+      database.run(sql::set_job_state, job.job_id, static_cast<int>(JobState::kQuarantined)));
+  IRSIG_STORE_TRY(database.run(sql::quarantine_dependents, job.job_id));
+  return 1 + database.changes();
+}
+
+absl::StatusOr<std::vector<std::uint64_t>> running_lease_tokens(Database& database) {
+  std::vector<std::uint64_t> tokens;
+  absl::StatusOr<Rows> row = database.query(sql::running_tokens);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return tokens;
+    tokens.push_back(row->count());
+  }
 }
 
 absl::Status release_all_leases(Database& database) {
@@ -190,9 +186,12 @@ absl::Status release_all_leases(Database& database) {
   return database.run(sql::release_all_jobs);
 }
 
+absl::StatusOr<std::int64_t> sweep_id_of(Database& database, const std::string& sweep_sha256) {
+  return database.integer(sql::sweep_id_by_sha256, sweep_sha256);
+}
+
 absl::StatusOr<std::uint64_t> cancel_sweep(Database& database, const std::string& sweep_sha256) {
-  const absl::StatusOr<std::int64_t> sweep_id =
-      database.integer(sql::sweep_id_by_sha256, sweep_sha256);
+  const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
   if (absl::IsNotFound(sweep_id.status())) {
     return absl::NotFoundError(absl::StrCat("no sweep ", sweep_sha256, " in this database"));
   }
@@ -202,54 +201,77 @@ absl::StatusOr<std::uint64_t> cancel_sweep(Database& database, const std::string
   return database.changes();
 }
 
-absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database) {
-  std::vector<SweepProgress> sweeps;
-  absl::StatusOr<Rows> row = database.query(sql::progress);
+absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
+                                                           std::int64_t sweep_id,
+                                                           std::uint64_t quarantined) {
+  std::vector<std::string> failures;
+  std::uint64_t told = 0;
+  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id);
+  if (!row.ok()) return row.status();
+  for (;;) {
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return failures;
+    if (failures.size() == kMostFailures) {
+      failures.push_back(absl::StrCat("and ", quarantined - told, " more"));
+      return failures;
+    }
+    const std::int64_t first = row->integer(), last = row->integer(), jobs = row->integer();
+    told += static_cast<std::uint64_t>(jobs);
+    const std::string season = row->text(), worker_name = row->text();
+    const std::string message = shortened(row->text());
+    const std::string which =
+        absl::StrCat(jobs == 1 ? absl::StrCat("job ", first)
+                               : absl::StrCat(jobs, " jobs (", first, " to ", last, ")"),
+                     season.empty() ? "" : absl::StrCat(" (temperatures of \"", season, "\")"));
+    failures.push_back(row->is_null()
+                           ? absl::StrCat(which, " on ", worker_name, ": ", message)
+                           : absl::StrCat(which, ": ", jobs == 1 ? "needs" : "need", " job ",
+                                          row->integer(), ", which was given up"));
+  }
+}
+
+absl::StatusOr<std::vector<CountedSweep>> count_sweeps(Database& database,
+                                                       std::optional<std::int64_t> only) {
+  std::vector<CountedSweep> sweeps;
+  absl::StatusOr<Rows> row = database.query(sql::progress, only);
   if (!row.ok()) return row.status();
   for (;;) {
     const absl::StatusOr<bool> found = row->next();
     if (!found.ok()) return found.status();
     if (!*found) return sweeps;
-    SweepProgress& sweep = sweeps.emplace_back();
-    sweep.name = row->text();
-    sweep.sweep_sha256 = row->text();
-    sweep.jobs = row->count();
-    sweep.waiting = row->count();
-    sweep.leased = row->count();
-    sweep.done = row->count();
-    sweep.quarantined = row->count();
-    sweep.cancelled = row->count();
-    sweep.rays = row->count();
-    sweep.worst_relative_error = row->real();
-    const std::int64_t sweep_id = row->integer();
-    sweep.heat_jobs = row->count();
-    sweep.heat_done = row->count();
-    if (sweep.quarantined == 0) continue;
-    absl::StatusOr<std::vector<std::string>> failures = failures_of_sweep(database, sweep_id);
-    if (!failures.ok()) return failures.status();
-    sweep.failures = *std::move(failures);
+    CountedSweep& sweep = sweeps.emplace_back();
+    sweep.progress.name = row->text();
+    sweep.progress.sweep_sha256 = row->text();
+    sweep.progress.jobs = row->count();
+    sweep.progress.waiting = row->count();
+    sweep.progress.leased = row->count();
+    sweep.progress.done = row->count();
+    sweep.progress.quarantined = row->count();
+    sweep.progress.cancelled = row->count();
+    sweep.progress.rays = row->count();
+    sweep.progress.worst_relative_error = row->real();
+    sweep.sweep_id = row->integer();
+    sweep.progress.heat_jobs = row->count();
+    sweep.progress.heat_done = row->count();
+    sweep.determinism_class = row->text();
   }
 }
 
-absl::StatusOr<std::string> bound_determinism_class(Database& database) {
-  absl::StatusOr<Rows> row = database.query(sql::determinism_class);
-  if (!row.ok()) return row.status();
-  const absl::StatusOr<bool> found = row->next();
-  if (!found.ok()) return found.status();
-  return *found ? row->text() : std::string();
-}
-
-absl::Status bind_class(Database& database, const std::string& determinism_class) {
-  const absl::StatusOr<std::string> bound = bound_determinism_class(database);
-  if (!bound.ok()) return bound.status();
-  if (!bound->empty() && *bound != determinism_class) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("the unfinished sweeps are bound to the determinism class \"", *bound,
-                     "\", not \"", determinism_class, "\""));
+absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database) {
+  absl::StatusOr<std::vector<CountedSweep>> counted = count_sweeps(database, std::nullopt);
+  if (!counted.ok()) return counted.status();
+  std::vector<SweepProgress> sweeps;
+  for (CountedSweep& sweep : *counted) {
+    if (sweep.progress.quarantined > 0) {
+      absl::StatusOr<std::vector<std::string>> failures =
+          failures_of_sweep(database, sweep.sweep_id, sweep.progress.quarantined);
+      if (!failures.ok()) return failures.status();
+      sweep.progress.failures = *std::move(failures);
+    }
+    sweeps.push_back(std::move(sweep.progress));
   }
-  if (determinism_class.empty())
-    return absl::InvalidArgumentError("a determinism class has a name");
-  return database.run(sql::bind_determinism_class, determinism_class);
+  return sweeps;
 }
 
 }  // namespace irsig

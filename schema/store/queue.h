@@ -59,13 +59,35 @@ struct LeasedJob {
 // The same for a job that was done: what needs it may be leased now.
 [[nodiscard]] absl::Status end_lease_done(Database& database, std::uint64_t fencing_token,
                                           std::int64_t job_id, const std::string& worker_name);
-[[nodiscard]] absl::Status fail_lease(Database& database, std::uint64_t fencing_token,
-                                      const std::string& worker_name, const std::string& message);
+// How many jobs are quarantined for it: none, this one, or those as well that need it.
+[[nodiscard]] absl::StatusOr<std::uint64_t> fail_lease(Database& database,
+                                                       std::uint64_t fencing_token,
+                                                       const LeasedJob& job,
+                                                       const std::string& worker_name,
+                                                       const std::string& message);
+[[nodiscard]] absl::StatusOr<std::vector<std::uint64_t>> running_lease_tokens(Database& database);
 [[nodiscard]] absl::Status release_all_leases(Database& database);
+[[nodiscard]] absl::StatusOr<std::int64_t> sweep_id_of(Database& database,
+                                                       const std::string& sweep_sha256);
 [[nodiscard]] absl::StatusOr<std::uint64_t> cancel_sweep(Database& database,
                                                          const std::string& sweep_sha256);
+
+// A sweep's jobs, counted; without the messages of those that failed.
+struct CountedSweep {
+  std::int64_t sweep_id;
+  std::string determinism_class;  // empty: not bound
+  SweepProgress progress;
+};
+// Of one sweep, or of all, in the order of their ids. Looks at every job: 5 s for 10^6.
+[[nodiscard]] absl::StatusOr<std::vector<CountedSweep>> count_sweeps(
+    Database& database, std::optional<std::int64_t> only);
+
+// Why jobs were quarantined: at most 20 lines, then "and N more". `quarantined`: how many are.
+inline constexpr std::size_t kMostFailures = 20;
+[[nodiscard]] absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
+                                                                         std::int64_t sweep_id,
+                                                                         std::uint64_t quarantined);
+
 [[nodiscard]] absl::StatusOr<std::vector<SweepProgress>> sweep_progress(Database& database);
-[[nodiscard]] absl::StatusOr<std::string> bound_determinism_class(Database& database);
-[[nodiscard]] absl::Status bind_class(Database& database, const std::string& determinism_class);
 
 }  // namespace irsig

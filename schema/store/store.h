@@ -16,6 +16,7 @@
 #include "schema/assets.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
+#include "schema/store/spooled_file.h"
 
 namespace irsig {
 
@@ -31,6 +32,7 @@ enum class JobState : int {
 struct Asset {
   std::string sha256;  // hex
   std::string bytes;
+  std::shared_ptr<SpooledFile> file = nullptr;  // instead of bytes
 };
 
 struct QueuedJob {
@@ -119,6 +121,13 @@ class StoreWriter {
   virtual absl::Status commit() = 0;
   virtual void rollback() = 0;
 
+  // One request among those that share a transaction: begun, then either kept or undone, so that a
+  // statement that fails takes the others along no more. FAILED_PRECONDITION from undo_request():
+  // the whole transaction is gone (the disk is full).
+  virtual absl::Status begin_request() = 0;
+  virtual absl::Status keep_request() = 0;
+  virtual absl::Status undo_request() = 0;
+
   struct Added {
     std::uint64_t jobs;
     std::uint64_t to_compute;  // missing or stale ones
@@ -147,6 +156,8 @@ class StoreWriter {
                                                               double now_s) = 0;
   // Back to waiting, unless the token is no longer the job's (FAILED_PRECONDITION).
   virtual absl::Status release(std::uint64_t fencing_token, const std::string& reason) = 0;
+  // The tokens of all current leases.
+  virtual absl::StatusOr<std::vector<std::uint64_t>> running_tokens() = 0;
   // Every lease of an earlier coordinator goes back to waiting: called once after open.
   virtual absl::Status release_all() = 0;
   // Counts a failure on this worker; after failures on 3 distinct workers, or 6 in all, the job is

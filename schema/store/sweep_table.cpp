@@ -145,11 +145,13 @@ class SweepUpdate {
       // The sweep's own hash is that of its canonical encoding, not of its bytes; it is kept with
       // the sweep.
       if (asset.sha256 == sweep_sha256) continue;
-      if (sha256_of(asset.bytes) != asset.sha256) {
+      if ((asset.file ? asset.file->sha256() : sha256_of(asset.bytes)) != asset.sha256) {
         return absl::InvalidArgumentError(
             absl::StrCat("the asset ", asset.sha256, " has other bytes than its name says"));
       }
-      IRSIG_STORE_TRY(database_.run(sql::insert_asset, asset.sha256, Blob{asset.bytes}));
+      IRSIG_STORE_TRY(asset.file
+                          ? put_file(asset)
+                          : database_.run(sql::insert_asset, asset.sha256, Blob{asset.bytes}));
       IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, asset.sha256));
     }
     for (const std::string& sha256 : needed_assets(sweep_)) {
@@ -321,6 +323,22 @@ class SweepUpdate {
       if (std::find(by_field.begin(), by_field.end(), part) != by_field.end()) continue;
       IRSIG_STORE_TRY(database_.run(sql::insert_part_temperature, *id, part_ids_[part],
                                     condition.part_temperature_k(static_cast<int>(part))));
+    }
+    return absl::OkStatus();
+  }
+
+  // In pieces: a model may be larger than memory should hold.
+  absl::Status put_file(const Asset& asset) {
+    constexpr std::size_t kPieceBytes = 1 << 20;
+    const std::uint64_t size = asset.file->size();
+    const absl::StatusOr<std::int64_t> row =
+        database_.integer(sql::insert_empty_asset, asset.sha256, size);
+    if (absl::IsNotFound(row.status())) return absl::OkStatus();  // it is there already
+    if (!row.ok()) return row.status();
+    for (std::uint64_t at = 0; at < size; at += kPieceBytes) {
+      const absl::StatusOr<std::string> piece = asset.file->read(at, kPieceBytes);
+      if (!piece.ok()) return piece.status();
+      IRSIG_STORE_TRY(database_.write_blob("asset", "bytes", *row, at, *piece));
     }
     return absl::OkStatus();
   }

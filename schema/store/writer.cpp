@@ -5,6 +5,7 @@
 #include "schema/store/ingest.h"
 #include "schema/store/ingest_heat.h"
 #include "schema/store/open_database.h"
+#include "schema/store/progress_counters.h"
 #include "schema/store/queue.h"
 #include "schema/store/statements.h"
 #include "schema/store/store.h"
@@ -44,7 +45,19 @@ class SqliteWriter final : public StoreWriter {
   absl::Status commit() override { return database_.run("COMMIT"); }
 
   void rollback() override {
+    counters_.forget();
     if (database_.in_transaction()) static_cast<void>(database_.run("ROLLBACK"));
+  }
+
+  absl::Status begin_request() override { return database_.run("SAVEPOINT request"); }
+
+  absl::Status keep_request() override { return database_.run("RELEASE request"); }
+
+  absl::Status undo_request() override {
+    IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();
+    IRSIG_STORE_TRY(database_.run("ROLLBACK TO request"));
+    return database_.run("RELEASE request");
   }
 
   absl::StatusOr<Added> add_sweep(const schema::ResolvedSweep& sweep,
@@ -52,7 +65,9 @@ class SqliteWriter final : public StoreWriter {
                                   const std::vector<schema::JobSpec>& jobs,
                                   const std::vector<Asset>& assets) override {
     IRSIG_STORE_TRY(require_transaction());
-    return store_sweep(database_, sweep, sweep_sha256, jobs, assets);
+    const absl::StatusOr<Added> added = store_sweep(database_, sweep, sweep_sha256, jobs, assets);
+    if (added.ok()) IRSIG_STORE_TRY(counters_.recount(database_, sweep_sha256));
+    return added;
   }
 
   absl::StatusOr<std::string> asset(const std::string& sha256) override {
@@ -69,26 +84,41 @@ class SqliteWriter final : public StoreWriter {
   absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id,
                                                       double now_s) override {
     IRSIG_STORE_TRY(require_transaction());
-    return lease_next_job(database_, worker_id, now_s);
+    absl::StatusOr<std::optional<QueuedJob>> job = lease_next_job(database_, worker_id, now_s);
+    if (job.ok() && job->has_value()) counters_.leased((*job)->spec.sweep_sha256());
+    return job;
   }
 
   absl::Status release(std::uint64_t fencing_token, const std::string& reason) override {
     IRSIG_STORE_TRY(require_transaction());
     const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
     if (!job.ok()) return job.status();
-    return end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kReleased,
-                     JobState::kWaiting, reason, "");
+    IRSIG_STORE_TRY(end_lease(database_, fencing_token, job->job_id, AttemptOutcome::kReleased,
+                              JobState::kWaiting, reason, ""));
+    counters_.released(job->sweep_id);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<std::vector<std::uint64_t>> running_tokens() override {
+    return running_lease_tokens(database_);
   }
 
   absl::Status release_all() override {
     IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();
     return release_all_leases(database_);
   }
 
   absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
                     const std::string& message) override {
     IRSIG_STORE_TRY(require_transaction());
-    return fail_lease(database_, fencing_token, worker_name, message);
+    const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
+    if (!job.ok()) return job.status();
+    const absl::StatusOr<std::uint64_t> quarantined =
+        fail_lease(database_, fencing_token, *job, worker_name, message);
+    if (!quarantined.ok()) return quarantined.status();
+    counters_.failed(job->sweep_id, *quarantined);
+    return absl::OkStatus();
   }
 
   absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
@@ -97,7 +127,9 @@ class SqliteWriter final : public StoreWriter {
     const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
     if (!job.ok()) return job.status();
     IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name));
-    return end_lease_done(database_, fencing_token, job->job_id, worker_name);
+    IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, worker_name));
+    counters_.done(*job, result.rays(), worst_relative_error(result));
+    return absl::OkStatus();
   }
 
   absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
@@ -108,25 +140,39 @@ class SqliteWriter final : public StoreWriter {
     const absl::StatusOr<bool> copied = copy_twin(database_, *job, determinism_class);
     if (!copied.ok() || !*copied) return copied;
     IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, "another sweep's"));
+    counters_.done(*job, 0, 0);  // of a heat job, at no cost
     return true;
   }
 
   absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) override {
     IRSIG_STORE_TRY(require_transaction());
-    return cancel_sweep(database_, sweep_sha256);
+    const absl::StatusOr<std::uint64_t> jobs = cancel_sweep(database_, sweep_sha256);
+    if (jobs.ok()) counters_.cancelled(sweep_sha256);
+    return jobs;
   }
 
   absl::StatusOr<std::vector<SweepProgress>> progress() override {
-    return sweep_progress(database_);
+    return counters_.all(database_);
   }
 
   absl::StatusOr<std::string> determinism_class() override {
-    return bound_determinism_class(database_);
+    return counters_.bound_class(database_);
   }
 
   absl::Status bind_determinism_class(const std::string& determinism_class) override {
     IRSIG_STORE_TRY(require_transaction());
-    return bind_class(database_, determinism_class);
+    const absl::StatusOr<std::string> bound = counters_.bound_class(database_);
+    if (!bound.ok()) return bound.status();
+    if (!bound->empty() && *bound != determinism_class) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("the unfinished sweeps are bound to the determinism class \"", *bound,
+                       "\", not \"", determinism_class, "\""));
+    }
+    if (determinism_class.empty())
+      return absl::InvalidArgumentError("a determinism class has a name");
+    IRSIG_STORE_TRY(database_.run(sql::bind_determinism_class, determinism_class));
+    counters_.bound(determinism_class);
+    return absl::OkStatus();
   }
 
   absl::Status finish() override {
@@ -164,6 +210,7 @@ class SqliteWriter final : public StoreWriter {
   Database& database_;
   std::string path_;
   bool created_;
+  ProgressCounters counters_;
 };
 
 }  // namespace

@@ -1,5 +1,7 @@
 // Leases, fencing tokens, failures, quarantine, cancellation, binding to a determinism class.
 
+#include <random>
+
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {
@@ -266,6 +268,86 @@ TEST_F(StoreNeeds, NeedsOutliveARestartAndAreThoseOfTheLastSubmission) {
   ASSERT_OK(submit(*writer_, sweep_, "sweep-a").status());  // without needs
   ASSERT_OK(writer_->begin());
   EXPECT_EQ(next(), 3U);
+}
+
+// The counters are carried along with each change; a reader counts every job.
+TEST_F(StoreQueue, CountersAreWhatCountingGives) {
+  const schema::ResolvedSweep heated = with_heat(make_sweep({.name = "heated"}));
+  const auto same = [&] {
+    auto reader = StoreReader::open(path_);
+    ASSERT_OK(reader.status());
+    const auto counted = (*reader)->progress().value(), kept = writer_->progress().value();
+    ASSERT_EQ(kept.size(), counted.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      const SweepProgress &a = kept[i], &b = counted[i];
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(a.sweep_sha256, b.sweep_sha256);
+      EXPECT_EQ(std::vector({a.jobs, a.waiting, a.leased, a.done, a.quarantined, a.cancelled,
+                             a.rays, a.heat_jobs, a.heat_done}),
+                std::vector({b.jobs, b.waiting, b.leased, b.done, b.quarantined, b.cancelled,
+                             b.rays, b.heat_jobs, b.heat_done}));
+      EXPECT_EQ(a.worst_relative_error, b.worst_relative_error);
+      EXPECT_EQ(a.failures, b.failures);
+    }
+  };
+  ASSERT_OK(writer_->commit());
+  std::mt19937 random(5);
+  std::vector<QueuedJob> held;
+  for (int step = 0; step < 300 && !testing::Test::HasFailure(); ++step) {
+    ASSERT_OK(writer_->begin());
+    switch (random() % 12) {
+      case 0:
+      case 1:
+      case 2:
+      case 3: {
+        const auto job = writer_->lease_next("w", 0);
+        ASSERT_OK(job.status());
+        if (job->has_value()) held.push_back(**job);
+        break;
+      }
+      case 4:
+        if (step > 20 && step % 5 == 0) (void)writer_->cancel(random() % 2 ? "sweep-a" : "sweep-h");
+        break;
+      case 5:
+        ASSERT_OK(
+            writer_->add_sweep(heated, "sweep-h", make_heat_jobs(heated, "sweep-h"), {}).status());
+        break;
+      case 6:
+        if (step % 7 == 0) ASSERT_OK(writer_->release_all());
+        break;
+      case 7: {  // undone
+        ASSERT_OK(writer_->begin_request());
+        (void)writer_->lease_next("w", 0);
+        ASSERT_OK(writer_->undo_request());
+        break;
+      }
+      default: {
+        if (held.empty()) break;
+        const QueuedJob job = held.back();
+        held.pop_back();
+        const int what = static_cast<int>(random() % 3);
+        const auto& of = job.spec.sweep_sha256() == "sweep-h" ? heated : sweep_;
+        if (what == 0) {
+          (void)writer_->release(job.fencing_token, "why");
+        } else if (what == 1) {
+          (void)writer_->fail(job.fencing_token, absl::StrCat("host:", random() % 5), "oh");
+        } else {
+          (void)writer_->complete(
+              job.fencing_token,
+              job.spec.has_heat() ? make_heat_result(of, job.spec) : make_result(of, job.spec),
+              "w");
+        }
+      }
+    }
+    if (random() % 6 == 0) {
+      writer_->rollback();
+      held.clear();
+      ASSERT_OK(writer_->begin());
+      ASSERT_OK(writer_->release_all());
+    }
+    ASSERT_OK(writer_->commit());
+    same();
+  }
 }
 
 }  // namespace

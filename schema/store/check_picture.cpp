@@ -1,0 +1,159 @@
+#include "schema/store/check_picture.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "absl/strings/str_cat.h"
+#include "schema/store/database.h"
+
+namespace irsig {
+namespace {
+
+absl::Status wrong(const std::string& path, const std::string& what) {
+  return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
+}
+
+std::uint32_t big_endian(std::string_view bytes) {
+  std::uint32_t out = 0;
+  for (std::size_t i = 0; i < 4; ++i) out = out << 8U | static_cast<unsigned char>(bytes[i]);
+  return out;
+}
+
+std::uint32_t little_endian(std::string_view bytes) {
+  std::uint32_t out = 0;
+  for (std::size_t i = 4; i-- > 0;) out = out << 8U | static_cast<unsigned char>(bytes[i]);
+  return out;
+}
+
+// Inflates what it is given and counts; keeps nothing.
+class Inflater {
+ public:
+  Inflater() { ready_ = inflateInit(&stream_) == Z_OK; }
+  ~Inflater() {
+    if (ready_) inflateEnd(&stream_);
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  // False: damaged, or more than `most` bytes in all.
+  bool add(std::string_view bytes, std::uint64_t most) {
+    if (!ready_) return false;
+    // zlib does not write there.
+    stream_.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    while (stream_.avail_in > 0 && !ended_) {
+      stream_.next_out = buffer_.data();
+      stream_.avail_out = static_cast<uInt>(buffer_.size());
+      const int code = inflate(&stream_, Z_NO_FLUSH);
+      count_ += buffer_.size() - stream_.avail_out;
+      ended_ = code == Z_STREAM_END;
+      if ((code != Z_OK && !ended_) || count_ > most) return false;
+    }
+    return stream_.avail_in == 0;
+  }
+  [[nodiscard]] bool ended_with(std::uint64_t bytes) const { return ended_ && count_ == bytes; }
+
+ private:
+  z_stream stream_{};
+  std::array<Bytef, 16384> buffer_;
+  std::uint64_t count_ = 0;
+  bool ready_ = false, ended_ = false;
+};
+
+// The layout: https://www.w3.org/TR/png/, 5 and 11.2.
+absl::Status check_png(std::string_view png, std::uint32_t width_px, std::uint32_t height_px,
+                       const std::string& path) {
+  constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
+  constexpr std::size_t kFrame = 12;  // length, name and checksum of a chunk
+  if (!png.starts_with(kSignature)) return wrong(path, "is no PNG file");
+  const std::uint64_t pixels = (std::uint64_t{width_px} + 1) * height_px;  // a filter byte a row
+  Inflater inflater;
+  bool first = true;
+  for (std::string_view rest = png.substr(kSignature.size());; first = false) {
+    if (rest.size() < kFrame) return wrong(path, "is cut off");
+    const std::uint32_t length = big_endian(rest);
+    if (length > rest.size() - kFrame) return wrong(path, "is cut off");
+    const std::string_view name = rest.substr(4, 4), body = rest.substr(8, length);
+    const std::uint32_t stated = big_endian(rest.substr(8 + length));
+    const uLong computed = crc32(0, reinterpret_cast<const Bytef*>(name.data()), 4 + length);
+    if (computed != stated) return wrong(path, "is damaged: a checksum does not match");
+    rest.remove_prefix(kFrame + length);
+    if (first) {
+      if (name != "IHDR" || length != 13) return wrong(path, "has no header");
+      if (big_endian(body) != width_px || big_endian(body.substr(4)) != height_px)
+        return wrong(path, absl::StrCat("is ", big_endian(body), " x ", big_endian(body.substr(4)),
+                                        " pixels, its thumbnail ", width_px, " x ", height_px));
+      if (body.substr(8) != std::string_view("\x08\0\0\0\0", 5))
+        return wrong(path, "is not 8 bit grey");
+    } else if (name == "IDAT") {
+      if (!inflater.add(body, pixels)) return wrong(path, "has damaged pixels, or too many");
+    } else if (name == "IEND") {
+      if (!rest.empty()) return wrong(path, "goes on after its end");
+      if (!inflater.ended_with(pixels)) return wrong(path, "has not all its pixels");
+      return absl::OkStatus();
+    }
+  }
+}
+
+// Up to the next zero byte, and past it.
+std::string_view take_text(std::string_view& rest) {
+  const std::size_t end = rest.find('\0');
+  if (end == std::string_view::npos) return {};
+  const std::string_view text = rest.substr(0, end);
+  rest.remove_prefix(end + 1);
+  return text;
+}
+
+// The layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
+absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32_t height_px,
+                       const std::string& path) {
+  constexpr std::uint32_t kMagic = 20000630, kPlainScanLines = 2;
+  if (exr.size() < 8 || little_endian(exr) != kMagic) return wrong(path, "is no OpenEXR file");
+  if (little_endian(exr.substr(4)) != kPlainScanLines)
+    return wrong(path, "is not one part of scan lines");
+  // Each row as it is, its place and size, and a header.
+  const std::uint64_t most = std::uint64_t{height_px} * (4 * std::uint64_t{width_px} + 16) + 4096;
+  if (exr.size() > most)
+    return wrong(path, absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most));
+  bool sized = false, channel = false;
+  for (std::string_view rest = exr.substr(8);;) {
+    if (rest.starts_with('\0')) break;
+    const std::string_view name = take_text(rest), type = take_text(rest);
+    if (name.empty() || type.empty() || rest.size() < 4) return wrong(path, "has a damaged header");
+    const std::uint32_t size = little_endian(rest);
+    rest.remove_prefix(4);
+    if (size >= rest.size()) return wrong(path, "has a damaged header");
+    std::string_view value = rest.substr(0, size);
+    rest.remove_prefix(size);
+    if (name == "dataWindow") {
+      sized = type == "box2i" && size == 16 && little_endian(value) == 0 &&
+              little_endian(value.substr(4)) == 0 &&
+              little_endian(value.substr(8)) == width_px - 1 &&
+              little_endian(value.substr(12)) == height_px - 1;
+      if (!sized) return wrong(path, "is of another size than its thumbnail");
+    } else if (name == "channels") {
+      // One, of float32: its name, 16 bytes, and the end of the list.
+      const std::string_view of = take_text(value);
+      channel = !of.empty() && value.size() == 17 && little_endian(value) == 2;
+      if (!channel) return wrong(path, "has other channels than one of float32");
+    }
+  }
+  return sized && channel ? absl::OkStatus() : wrong(path, "has a damaged header");
+}
+
+}  // namespace
+
+absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::string& path) {
+  const std::uint32_t width_px = thumbnail.width_px(), height_px = thumbnail.height_px();
+  if (width_px < 1 || height_px < 1 || width_px > kMostPixels || height_px > kMostPixels)
+    return wrong(path, absl::StrCat("is ", width_px, " x ", height_px, " pixels, expected 1 to ",
+                                    kMostPixels));
+  IRSIG_STORE_TRY(check_png(thumbnail.png(), width_px, height_px, path + ".png"));
+  return check_exr(thumbnail.exr(), width_px, height_px, path + ".exr");
+}
+
+}  // namespace irsig

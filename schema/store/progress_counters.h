@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "schema/store/queue.h"
+
+namespace irsig {
+
+// How far each sweep is, beside the queue: counted from it once, then carried along with each
+// change of a job, so that neither a status nor a lease looks at every job. Belongs to the one
+// writer of the database, which tells it of changes after their statements have run.
+class ProgressCounters {
+ public:
+  // What is not known is counted (again). In the order of the sweeps' ids.
+  absl::StatusOr<std::vector<SweepProgress>> all(Database& database);
+  // The class of the first sweep that is bound to one and has jobs open; empty: none is.
+  absl::StatusOr<std::string> bound_class(Database& database);
+
+  // A transaction, or a part of it, was undone.
+  void forget() { counted_.reset(); }
+  // A sweep was submitted, for the first time or again.
+  absl::Status recount(Database& database, const std::string& sweep_sha256);
+
+  void leased(const std::string& sweep_sha256);
+  void released(std::int64_t sweep_id);
+  // quarantined: as fail_lease returns it.
+  void failed(std::int64_t sweep_id, std::uint64_t quarantined);
+  void done(const LeasedJob& job, std::uint64_t rays, double worst_relative_error);
+  void cancelled(const std::string& sweep_sha256);
+  void bound(const std::string& determinism_class);
+
+ private:
+  struct Sweep : CountedSweep {
+    bool failures_are_old = true;
+  };
+  absl::Status count(Database& database);
+  Sweep* find(std::int64_t sweep_id);
+  Sweep* find(const std::string& sweep_sha256);
+
+  std::optional<std::map<std::int64_t, Sweep>> counted_;
+};
+
+}  // namespace irsig

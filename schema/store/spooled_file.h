@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// Bytes on their way into the database: a file without a name in the database's folder, so that
+// memory holds a piece at a time; it is gone when this object is, however its process ends. The
+// SHA-256 is taken as the bytes come. Not thread-safe.
+class SpooledFile {
+ public:
+  static absl::StatusOr<std::unique_ptr<SpooledFile>> make(const std::string& folder);
+  virtual ~SpooledFile() = default;
+
+  // OUT_OF_RANGE: there is no room for them.
+  virtual absl::Status append(std::string_view bytes) = 0;
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  // Of all bytes; nothing may be appended after.
+  virtual std::string sha256() = 0;
+  // At most `most` bytes from `at` on.
+  virtual absl::StatusOr<std::string> read(std::uint64_t at, std::size_t most) const = 0;
+};
+
+}  // namespace irsig

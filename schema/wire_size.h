@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "absl/status/status.h"
+#include "google/protobuf/descriptor.h"
+
+namespace irsig {
+
+// What a serialized message would take in memory, read from its bytes before any of it is taken:
+// two bytes on the wire may stand for an empty message of 600.
+//
+// RESOURCE_EXHAUSTED beyond `most_bytes`. INVALID_ARGUMENT: the bytes are no message of this type,
+// or have fields that it does not know. The estimate is that of what protobuf allocates to within a
+// factor of two (tests/unit/wire_size_test.cpp).
+[[nodiscard]] absl::Status check_wire_size(std::string_view bytes,
+                                           const google::protobuf::Descriptor& type,
+                                           std::uint64_t most_bytes);
+
+}  // namespace irsig
