@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -15,10 +17,44 @@ namespace {
 constexpr std::size_t kRequestsInACommit = 100;
 constexpr auto kTick = std::chrono::milliseconds(250);  // how often silence is looked for
 
-// A refusal concerns one request; anything else means that the store cannot be trusted to go on.
+// A refusal concerns one request, and what it has written (a failure that was counted) is meant.
 bool is_refusal(const absl::Status& status) {
   return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
          absl::IsNotFound(status) || absl::IsAlreadyExists(status);
+}
+
+// The store itself cannot go on: a full or damaged disk, no memory, a lock that stays.
+bool is_the_end(const absl::Status& status) {
+  return absl::IsResourceExhausted(status) || absl::IsDataLoss(status) ||
+         absl::IsUnavailable(status) || absl::IsPermissionDenied(status);
+}
+
+// Whatever a request holds, it ends with a status.
+absl::Status run_safely(CommitLoop::Work& work, Farm& farm) {
+  try {
+    return work(farm);
+  } catch (const std::exception& error) {
+    return absl::InternalError(absl::StrCat("exception: ", error.what()));
+  }
+}
+
+// Of one request, in a transaction of several: anything but a refusal is undone.
+absl::Status run_apart(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
+                       absl::Status& broken) {
+  if (broken = store.begin_request(); !broken.ok()) return broken;
+  const absl::Status status = run_safely(work, farm);
+  if (status.ok() || is_refusal(status)) {
+    broken = store.keep_request();
+    return broken.ok() ? status : broken;
+  }
+  if (is_the_end(status)) {
+    broken = status;
+    return status;
+  }
+  spdlog::error("a request failed and was undone: {}", status.ToString());
+  broken = store.undo_request();
+  if (broken.ok()) broken = farm.release_what_nobody_holds();
+  return absl::InternalError(absl::StrCat("the request failed: ", status.message()));
 }
 
 }  // namespace
@@ -115,11 +151,10 @@ absl::Status CommitLoop::serve(Farm& farm, StoreWriter& store, std::vector<Reque
   absl::Status broken;
   // What has arrived is heard before anybody is called silent.
   for (auto& request : requests) {
-    request.status = request.work(farm);
-    if (!request.status.ok() && !is_refusal(request.status)) {
-      broken = request.status;
-      break;
-    }
+    request.status =
+        writes ? run_apart(request.work, farm, store, broken) : run_safely(request.work, farm);
+    if (!writes && is_the_end(request.status)) broken = request.status;
+    if (!broken.ok()) break;
   }
   if (broken.ok() && lost) broken = farm.drop_silent_workers();
   if (!broken.ok()) {

@@ -1,10 +1,14 @@
 #include "coordinator/farm.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/printable.h"
+#include "jobs/check_resolved.h"
 #include "jobs/expand.h"
+#include "jobs/size_bounds.h"
 #include "spdlog/spdlog.h"
 
 namespace irsig {
@@ -33,6 +37,17 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
 
 std::string short_key(const std::string& key) { return key.substr(0, 12); }
 
+// Of a worker's own words, as much as anybody reads.
+std::string short_message(const std::string& message) {
+  constexpr std::size_t kMost = 4000;
+  if (message.size() <= kMost) return message;
+  return absl::StrCat(message.substr(0, kMost), " ... (", message.size(), " bytes)");
+}
+
+constexpr std::size_t kMostSessions = 10000;
+constexpr std::size_t kMostSweepsInMind = 100;
+constexpr std::size_t kMostHeldBytes = 256 << 20;  // of assets, between their calls
+
 }  // namespace
 
 absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
@@ -41,14 +56,16 @@ absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
   if (physics_version == 0) {
     return absl::InvalidArgumentError("a sweep is submitted with its physics_version");
   }
+  if (auto status = check_resolved(sweep); !status.ok()) return status;
   for (const auto& asset : assets) {
-    if (sha256_hex(asset.bytes) != asset.sha256) {
+    if ((asset.file ? asset.file->sha256() : sha256_hex(asset.bytes)) != asset.sha256) {
       return absl::InvalidArgumentError(
           absl::StrCat("the asset ", asset.sha256, " arrived damaged: its hash is another one"));
     }
   }
   Submission out;
   out.sweep_sha256 = sha256_hex(canonical_encoding(sweep));
+  out.physics_version = physics_version;
   out.jobs = expand_jobs(sweep, static_cast<int>(physics_version));
   out.assets = std::move(assets);
   out.sweep = std::move(sweep);
@@ -71,10 +88,23 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
     return absl::InvalidArgumentError(
         "a worker registers with its name, its determinism class and its physics version");
   }
+  for (const auto& [what, text] :
+       {std::pair<const char*, const std::string&>{"worker_name", request.worker_name()},
+        {"determinism_class", request.determinism_class()},
+        {"build_id", request.build_id()}}) {
+    if (text.size() > kLongestName || !is_one_line(text))
+      return absl::InvalidArgumentError(
+          absl::StrCat(what, " has ", text.size(),
+                       " bytes or control characters, expected a line of at most ", kLongestName));
+  }
+  if (sessions_.size() >= kMostSessions)
+    return absl::FailedPreconditionError(
+        absl::StrCat("there are ", kMostSessions, " workers already"));
   Session session{request.worker_name(),
                   request.determinism_class(),
                   request.physics_version(),
                   SessionState::kIdle,
+                  "",
                   "",
                   0,
                   clock_()};
@@ -90,6 +120,7 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
         return status;
       }
     }
+    leases_.drop(it->first);
     it = sessions_.erase(it);
   }
   schema::RegisterReply reply;
@@ -119,6 +150,7 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
         !status.ok() && !absl::IsFailedPrecondition(status)) {
       return status;
     }
+    leases_.drop(request.worker_id());
     all_settled_.reset();
   }
   schema::LeaseReply reply;
@@ -141,6 +173,8 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   session.state = SessionState::kComputing;
   session.fencing_token = (*job)->fencing_token;
   session.job_key = (*job)->spec.job_key();
+  session.sweep_sha256 = (*job)->spec.sweep_sha256();
+  leases_.hold(request.worker_id(), session.fencing_token);
   reply.set_state(schema::LeaseReply::STATE_LEASED);
   reply.set_fencing_token(session.fencing_token);
   for (std::size_t i = 0; i < (*job)->output.size(); ++i) {
@@ -219,27 +253,78 @@ absl::Status Farm::check_class(const Session& session) {
                    "start a new database"));
 }
 
+Farm::SweepRules Farm::rules_for(const schema::ResolvedSweep& sweep) {
+  SweepRules rules{std::nullopt, {}, sweep.sweep().output().thumbnail_px()};
+  for (const schema::Band& band : sweep.sweep().band()) {
+    const double steps = std::round((band.lambda_max_um() - band.lambda_min_um()) / band.step_um());
+    rules.wavelengths.push_back(static_cast<std::size_t>(steps) + 1);
+  }
+  return rules;
+}
+
+Farm::SweepRules& Farm::remember(const std::string& sweep_sha256,
+                                 const schema::ResolvedSweep& sweep) {
+  if (sweeps_.size() >= kMostSweepsInMind) sweeps_.clear();
+  return sweeps_.emplace(sweep_sha256, rules_for(sweep)).first->second;
+}
+
 // Job keys hold the physics version of whoever submitted the sweep; a worker with another one would
 // store its numbers under a key that promises different ones.
 absl::Status Farm::check_physics(const Session& session, const QueuedJob& job) {
-  const auto place = std::pair{job.spec.sweep_sha256(), session.physics_version};
-  auto keys = keys_.find(place);
-  if (keys == keys_.end()) {
-    const auto bytes = store_.asset(job.spec.sweep_sha256());
+  const std::string& sha256 = job.spec.sweep_sha256();
+  auto known = sweeps_.find(sha256);
+  if (known == sweeps_.end() || !known->second.physics_version) {
+    const auto bytes = store_.asset(sha256);
     if (!bytes.ok()) return bytes.status();
     schema::ResolvedSweep sweep;
     if (!sweep.ParseFromString(*bytes)) {
-      return absl::DataLossError(absl::StrCat("the stored sweep ", place.first, " is damaged"));
+      return absl::DataLossError(absl::StrCat("the stored sweep ", sha256, " is damaged"));
     }
-    keys = keys_.emplace(place, std::unordered_set<std::string>()).first;
+    if (auto status = check_resolved(sweep); !status.ok())
+      return absl::FailedPreconditionError(
+          absl::StrCat("the stored sweep ", sha256, " cannot be computed: ", status.message()));
+    // All keys of a sweep were made with one version: of a coordinator that was started again it is
+    // known when one key is found again.
     for (const auto& spec : expand_jobs(sweep, static_cast<int>(session.physics_version))) {
-      keys->second.insert(spec.job_key());
+      if (spec.job_key() != job.spec.job_key()) continue;
+      remember(sha256, sweep).physics_version = session.physics_version;
+      return absl::OkStatus();
     }
+  } else if (*known->second.physics_version == session.physics_version) {
+    return absl::OkStatus();
   }
-  if (keys->second.contains(job.spec.job_key())) return absl::OkStatus();
   return absl::FailedPreconditionError(absl::StrCat(
       "this sweep was submitted for another physics version than the worker's (",
       session.physics_version, "): submit it again with the irsig of the worker's build"));
+}
+
+// What the store does not know: who computed it, and how long spectra and how large pictures of
+// this sweep are.
+absl::Status Farm::check_against_session(const Session& session, const schema::JobResult& result) {
+  if (result.determinism_class() != session.determinism_class)
+    return absl::InvalidArgumentError(
+        absl::StrCat("the result is of the determinism class \"", result.determinism_class(),
+                     "\", its worker registered as \"", session.determinism_class, "\""));
+  if (result.physics_version() != session.physics_version)
+    return absl::InvalidArgumentError(
+        absl::StrCat("the result is of physics version ", result.physics_version(),
+                     ", its worker registered with ", session.physics_version));
+  const auto known = sweeps_.find(session.sweep_sha256);
+  if (known == sweeps_.end()) return absl::OkStatus();
+  const SweepRules& rules = known->second;
+  for (const schema::SignatureRow& row : result.view().row()) {
+    const auto wavelengths = static_cast<std::size_t>(row.spectrum().lambda_um_size());
+    if (row.band_index() < rules.wavelengths.size() &&
+        wavelengths != rules.wavelengths[row.band_index()])
+      return absl::InvalidArgumentError(
+          absl::StrCat("result: a spectrum of band ", row.band_index(), " has ", wavelengths,
+                       " wavelengths, its sweep asks for ", rules.wavelengths[row.band_index()]));
+    if (std::max(row.thumbnail().width_px(), row.thumbnail().height_px()) > rules.thumbnail_px)
+      return absl::InvalidArgumentError(absl::StrCat(
+          "result: a thumbnail is ", row.thumbnail().width_px(), " x ", row.thumbnail().height_px(),
+          " pixels, its sweep asks for ", rules.thumbnail_px));
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> Farm::all_settled() {
@@ -268,7 +353,7 @@ absl::StatusOr<schema::HeartbeatReply> Farm::heartbeat(const schema::HeartbeatRe
 }
 
 absl::Status Farm::complete(const std::string& worker_id, std::uint64_t fencing_token,
-                            const schema::JobResult& result) {
+                            const schema::JobResult& result, const absl::Status& checked) {
   const auto heard = hear(worker_id);
   if (!heard.ok()) return heard.status();
   Session& session = **heard;
@@ -280,14 +365,10 @@ absl::Status Farm::complete(const std::string& worker_id, std::uint64_t fencing_
         "the lease of this result is not current: it was given to another worker");
   }
   all_settled_.reset();
-  absl::Status stored;
-  if (result.determinism_class() != session.determinism_class) {
-    stored = absl::InvalidArgumentError(
-        absl::StrCat("the result is of the determinism class \"", result.determinism_class(),
-                     "\", its worker registered as \"", session.determinism_class, "\""));
-  } else {
-    stored = store_.complete(fencing_token, result, session.worker_name);
-  }
+  leases_.drop(worker_id);
+  absl::Status stored = checked;
+  if (stored.ok()) stored = check_against_session(session, result);
+  if (stored.ok()) stored = store_.complete(fencing_token, result, session.worker_name);
   if (stored.ok()) {
     failed_on_.erase(session.job_key);
     losses_.erase(session.job_key);
@@ -312,7 +393,8 @@ absl::Status Farm::fail(const schema::FailRequest& request) {
     return absl::FailedPreconditionError("the lease of this failure is not current");
   }
   all_settled_.reset();
-  const auto status = count_failure(session, request.message());
+  leases_.drop(request.worker_id());
+  const auto status = count_failure(session, short_message(request.message()));
   session.fencing_token = 0;
   return status;
 }
@@ -371,7 +453,23 @@ absl::Status Farm::drop_silent_workers() {
       const auto status = end_lease(session, "no heartbeat");
       if (!status.ok()) return status;
     }
+    leases_.drop(it->first);
     it = sessions_.erase(it);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Farm::release_what_nobody_holds() {
+  const auto tokens = store_.running_tokens();
+  if (!tokens.ok()) return tokens.status();
+  all_settled_.reset();
+  for (const std::uint64_t token : *tokens) {
+    const bool held = std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& session) {
+      return session.second.state == SessionState::kComputing &&
+             session.second.fencing_token == token;
+    });
+    if (held) continue;
+    if (auto status = store_.release(token, "a request failed"); !status.ok()) return status;
   }
   return absl::OkStatus();
 }
@@ -380,6 +478,9 @@ absl::StatusOr<std::shared_ptr<const std::string>> Farm::asset(const std::string
   if (const auto found = assets_.find(sha256); found != assets_.end()) return found->second;
   auto bytes = store_.asset(sha256);
   if (!bytes.ok()) return bytes.status();
+  std::size_t held = bytes->size();
+  for (const auto& [other, there] : assets_) held += there->size();
+  if (held > kMostHeldBytes) assets_.clear();  // those under way are held by their calls
   auto kept = std::make_shared<const std::string>(*std::move(bytes));
   assets_.emplace(sha256, kept);
   return kept;
@@ -396,7 +497,8 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
       return status;
   }
   all_settled_.reset();
-  keys_.clear();  // a cache
+  sweeps_.erase(submission.sweep_sha256);
+  remember(submission.sweep_sha256, submission.sweep).physics_version = submission.physics_version;
   schema::SubmitReply reply;
   reply.set_sweep_sha256(submission.sweep_sha256);
   reply.set_jobs(added->jobs);

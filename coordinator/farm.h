@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "coordinator/lease_book.h"
 #include "coordinator/session.h"
 #include "schema/farm.pb.h"
 #include "schema/store/store.h"
@@ -32,10 +32,13 @@ struct FarmRules {
 struct Submission {
   schema::ResolvedSweep sweep;
   std::string sweep_sha256;
+  std::uint32_t physics_version;
   std::vector<schema::JobSpec> jobs;
   std::vector<Asset> assets;
   std::optional<schema::Prediction> prediction = std::nullopt;
 };
+// INVALID_ARGUMENT: the sweep says what no file could (jobs/check_resolved.h), a hash is wrong, or
+// it comes without its physics version.
 [[nodiscard]] absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
                                                          std::uint32_t physics_version,
                                                          std::vector<Asset> assets);
@@ -58,14 +61,22 @@ class Farm {
   absl::StatusOr<schema::RegisterReply> register_worker(const schema::RegisterRequest& request);
   absl::StatusOr<schema::LeaseReply> lease(const schema::LeaseRequest& request);
   absl::StatusOr<schema::HeartbeatReply> heartbeat(const schema::HeartbeatRequest& request);
+  // `checked`: what was found in the result by itself (check_plausible), before it came here; a
+  // result that is refused counts as a failure of its job.
   absl::Status complete(const std::string& worker_id, std::uint64_t fencing_token,
-                        const schema::JobResult& result);
+                        const schema::JobResult& result,
+                        const absl::Status& checked = absl::OkStatus());
   absl::Status fail(const schema::FailRequest& request);
   absl::StatusOr<std::shared_ptr<const std::string>> asset(const std::string& sha256);
 
   absl::StatusOr<schema::SubmitReply> submit(const Submission& submission);
   absl::StatusOr<schema::StatusReply> status();
   absl::StatusOr<schema::CancelReply> cancel(const std::string& sweep_sha256);
+
+  // After a request was undone: leases that no session knows go back to the queue.
+  absl::Status release_what_nobody_holds();
+  // Who may send a result: may be asked from any thread.
+  [[nodiscard]] const LeaseBook& leases() const { return leases_; }
 
   // Workers that have been silent too long lose their jobs.
   [[nodiscard]] bool somebody_is_silent();
@@ -76,10 +87,17 @@ class Farm {
     std::string worker_name, determinism_class;
     std::uint32_t physics_version;
     SessionState state;
-    std::string job_key;
+    std::string job_key, sweep_sha256;
     std::uint64_t fencing_token;
     double heard_at_s;
   };
+  // What is asked of a sweep with every lease and every result.
+  struct SweepRules {
+    std::optional<std::uint32_t> physics_version;  // that its keys were made with, if known
+    std::vector<std::size_t> wavelengths;          // of the spectra of each band
+    std::uint32_t thumbnail_px;
+  };
+  static SweepRules rules_for(const schema::ResolvedSweep& sweep);
   absl::StatusOr<Session*> hear(const std::string& worker_id);
   absl::Status end_lease(Session& session, const std::string& reason);
   absl::Status count_failure(Session& session, const std::string& message);
@@ -89,6 +107,8 @@ class Farm {
                                                         const Session& session);
   absl::Status check_class(const Session& session);
   absl::Status check_physics(const Session& session, const QueuedJob& job);
+  SweepRules& remember(const std::string& sweep_sha256, const schema::ResolvedSweep& sweep);
+  absl::Status check_against_session(const Session& session, const schema::JobResult& result);
   [[nodiscard]] bool should_go_to_another(const Session& session, const std::string& job_key) const;
   absl::StatusOr<bool> all_settled();
 
@@ -102,7 +122,8 @@ class Farm {
   std::map<std::string, std::set<std::string>> failed_on_;  // job key -> worker names
   std::map<std::string, std::uint32_t> losses_;             // job key -> lost workers
   std::map<std::string, std::shared_ptr<const std::string>> assets_;
-  std::map<std::pair<std::string, std::uint32_t>, std::unordered_set<std::string>> keys_;
+  std::map<std::string, SweepRules> sweeps_;  // by hash; a cache
+  LeaseBook leases_;
   std::optional<bool> all_settled_;  // forgotten whenever the queue changes
 };
 

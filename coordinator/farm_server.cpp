@@ -61,6 +61,11 @@ absl::Status prepare_socket(const Address& listen) {
   return answered ? in_use(listen) : absl::OkStatus();
 }
 
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
 std::string random_id() {
   std::random_device device;
   return absl::StrCat(absl::Hex(device(), absl::kZeroPad8), absl::Hex(device(), absl::kZeroPad8));
@@ -69,7 +74,9 @@ std::string random_id() {
 class Server final : public FarmServer {
  public:
   explicit Server(FarmServerOptions options)
-      : options_(std::move(options)), service_(loop_), address_(options_.listen.text) {}
+      : options_(std::move(options)),
+        service_(loop_, folder_of(options_.db_path)),
+        address_(options_.listen.text) {}
 
   ~Server() override { (void)stop(); }
 
@@ -79,6 +86,7 @@ class Server final : public FarmServer {
     store_ = *std::move(store);
     if (auto status = take_over(); !status.ok()) return status;
     farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
+    service_.use(farm_->leases());
     loop_.start(*farm_, *store_, [this](absl::Status status) {
       failed_ = true;
       if (options_.on_failure) options_.on_failure(status);
@@ -91,6 +99,7 @@ class Server final : public FarmServer {
   [[nodiscard]] std::string address() const override { return address_; }
 
   absl::Status stop() override {
+    service_.stop();
     if (server_) server_->Shutdown(std::chrono::system_clock::now() + kLastCalls);
     loop_.stop();
     server_.reset();
@@ -135,7 +144,7 @@ class Server final : public FarmServer {
     // Workers ping every kKeepaliveMs; without this the server takes that for an attack (GOAWAY).
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                                kKeepaliveMs / 4);
-    builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+    builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
     builder.SetMaxSendMessageSize(kMaxMessageBytes);
     builder.RegisterService(&service_);
     int port = -1;

@@ -1,6 +1,6 @@
 #include "coordinator/farm_service.h"
 
-#include <algorithm>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,6 +9,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "schema/store/check_plausible.h"
+#include "schema/wire_size.h"
 
 namespace irsig {
 namespace {
@@ -30,82 +32,152 @@ grpc::ServerUnaryReactor* answer(CommitLoop& loop, CommitLoop::Kind kind,
   return reactor;
 }
 
+// Whatever a request holds, its call ends.
+template <class Work>
+absl::Status safely(Work work) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return absl::InternalError(absl::StrCat("the request failed: ", error.what()));
+  }
+}
+
 // Reads a stream of chunks to its end, then finishes once. The derived class takes the chunks; it
 // deletes itself when gRPC is done with it.
 template <class Chunk>
-class ChunkReader : public grpc::ServerReadReactor<Chunk> {
+class ChunkReader : public grpc::ServerReadReactor<Chunk>, private OpenCalls::Call {
  public:
-  explicit ChunkReader(grpc::CallbackServerContext* context) : context_(context) {}
+  ChunkReader(grpc::CallbackServerContext* context, OpenCalls& calls)
+      : context_(context), calls_(calls) {
+    calls_.add(*this);
+  }
+  ~ChunkReader() override { calls_.remove(*this); }
 
   void OnReadDone(bool ok) override {
+    calls_.heard(*this);
     if (ok) {
-      if (auto status = take(chunk_); !status.ok()) return this->Finish(to_grpc(status));
+      if (auto status = safely([&] { return take(chunk_); }); !status.ok()) return end(status);
       chunk_.Clear();
       return this->StartRead(&chunk_);
     }
+    calls_.remove(*this);  // from here on the sender waits for us
     if (context_->IsCancelled()) {
-      return this->Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the sender went away"));
+      return end(absl::CancelledError("the sender went away"));
     }
-    finish_reading();
+    if (auto status = safely([&] { return finish_reading(); }); !status.ok()) end(status);
   }
   void OnDone() override { delete this; }
 
  protected:
+  // What the call holds is free when its answer is there, and not only when gRPC is done with it.
+  void end(const absl::Status& status) {
+    let_go();
+    this->Finish(to_grpc(status));
+  }
+  virtual void let_go() = 0;
   void start() { this->StartRead(&chunk_); }
   virtual absl::Status take(Chunk& chunk) = 0;
-  virtual void finish_reading() = 0;  // must lead to Finish
+  virtual absl::Status finish_reading() = 0;  // OK: it leads to Finish; else nothing has begun
 
  private:
+  void cancel() override { context_->TryCancel(); }
+
   grpc::CallbackServerContext* context_;
+  OpenCalls& calls_;
   Chunk chunk_;
 };
 
+absl::Status busy(const char* what) {
+  return absl::UnavailableError(
+      absl::StrCat("the coordinator has too many ", what, " under way: try again"));
+}
+
+// What results may take in memory when they are read: eight times their bytes, as rows with short
+// spectra do, and what the smallest ones need.
+std::uint64_t most_memory(std::size_t bytes) { return 8 * bytes + (16 << 20); }
+
 class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
  public:
-  CompleteCall(grpc::CallbackServerContext* context, CommitLoop& loop)
-      : ChunkReader(context), loop_(loop) {
+  CompleteCall(grpc::CallbackServerContext* context, FarmService::Desk& desk)
+      : ChunkReader(context, desk.calls), desk_(desk), memory_(desk.result_bytes) {
     start();
   }
 
  private:
   absl::Status take(schema::CompleteChunk& chunk) override {
-    if (bytes_.empty()) {
+    if (!begun_) {
+      begun_ = true;
       worker_id_ = chunk.worker_id();
       fencing_token_ = chunk.fencing_token();
       expected_ = chunk.result_bytes();
-      if (expected_ == 0 || expected_ > kMaxStreamBytes) {
-        return absl::InvalidArgumentError(absl::StrCat("a result of ", expected_, " bytes"));
-      }
-      bytes_.reserve(std::min<std::size_t>(expected_, 16 * kPieceBytes));
+      if (expected_ == 0 || expected_ > kMaxResultBytes)
+        return absl::InvalidArgumentError(
+            absl::StrCat("a result of ", expected_, " bytes, expected 1 to ", kMaxResultBytes));
     }
+    // Nobody's bytes are kept but those of who holds the lease, all the time.
+    if (!desk_.leases->holds(worker_id_, fencing_token_)) return not_current();
+    if (bytes_.size() + chunk.piece().size() > expected_)
+      return absl::InvalidArgumentError("more bytes than announced");
+    if (!memory_.take(chunk.piece().size())) return busy("results");
     bytes_ += chunk.piece();
-    if (bytes_.size() > expected_) return absl::InvalidArgumentError("more bytes than announced");
     return absl::OkStatus();
   }
 
-  void finish_reading() override {
+  // What can be found in the result by itself is found here, on gRPC's thread.
+  absl::Status finish_reading() override {
+    if (!begun_) return absl::InvalidArgumentError("an empty result");
     auto result = std::make_unique<schema::JobResult>();
-    if (bytes_.size() != expected_ || !result->ParseFromString(bytes_)) {
-      return Finish(to_grpc(absl::DataLossError("the result arrived damaged: send it again")));
+    if (bytes_.size() != expected_) return damaged();
+    absl::Status checked =
+        check_wire_size(bytes_, *schema::JobResult::descriptor(), most_memory(bytes_.size()));
+    if (checked.ok()) {
+      if (!result->ParseFromString(bytes_)) return damaged();
+      checked = check_plausible(*result);
+    } else if (absl::IsInvalidArgument(checked)) {
+      return damaged();
+    } else {
+      checked = absl::InvalidArgumentError(absl::StrCat("result: ", checked.message()));
     }
     bytes_ = std::string();
-    loop_.post(
+    desk_.loop.post(
         CommitLoop::Kind::kWrites,
-        [this, kept = std::move(result)](Farm& farm) {
-          return farm.complete(worker_id_, fencing_token_, *kept);
+        [this, kept = std::move(result), checked](Farm& farm) {
+          return farm.complete(worker_id_, fencing_token_, *kept, checked);
         },
-        [this](const absl::Status& status) { Finish(to_grpc(status)); });
+        [this](const absl::Status& status) { end(status); });
+    return absl::OkStatus();
   }
 
-  CommitLoop& loop_;
+  void let_go() override {
+    bytes_ = std::string();
+    memory_.release();
+  }
+
+  static absl::Status damaged() {
+    return absl::DataLossError("the result arrived damaged: send it again");
+  }
+  // Who is unknown learns it when it asks for the next job.
+  absl::Status not_current() const {
+    return absl::FailedPreconditionError(
+        "the lease of this result is not current: it was given to another worker");
+  }
+
+  FarmService::Desk& desk_;
+  Share memory_;
+  bool begun_ = false;
   std::string worker_id_, bytes_;
   std::uint64_t fencing_token_ = 0, expected_ = 0;
 };
 
 class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
  public:
-  SubmitCall(grpc::CallbackServerContext* context, CommitLoop& loop, schema::SubmitReply* reply)
-      : ChunkReader(context), loop_(loop), reply_(reply) {
+  SubmitCall(grpc::CallbackServerContext* context, FarmService::Desk& desk,
+             schema::SubmitReply* reply)
+      : ChunkReader(context, desk.calls),
+        desk_(desk),
+        reply_(reply),
+        place_(desk.submissions),
+        room_(desk.submitted_bytes) {
     start();
   }
 
@@ -113,36 +185,94 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   absl::Status take(schema::SubmitChunk& chunk) override {
     switch (chunk.what_case()) {
       case schema::SubmitChunk::kSweep:
-        sweep_ = std::move(*chunk.mutable_sweep());
-        physics_version_ = chunk.physics_version();
-        if (chunk.has_prediction()) prediction_ = std::move(*chunk.mutable_prediction());
-        return absl::OkStatus();
+        return begin_sweep(*chunk.mutable_sweep());
       case schema::SubmitChunk::kAsset:
-        if (chunk.asset().size_bytes() > kMaxStreamBytes) {
-          return absl::InvalidArgumentError(absl::StrCat("a model of ", chunk.asset().size_bytes(),
-                                                         " bytes; at most ", kMaxStreamBytes));
-        }
-        assets_.push_back({chunk.asset().sha256(), ""});
-        sizes_.push_back(chunk.asset().size_bytes());
-        return absl::OkStatus();
+        return begin_asset(chunk.asset());
       case schema::SubmitChunk::kPiece:
-        if (assets_.empty() || assets_.back().bytes.size() + chunk.piece().size() > sizes_.back()) {
-          return absl::InvalidArgumentError("an asset's piece that was not announced");
-        }
-        assets_.back().bytes += chunk.piece();
-        return absl::OkStatus();
+        return assets_.empty() ? add_to_sweep(chunk.piece()) : add_to_asset(chunk.piece());
       case schema::SubmitChunk::WHAT_NOT_SET:
         break;
     }
     return absl::InvalidArgumentError("an empty piece of a submission");
   }
 
-  // Hashes and keys are worked out here, on gRPC's thread: the commit loop is not held up by them.
-  void finish_reading() override {
-    auto made = make_submission(std::move(sweep_), physics_version_, std::move(assets_));
-    if (!made.ok()) return Finish(to_grpc(made.status()));
+  void let_go() override {
+    bytes_ = std::string();
+    assets_.clear();
+    place_.release();
+    room_.release();
+  }
+
+  absl::Status begin_sweep(schema::SweepHeader& header) {
+    if (sweep_bytes_ != 0 || header.size_bytes() == 0 || header.size_bytes() > kMaxSweepBytes)
+      return absl::InvalidArgumentError(absl::StrCat(
+          "a sweep of ", header.size_bytes(), " bytes, expected one of 1 to ", kMaxSweepBytes));
+    if (!place_.take(1)) return busy("submissions");
+    sweep_bytes_ = header.size_bytes();
+    physics_version_ = header.physics_version();
+    if (header.has_prediction()) prediction_ = std::move(*header.mutable_prediction());
+    return absl::OkStatus();
+  }
+
+  absl::Status add_to_sweep(const std::string& piece) {
+    if (bytes_.size() + piece.size() > sweep_bytes_)
+      return absl::InvalidArgumentError("a sweep's piece that was not announced");
+    bytes_ += piece;
+    return absl::OkStatus();
+  }
+
+  absl::Status begin_asset(const schema::AssetHeader& header) {
+    if (auto status = end_last_piece(); !status.ok()) return status;
+    if (header.size_bytes() > kMaxAssetBytes)
+      return absl::InvalidArgumentError(
+          absl::StrCat("a model of ", header.size_bytes(), " bytes; at most ", kMaxAssetBytes));
+    if (assets_.size() >= kMostAssets || header.sha256().size() > 64)
+      return absl::InvalidArgumentError(
+          absl::StrCat("more than ", kMostAssets, " files, or one with a wrong hash"));
+    auto file = SpooledFile::make(desk_.folder);
+    if (!file.ok()) return file.status();
+    assets_.push_back({header.sha256(), "", *std::move(file)});
+    asset_bytes_ = header.size_bytes();
+    return absl::OkStatus();
+  }
+
+  absl::Status add_to_asset(const std::string& piece) {
+    SpooledFile& file = *assets_.back().file;
+    if (file.size() + piece.size() > asset_bytes_)
+      return absl::InvalidArgumentError("an asset's piece that was not announced");
+    if (!room_.take(piece.size())) return busy("submissions");
+    return file.append(piece);
+  }
+
+  absl::Status end_last_piece() const {
+    if (sweep_bytes_ == 0 || bytes_.size() != sweep_bytes_ ||
+        (!assets_.empty() && assets_.back().file->size() != asset_bytes_))
+      return absl::InvalidArgumentError("a submission that was cut");
+    return absl::OkStatus();
+  }
+
+  // Checks, hashes and keys take long: neither gRPC nor the commit loop is held up by them.
+  absl::Status finish_reading() override {
+    if (auto status = end_last_piece(); !status.ok()) return status;
+    const bool posted = desk_.clerk.post([this] {
+      if (auto status = safely([&] { return submit(); }); !status.ok()) end(status);
+    });
+    return posted ? absl::OkStatus() : absl::UnavailableError("the coordinator is shutting down");
+  }
+
+  absl::Status submit() {
+    schema::ResolvedSweep sweep;
+    if (auto status =
+            check_wire_size(bytes_, *schema::ResolvedSweep::descriptor(), kMostSweepMemory);
+        !status.ok())
+      return absl::InvalidArgumentError(absl::StrCat("the sweep: ", status.message()));
+    if (!sweep.ParseFromString(bytes_))
+      return absl::InvalidArgumentError("the sweep arrived damaged");
+    bytes_ = std::string();
+    auto made = make_submission(std::move(sweep), physics_version_, std::move(assets_));
+    if (!made.ok()) return made.status();
     made->prediction = std::move(prediction_);
-    loop_.post(
+    desk_.loop.post(
         CommitLoop::Kind::kWrites,
         [this, submission = *std::move(made)](Farm& farm) -> absl::Status {
           auto got = farm.submit(submission);
@@ -150,16 +280,22 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
           *reply_ = *std::move(got);
           return absl::OkStatus();
         },
-        [this](const absl::Status& status) { Finish(to_grpc(status)); });
+        [this](const absl::Status& status) { end(status); });
+    return absl::OkStatus();
   }
 
-  CommitLoop& loop_;
+  static constexpr std::size_t kMostAssets = 1001;  // a model and its temperature fields
+  // 10^5 conditions with their weather take 200 MB.
+  static constexpr std::uint64_t kMostSweepMemory = 1 << 30;
+
+  FarmService::Desk& desk_;
   schema::SubmitReply* reply_;
-  schema::ResolvedSweep sweep_;
+  Share place_, room_;
+  std::string bytes_;
+  std::uint64_t sweep_bytes_ = 0, asset_bytes_ = 0;
   std::uint32_t physics_version_ = 0;
   std::optional<schema::Prediction> prediction_;
   std::vector<Asset> assets_;
-  std::vector<std::uint64_t> sizes_;
 };
 
 class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
@@ -200,33 +336,33 @@ using Kind = CommitLoop::Kind;
 grpc::ServerUnaryReactor* FarmService::Register(grpc::CallbackServerContext* context,
                                                 const schema::RegisterRequest* request,
                                                 schema::RegisterReply* reply) {
-  return answer(loop_, Kind::kWrites, context, reply,
+  return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.register_worker(*request); });
 }
 
 grpc::ServerUnaryReactor* FarmService::Lease(grpc::CallbackServerContext* context,
                                              const schema::LeaseRequest* request,
                                              schema::LeaseReply* reply) {
-  return answer(loop_, Kind::kWrites, context, reply,
+  return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.lease(*request); });
 }
 
 grpc::ServerUnaryReactor* FarmService::Heartbeat(grpc::CallbackServerContext* context,
                                                  const schema::HeartbeatRequest* request,
                                                  schema::HeartbeatReply* reply) {
-  return answer(loop_, Kind::kReads, context, reply,
+  return answer(desk_.loop, Kind::kReads, context, reply,
                 [request](Farm& farm) { return farm.heartbeat(*request); });
 }
 
 grpc::ServerReadReactor<schema::CompleteChunk>* FarmService::Complete(
     grpc::CallbackServerContext* context, schema::CompleteReply* /*reply*/) {
-  return new CompleteCall(context, loop_);
+  return new CompleteCall(context, desk_);
 }
 
 grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context,
                                             const schema::FailRequest* request,
                                             schema::FailReply* reply) {
-  return answer(loop_, Kind::kWrites, context, reply,
+  return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) -> absl::StatusOr<schema::FailReply> {
                   if (auto status = farm.fail(*request); !status.ok()) return status;
                   return schema::FailReply();
@@ -235,24 +371,24 @@ grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context
 
 grpc::ServerWriteReactor<schema::AssetChunk>* FarmService::FetchAsset(
     grpc::CallbackServerContext* /*context*/, const schema::FetchAssetRequest* request) {
-  return new FetchCall(loop_, request->sha256());
+  return new FetchCall(desk_.loop, request->sha256());
 }
 
 grpc::ServerReadReactor<schema::SubmitChunk>* FarmService::Submit(
     grpc::CallbackServerContext* context, schema::SubmitReply* reply) {
-  return new SubmitCall(context, loop_, reply);
+  return new SubmitCall(context, desk_, reply);
 }
 
 grpc::ServerUnaryReactor* FarmService::Status(grpc::CallbackServerContext* context,
                                               const schema::StatusRequest* /*request*/,
                                               schema::StatusReply* reply) {
-  return answer(loop_, Kind::kReads, context, reply, [](Farm& farm) { return farm.status(); });
+  return answer(desk_.loop, Kind::kReads, context, reply, [](Farm& farm) { return farm.status(); });
 }
 
 grpc::ServerUnaryReactor* FarmService::Cancel(grpc::CallbackServerContext* context,
                                               const schema::CancelRequest* request,
                                               schema::CancelReply* reply) {
-  return answer(loop_, Kind::kWrites, context, reply,
+  return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.cancel(request->sweep_sha256()); });
 }
 

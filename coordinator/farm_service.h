@@ -1,15 +1,43 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "coordinator/background_thread.h"
 #include "coordinator/commit_loop.h"
+#include "coordinator/limits.h"
+#include "coordinator/open_calls.h"
 #include "schema/farm.grpc.pb.h"
 
 namespace irsig {
 
 // gRPC on one side, the commit loop on the other: no call holds a thread while it waits for its
-// commit.
+// commit. What a call may hold in memory is accounted for before it is taken; who takes too long
+// between two pieces is cut off.
 class FarmService final : public schema::Farm::CallbackService {
  public:
-  explicit FarmService(CommitLoop& loop) : loop_(loop) {}
+  // What all calls share.
+  struct Desk {
+    Desk(CommitLoop& commit_loop, std::string of_database)
+        : loop(commit_loop), folder(std::move(of_database)) {}
+
+    CommitLoop& loop;
+    std::string folder;  // of the database: files on their way into it are kept there
+    const LeaseBook* leases = nullptr;
+    SharedLimit result_bytes{512 << 20};
+    SharedLimit submissions{4};
+    SharedLimit submitted_bytes{8'000'000'000};
+    OpenCalls calls;
+    BackgroundThread clerk;
+  };
+
+  FarmService(CommitLoop& loop, std::string folder) : desk_(loop, std::move(folder)) {}
+
+  // Before the first call.
+  void use(const LeaseBook& leases) { desk_.leases = &leases; }
+  // No more submissions are looked at. Before the loop stops.
+  void stop() { desk_.clerk.stop(); }
 
   grpc::ServerUnaryReactor* Register(grpc::CallbackServerContext* context,
                                      const schema::RegisterRequest* request,
@@ -37,7 +65,7 @@ class FarmService final : public schema::Farm::CallbackService {
                                    schema::CancelReply* reply) override;
 
  private:
-  CommitLoop& loop_;
+  Desk desk_;
 };
 
 }  // namespace irsig

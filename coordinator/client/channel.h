@@ -15,11 +15,19 @@ namespace irsig {
 // workers on a loaded machine for dead.
 inline constexpr int kKeepaliveMs = 4000;
 inline constexpr int kKeepaliveTimeoutMs = 6000;
-// One piece of a stream, and the largest single message (a resolved sweep of 10^6 viewpoints).
+// One piece of a stream.
 inline constexpr std::size_t kPieceBytes = 1 << 20;
+// The largest message that the coordinator takes: a piece and what goes with it. Larger things come
+// in pieces, whose memory is accounted for before it is taken.
+inline constexpr int kMaxRequestBytes = 2 << 20;
+// The largest answer: a job with 10^5 conditions.
 inline constexpr int kMaxMessageBytes = 64 << 20;
-// The largest asset or result: SQLite's default limit of a value is 10^9 bytes.
-inline constexpr std::uint64_t kMaxStreamBytes = 1'000'000'000;
+// A serialized resolved sweep: 10^6 viewpoints take 30 MB, a radiosonde in 1000 conditions 40 MB.
+inline constexpr std::uint64_t kMaxSweepBytes = 64 << 20;
+// A result: 2000 rows with spectra and thumbnails take 60 MB, 10^5 facets at 300 times 240 MB.
+inline constexpr std::uint64_t kMaxResultBytes = 256 << 20;
+// The largest asset: SQLite's default limit of a value is 10^9 bytes.
+inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 
 // A channel of its own (never shared with another one of this process) that reconnects within 2 s.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);

@@ -55,11 +55,20 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
   context.set_wait_for_ready(true);
   schema::SubmitReply reply;
   const auto stream = farm->Submit(&context, &reply);
+  const std::string sweep_bytes = sweep.SerializeAsString();
   schema::SubmitChunk chunk;
-  *chunk.mutable_sweep() = sweep;
-  chunk.set_physics_version(physics_version);
-  if (prediction != nullptr) *chunk.mutable_prediction() = *prediction;
+  chunk.mutable_sweep()->set_size_bytes(sweep_bytes.size());
+  chunk.mutable_sweep()->set_physics_version(physics_version);
+  if (prediction != nullptr) *chunk.mutable_sweep()->mutable_prediction() = *prediction;
   bool open = stream->Write(chunk);
+  const auto write_pieces = [&](std::string_view bytes) {
+    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
+      schema::SubmitChunk piece;
+      piece.set_piece(std::string(bytes.substr(at, kPieceBytes)));
+      open = stream->Write(piece);
+    }
+  };
+  write_pieces(sweep_bytes);
   for (const std::string& sha256 : needed_assets(sweep)) {
     if (!open) break;
     const std::string_view bytes = asset(assets, sha256);
@@ -67,11 +76,7 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
     header.mutable_asset()->set_sha256(sha256);
     header.mutable_asset()->set_size_bytes(bytes.size());
     open = stream->Write(header);
-    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
-      schema::SubmitChunk piece;
-      piece.set_piece(std::string(bytes.substr(at, kPieceBytes)));
-      open = stream->Write(piece);
-    }
+    write_pieces(bytes);
   }
   stream->WritesDone();
   if (const auto status = to_absl(stream->Finish()); !status.ok()) {

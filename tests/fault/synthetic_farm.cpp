@@ -15,14 +15,39 @@
 #include "core/geo/sun.h"
 #include "jobs/sweep_file.h"
 #include "tests/fault/synthetic_ledger.h"
+#include "tests/fault/synthetic_pictures.h"
 
 namespace irsig {
 namespace {
 
-std::string random_bytes(std::mt19937_64& random, std::size_t size) {
-  std::string bytes(size, '\0');
-  for (char& c : bytes) c = static_cast<char>(random());
-  return bytes;
+// The numbers of a row that have to fit each other: causes and parts sum to the intensity, shares
+// of energy to their balance, shares are at most 1.
+void make_plausible(schema::SignatureRow& row) {
+  const double intensity_w_sr = row.emitted_w_sr().value() + row.sun_reflected_w_sr().value() +
+                                row.sky_reflected_w_sr().value() +
+                                row.sea_reflected_w_sr().value() +
+                                row.parts_reflected_w_sr().value();
+  row.mutable_intensity_w_sr()->set_value(intensity_w_sr);
+  for (schema::PartIntensity& part : *row.mutable_part())
+    part.mutable_intensity_w_sr()->set_value(intensity_w_sr / row.part_size());
+  schema::EnergyLedger& energy = *row.mutable_energy();
+  energy.mutable_balance()->set_value(
+      energy.absorbed().value() / 100 + energy.escaped_to_sky().value() / 100 +
+      energy.escaped_to_lower().value() / 100 + energy.cut_off().value() / 100);
+  for (schema::Estimate* share : {energy.mutable_absorbed(), energy.mutable_escaped_to_sky(),
+                                  energy.mutable_escaped_to_lower(), energy.mutable_cut_off()})
+    share->set_value(share->value() / 100);
+  for (schema::Estimate* share :
+       {energy.mutable_absorbed(), energy.mutable_escaped_to_sky(),
+        energy.mutable_escaped_to_lower(), energy.mutable_cut_off(), energy.mutable_balance()})
+    share->set_stderr(1e-3);
+  schema::Spectrum& s = *row.mutable_spectrum();
+  for (int i = 0; i < s.lambda_um_size(); ++i) {
+    s.set_path_transmittance(i, s.path_transmittance(i) / 100);
+    s.set_spectral_intensity_w_sr_um(
+        i, s.emitted_w_sr_um(i) + s.sun_reflected_w_sr_um(i) + s.sky_reflected_w_sr_um(i) +
+               s.sea_reflected_w_sr_um(i) + s.parts_reflected_w_sr_um(i));
+  }
 }
 
 class SyntheticRunner final : public JobRunner {
@@ -187,11 +212,12 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
       thumbnail->set_width_px(128);
       thumbnail->set_height_px(40);
       thumbnail->set_pixel_rad(1e-4);
-      thumbnail->set_png(random_bytes(random, 4096));
-      thumbnail->set_exr(random_bytes(random, 20480));
+      thumbnail->set_png(synthetic_png(128, 40, random));
+      thumbnail->set_exr(synthetic_exr(128, 40, 20480, random));
       row->set_stop_reason(schema::STOP_REASON_TARGET_REACHED);
       row->set_sun_azimuth_deg(150);
       row->set_sun_zenith_deg(50);
+      make_plausible(*row);
     }
   }
   result.set_samples(32 * 4096);

@@ -22,7 +22,7 @@ namespace irsig {
 inline constexpr char kSyntheticClass[] = "synthetic";
 
 // A result with made-up numbers, the same for the same job key, wherever it is made; with a PNG of
-// 4 kB and an EXR of 20 kB a row; of a heat job, with the temperatures of 5000 facets.
+// 5 kB and an EXR of 20 kB a row; of a heat job, with the temperatures of 5000 facets.
 [[nodiscard]] schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep,
                                                  const schema::JobSpec& job);
 

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "absl/functional/any_invocable.h"
+
+namespace irsig {
+
+// Work that takes long and must hold up neither gRPC nor the commit loop, one piece after the
+// other. Thread-safe but for stop(), which belongs to whoever made it.
+class BackgroundThread {
+ public:
+  using Work = absl::AnyInvocable<void()>;
+
+  BackgroundThread() : thread_([this] { run(); }) {}
+  ~BackgroundThread() { stop(); }
+
+  // False: it has stopped, and `work` will not run.
+  [[nodiscard]] bool post(Work work) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return false;
+      waiting_.push_back(std::move(work));
+    }
+    changed_.notify_one();
+    return true;
+  }
+
+  // What was posted runs to its end.
+  void stop() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_one();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      changed_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+      if (waiting_.empty()) return;
+      Work work = std::move(waiting_.front());
+      waiting_.pop_front();
+      lock.unlock();
+      work();
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Work> waiting_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace irsig

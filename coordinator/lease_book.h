@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+
+namespace irsig {
+
+// Which worker holds which lease: the farm writes it, and whoever receives a result asks before it
+// takes the result's bytes. Thread-safe.
+class LeaseBook {
+ public:
+  void hold(const std::string& worker_id, std::uint64_t fencing_token) {
+    const std::lock_guard lock(mutex_);
+    token_[worker_id] = fencing_token;
+  }
+  void drop(const std::string& worker_id) {
+    const std::lock_guard lock(mutex_);
+    token_.erase(worker_id);
+  }
+  [[nodiscard]] bool holds(const std::string& worker_id, std::uint64_t fencing_token) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = token_.find(worker_id);
+    return found != token_.end() && fencing_token != 0 && found->second == fencing_token;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::unordered_map<std::string, std::uint64_t> token_;
+};
+
+}  // namespace irsig

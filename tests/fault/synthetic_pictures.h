@@ -1,0 +1,70 @@
+#pragma once
+
+#include <zlib.h>
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <string_view>
+
+namespace irsig {
+
+// Pictures of noise, as a worker's are laid out, without the library that makes those.
+
+inline std::string noise(std::mt19937_64& random, std::size_t size) {
+  std::string bytes(size, '\0');
+  for (char& c : bytes) c = static_cast<char>(random());
+  return bytes;
+}
+
+inline std::string big_endian_text(std::uint32_t value) {
+  std::string out;
+  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xffU);
+  return out;
+}
+inline std::string little_endian_text(std::uint32_t value) {
+  const std::string reversed = big_endian_text(value);
+  return {reversed.rbegin(), reversed.rend()};
+}
+
+inline std::string png_chunk(const std::string& name_and_body) {
+  const uLong sum = crc32(0, reinterpret_cast<const Bytef*>(name_and_body.data()),
+                          static_cast<uInt>(name_and_body.size()));
+  return big_endian_text(static_cast<std::uint32_t>(name_and_body.size() - 4)) + name_and_body +
+         big_endian_text(static_cast<std::uint32_t>(sum));
+}
+
+// 8 bit grey; `rows`: for each row a filter byte (0) and its pixels.
+inline std::string png_of(std::uint32_t width_px, std::uint32_t height_px,
+                          const std::string& rows) {
+  uLongf size = compressBound(rows.size());
+  std::string packed(size, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size,
+           reinterpret_cast<const Bytef*>(rows.data()), rows.size());
+  packed.resize(size);
+  return "\x89PNG\r\n\x1a\n" +
+         png_chunk("IHDR" + big_endian_text(width_px) + big_endian_text(height_px) +
+                   std::string("\x08\0\0\0\0", 5)) +
+         png_chunk("IDAT" + packed) + png_chunk("IEND");
+}
+
+inline std::string synthetic_png(std::uint32_t width_px, std::uint32_t height_px,
+                                 std::mt19937_64& random) {
+  std::string rows;
+  for (std::uint32_t y = 0; y < height_px; ++y) rows += '\0' + noise(random, width_px);
+  return png_of(width_px, height_px, rows);
+}
+
+// A header and so many bytes of noise.
+inline std::string synthetic_exr(std::uint32_t width_px, std::uint32_t height_px, std::size_t bytes,
+                                 std::mt19937_64& random) {
+  const auto text = [](std::string_view t) { return std::string(t) + '\0'; };
+  const std::string window = little_endian_text(0) + little_endian_text(0) +
+                             little_endian_text(width_px - 1) + little_endian_text(height_px - 1);
+  return little_endian_text(20000630) + little_endian_text(2) + text("channels") + text("chlist") +
+         little_endian_text(19) + text("Y") + little_endian_text(2) + std::string(12, '\1') + '\0' +
+         text("dataWindow") + text("box2i") + little_endian_text(16) + window + '\0' +
+         noise(random, bytes);
+}
+
+}  // namespace irsig

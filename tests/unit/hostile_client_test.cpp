@@ -1,0 +1,395 @@
+// Whatever a client sends, the coordinator refuses it with a reason and goes on: over a real
+// socket, with no more than the messages of the service.
+#include <gmock/gmock.h>
+#include <grpcpp/client_context.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <stdexcept>
+
+#include "absl/strings/str_cat.h"
+#include "coordinator/client/channel.h"
+#include "coordinator/client/farm_client.h"
+#include "coordinator/commit_loop.h"
+#include "coordinator/farm_server.h"
+#include "jobs/expand.h"
+#include "tests/fault/synthetic_farm.h"
+#include "tests/fault/synthetic_pictures.h"
+
+namespace irsig {
+namespace {
+
+using testing::HasSubstr;
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The memory of this process, and so of the coordinator in it.
+double memory_mb() {
+  std::ifstream in("/proc/self/statm");
+  double pages = 0, resident = 0;
+  in >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+class HostileClient : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "/irsig-hostile-XXXXXX";
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    address_ = *parse_address("unix:" + folder_ + "/farm");
+    auto server = FarmServer::start({folder_ + "/test.sigdb",
+                                     address_,
+                                     {1, 60, 5},
+                                     now_s,
+                                     now_s,
+                                     [](const absl::Status& status) { ADD_FAILURE() << status; }});
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    farm_ = schema::Farm::NewStub(connect(address_));
+  }
+  void TearDown() override {
+    farm_.reset();
+    EXPECT_TRUE(server_->stop().ok());
+    server_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  // Bytes that claim to be a sweep.
+  absl::Status submit_bytes(const std::string& bytes) {
+    grpc::ClientContext context;
+    schema::SubmitReply reply;
+    const auto stream = farm_->Submit(&context, &reply);
+    schema::SubmitChunk chunk;
+    chunk.mutable_sweep()->set_size_bytes(bytes.size());
+    chunk.mutable_sweep()->set_physics_version(1);
+    bool open = stream->Write(chunk);
+    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
+      chunk.set_piece(bytes.substr(at, kPieceBytes));
+      open = stream->Write(chunk);
+    }
+    stream->WritesDone();
+    return to_absl(stream->Finish());
+  }
+
+  absl::Status register_as(const std::string& name, schema::RegisterReply& reply) {
+    schema::RegisterRequest request;
+    request.set_worker_name(name);
+    request.set_determinism_class(kSyntheticClass);
+    request.set_physics_version(1);
+    grpc::ClientContext context;
+    return to_absl(farm_->Register(&context, request, &reply));
+  }
+  schema::LeaseReply lease(const std::string& worker_id) {
+    schema::LeaseRequest request;
+    request.set_worker_id(worker_id);
+    schema::LeaseReply reply;
+    grpc::ClientContext context;
+    EXPECT_TRUE(farm_->Lease(&context, request, &reply).ok());
+    return reply;
+  }
+  absl::Status complete(const std::string& worker_id, std::uint64_t token,
+                        const std::string& bytes) {
+    grpc::ClientContext context;
+    schema::CompleteReply reply;
+    const auto stream = farm_->Complete(&context, &reply);
+    bool open = true;
+    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
+      schema::CompleteChunk chunk;
+      chunk.set_worker_id(worker_id);
+      chunk.set_fencing_token(token);
+      chunk.set_result_bytes(bytes.size());
+      chunk.set_piece(bytes.substr(at, kPieceBytes));
+      open = stream->Write(chunk);
+    }
+    stream->WritesDone();
+    return to_absl(stream->Finish());
+  }
+  schema::SweepStatus status() {
+    const auto reply = farm_status(address_, 20);
+    EXPECT_TRUE(reply.ok()) << reply.status();
+    return reply.ok() && reply->sweep_size() == 1 ? reply->sweep(0) : schema::SweepStatus();
+  }
+
+  std::string folder_;
+  Address address_;
+  std::unique_ptr<FarmServer> server_;
+  std::unique_ptr<schema::Farm::Stub> farm_;
+};
+
+// One of each kind; every field: unit.jobs, CheckResolved.
+TEST_F(HostileClient, SubmissionsThatNoFileCouldBeAreRefused) {
+  const schema::ResolvedSweep good = frigate_sweep(2);
+  struct Damage {
+    std::string named;
+    std::function<void(schema::ResolvedSweep&)> apply;
+  };
+  const std::vector<Damage> damages = {
+      {"condition[0].part_temperature_k[0] = -5",
+       [](auto& s) { s.mutable_condition(0)->set_part_temperature_k(0, -5); }},
+      {"condition[0].part_temperature_k[0] = nan",
+       [](auto& s) { s.mutable_condition(0)->set_part_temperature_k(0, NAN); }},
+      {"published[0].relation = \"cousin\"",
+       [](auto& s) { s.mutable_sweep()->add_published()->set_relation("cousin"); }},
+      {"condition has 2 elements, expected one for each season at each time: 3",
+       [](auto& s) { s.mutable_condition()->RemoveLast(); }},
+      {"sweep.time has 10001 elements",
+       [](auto& s) {
+         while (s.sweep().time_size() < 10001) s.mutable_sweep()->add_time("10:30Z");
+       }},
+      {"sweep.accuracy.relative_error = -1",
+       [](auto& s) { s.mutable_sweep()->mutable_accuracy()->set_relative_error(-1); }},
+      {"sweep.band[0].step_um = 0",
+       [](auto& s) { s.mutable_sweep()->mutable_band(0)->set_step_um(0); }},
+  };
+  for (const Damage& damage : damages) {
+    schema::ResolvedSweep sweep = good;
+    damage.apply(sweep);
+    const absl::Status refused = submit(address_, sweep, {}, 1).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(refused)) << damage.named << ": " << refused;
+    EXPECT_THAT(std::string(refused.message()), HasSubstr(damage.named));
+  }
+  EXPECT_TRUE(submit(address_, good, {}, 1).ok()) << "it goes on";
+}
+
+TEST_F(HostileClient, MemoryIsNotTakenForWhatIsRefused) {
+  const double before_mb = memory_mb();
+  std::string materials;  // 30 million, of 600 bytes each
+  for (int i = 0; i < 10000000; ++i) materials += std::string("\x32\0", 2);
+  std::string sweep = "\x0a";
+  for (std::uint64_t n = materials.size();; n >>= 7) {
+    sweep += static_cast<char>((n & 0x7fU) | (n > 0x7f ? 0x80U : 0U));
+    if (n <= 0x7f) break;
+  }
+  sweep += materials;
+  const absl::Status refused = submit_bytes(sweep);
+  EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("memory"));
+  EXPECT_TRUE(absl::IsInvalidArgument(submit_bytes("no sweep at all")));
+  schema::RegisterReply reply;
+  EXPECT_FALSE(register_as(std::string(60000000, 'x'), reply).ok());
+  EXPECT_TRUE(absl::IsInvalidArgument(register_as(std::string(1001, 'x'), reply)));
+  EXPECT_TRUE(absl::IsInvalidArgument(register_as("\x1b[2J", reply)));
+  // Nobody's bytes are kept who holds no lease.
+  const absl::Status nobody = complete("nobody", 7, std::string(30000000, '\0'));
+  EXPECT_TRUE(absl::IsFailedPrecondition(nobody)) << nobody;
+  EXPECT_LT(memory_mb() - before_mb, 400);
+  EXPECT_TRUE(farm_status(address_, 20).ok());
+}
+
+// Rows that are empty: two bytes each, 1 kB in memory.
+TEST_F(HostileClient, ABombOfAHolderOfALeaseCountsAsAFailureOfTheJob) {
+  ASSERT_TRUE(submit(address_, frigate_sweep(1), {}, 1).ok());
+  schema::RegisterReply worker;
+  ASSERT_TRUE(register_as("a", worker).ok());
+  const schema::LeaseReply job = lease(worker.worker_id());
+  std::string rows;
+  for (int i = 0; i < 4000000; ++i) rows += std::string("\x0a\0", 2);
+  std::string bytes = "\x12";
+  for (std::uint64_t n = rows.size();; n >>= 7) {
+    bytes += static_cast<char>((n & 0x7fU) | (n > 0x7f ? 0x80U : 0U));
+    if (n <= 0x7f) break;
+  }
+  const absl::Status refused = complete(worker.worker_id(), job.fencing_token(), bytes + rows);
+  EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+  EXPECT_EQ(status().leased(), 0U);
+  EXPECT_EQ(status().done(), 0U);
+}
+
+TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
+  struct Damage {
+    std::string named;
+    std::function<void(schema::JobResult&)> apply;
+  };
+  const auto row = [](schema::JobResult& r) { return r.mutable_view()->mutable_row(0); };
+  std::mt19937_64 random(1);
+  const std::string black = png_of(4096, 4096, std::string(std::size_t{4097} * 4096, '\0'));
+  const std::string too_long = png_of(128, 40, std::string(200000000, '\0'));
+  const std::vector<Damage> damages = {
+      {"intensity_w_sr.value = 1e+300",
+       [&](auto& r) { row(r)->mutable_intensity_w_sr()->set_value(1e300); }},
+      {"apparent_temperature_k = 1e+300",
+       [&](auto& r) { row(r)->set_apparent_temperature_k(1e300); }},
+      {"path_transmittance = 17", [&](auto& r) { row(r)->set_path_transmittance(17); }},
+      {"path_transmittance = -1", [&](auto& r) { row(r)->set_path_transmittance(-1); }},
+      {"path_transmittance[3] = 17",
+       [&](auto& r) { row(r)->mutable_spectrum()->set_path_transmittance(3, 17); }},
+      {"its causes sum to",
+       [&](auto& r) {
+         row(r)->mutable_sun_reflected_w_sr()->set_value(row(r)->sun_reflected_w_sr().value() *
+                                                         (1 + 1e-6));
+       }},
+      {"its parts sum to",
+       [&](auto& r) {
+         row(r)->mutable_part(0)->mutable_intensity_w_sr()->set_value(
+             row(r)->part(0).intensity_w_sr().value() * (1 + 1e-6));
+       }},
+      {"spectral_intensity_w_sr_um[2] = ",
+       [&](auto& r) {
+         row(r)->mutable_spectrum()->set_spectral_intensity_w_sr_um(
+             2, 1.001F * row(r)->spectrum().spectral_intensity_w_sr_um(2));
+       }},
+      {"its shares sum to",
+       [&](auto& r) { row(r)->mutable_energy()->mutable_balance()->set_value(1e-3); }},
+      {"emitted_w_sr.stderr = -1",
+       [&](auto& r) { row(r)->mutable_emitted_w_sr()->set_stderr(-1); }},
+      {"intensity_w_sr.value = nan",
+       [&](auto& r) { row(r)->mutable_intensity_w_sr()->set_value(NAN); }},
+      {"png is no PNG file", [&](auto& r) { row(r)->mutable_thumbnail()->set_png("text"); }},
+      {"png is 4096 x 4096 pixels", [&](auto& r) { row(r)->mutable_thumbnail()->set_png(black); }},
+      {"png has damaged pixels, or too many",
+       [&](auto& r) { row(r)->mutable_thumbnail()->set_png(too_long); }},
+      {"png is damaged: a checksum does not match",
+       [&](auto& r) { (*row(r)->mutable_thumbnail()->mutable_png())[60] ^= 1; }},
+      {"png is cut off",
+       [&](auto& r) {
+         std::string& png = *row(r)->mutable_thumbnail()->mutable_png();
+         png.resize(png.size() - 3);
+       }},
+      {"exr is no OpenEXR file", [&](auto& r) { row(r)->mutable_thumbnail()->set_exr("text"); }},
+      {"exr is of another size",
+       [&](auto& r) {
+         row(r)->mutable_thumbnail()->set_exr(synthetic_exr(30000, 30000, 100, random));
+       }},
+      {"exr has 1000",
+       [&](auto& r) {
+         row(r)->mutable_thumbnail()->set_exr(synthetic_exr(128, 40, 1000000, random));
+       }},
+      {"thumbnail is 5000 x 40 pixels",
+       [&](auto& r) { row(r)->mutable_thumbnail()->set_width_px(5000); }},
+      {"a thumbnail is 200 x 40 pixels, its sweep asks for 128",
+       [&](auto& r) {
+         auto& picture = *row(r)->mutable_thumbnail();
+         picture.set_width_px(200);
+         picture.set_png(synthetic_png(200, 40, random));
+         picture.set_exr(synthetic_exr(200, 40, 100, random));
+       }},
+      {"physics version 2", [](auto& r) { r.set_physics_version(2); }},
+      {"determinism class", [](auto& r) { r.set_determinism_class("another"); }},
+      {"build_id has control characters", [](auto& r) { r.set_build_id("\x1b[2J"); }},
+      {"wavelengths, its sweep asks for",
+       [&](auto& r) {
+         auto& spectrum = *row(r)->mutable_spectrum();
+         const auto* type = spectrum.GetDescriptor();
+         for (int f = 0; f < type->field_count(); ++f)
+           spectrum.GetReflection()->RemoveLast(&spectrum, type->field(f));
+       }},
+  };
+  const schema::ResolvedSweep sweep = frigate_sweep(static_cast<std::uint32_t>(damages.size()));
+  ASSERT_TRUE(submit(address_, sweep, {}, 1).ok());
+  schema::RegisterReply worker;
+  ASSERT_TRUE(register_as("a", worker).ok());
+  for (const Damage& damage : damages) {
+    const schema::LeaseReply job = lease(worker.worker_id());
+    ASSERT_EQ(job.state(), schema::LeaseReply::STATE_LEASED);
+    schema::JobResult result = synthetic_result(sweep, job.job());
+    damage.apply(result);
+    const absl::Status refused =
+        complete(worker.worker_id(), job.fencing_token(), result.SerializeAsString());
+    EXPECT_TRUE(absl::IsInvalidArgument(refused)) << damage.named << ": " << refused;
+    EXPECT_THAT(std::string(refused.message()), HasSubstr(damage.named));
+  }
+  EXPECT_EQ(status().done(), 0U);
+  for (std::size_t i = 0; i < damages.size(); ++i) {
+    const schema::LeaseReply job = lease(worker.worker_id());
+    const absl::Status taken = complete(worker.worker_id(), job.fencing_token(),
+                                        synthetic_result(sweep, job.job()).SerializeAsString());
+    ASSERT_TRUE(taken.ok()) << taken;
+  }
+  EXPECT_EQ(status().done(), damages.size());
+}
+
+TEST_F(HostileClient, OfManyFailuresTheRestIsCounted) {
+  constexpr std::uint32_t kJobs = 30;
+  ASSERT_TRUE(submit(address_, frigate_sweep(kJobs), {}, 1).ok());
+  schema::RegisterReply worker;
+  ASSERT_TRUE(register_as("a", worker).ok());
+  for (std::uint32_t i = 0; i < 3 * kJobs; ++i) {
+    schema::FailRequest request;
+    request.set_worker_id(worker.worker_id());
+    request.set_fencing_token(lease(worker.worker_id()).fencing_token());
+    request.set_message(std::string(100000, 'x'));
+    schema::FailReply reply;
+    grpc::ClientContext context;
+    ASSERT_TRUE(farm_->Fail(&context, request, &reply).ok());
+    (void)status();  // kept beside the queue: as it changes
+  }
+  const schema::SweepStatus ended = status();
+  EXPECT_EQ(ended.quarantined(), kJobs);
+  ASSERT_EQ(ended.failure_size(), 21);
+  EXPECT_EQ(ended.failure(20), "and 10 more");
+  EXPECT_LT(ended.ByteSizeLong(), 20000U);
+}
+
+// A model arrives in pieces, is held against its hash and is not kept in memory.
+TEST_F(HostileClient, AssetsGoToTheDiskAndAreHeldAgainstTheirHashes) {
+  schema::ResolvedSweep sweep = frigate_sweep(1);
+  const std::string model(150000000, 'm');
+  sweep.set_model_sha256(sha256_hex(model));
+  const double before_mb = memory_mb();
+  EXPECT_TRUE(absl::IsInvalidArgument(
+      submit(address_, sweep, {{sweep.model_sha256(), "another model"}}, 1).status()));
+  ASSERT_TRUE(submit(address_, sweep, {{sweep.model_sha256(), model}}, 1).ok());
+  EXPECT_LT(memory_mb() - before_mb, 100 + 2 * 150) << "the client's own copies";
+  const auto back = fetch_file(*farm_, sweep.model_sha256(), 60);
+  ASSERT_TRUE(back.ok()) << back.status();
+  EXPECT_EQ(*back, model);
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    files += entry.path().filename().string().find("spool") != std::string::npos;
+  EXPECT_EQ(files, 0U);
+}
+
+// One request fails in a way that nobody thought of: it is undone, the others are not.
+TEST(CommitLoopFaults, AFailedRequestTakesNothingAlong) {
+  std::string folder = testing::TempDir() + "/irsig-loop-XXXXXX";
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  auto store = StoreWriter::open(folder + "/a.sigdb").value();
+  Farm farm(*store, FarmRules{}, now_s, now_s, "c");
+  CommitLoop loop;
+  bool broken = false;
+  const auto ask = [&](CommitLoop::Work work) {
+    auto done = std::make_shared<std::promise<absl::Status>>();
+    auto answer = done->get_future();
+    loop.post(CommitLoop::Kind::kWrites, std::move(work),
+              [done](const absl::Status& s) { done->set_value(s); });
+    return answer;
+  };
+  const auto submission = make_submission(frigate_sweep(3), 1, {});
+  ASSERT_TRUE(submission.ok());
+  auto submitted = ask([&](Farm& f) { return f.submit(*submission).status(); });
+  auto thrown = ask([](Farm&) -> absl::Status { throw std::runtime_error("lost its way"); });
+  auto failed = ask([&](Farm&) -> absl::Status {
+    if (auto lost = store->lease_next("nobody", 0); !lost.ok()) return lost.status();
+    return absl::InternalError("half done");
+  });
+  auto after = ask([](Farm& f) { return f.status().status(); });
+  loop.start(farm, *store, [&](const absl::Status&) { broken = true; });
+  EXPECT_TRUE(submitted.get().ok());
+  EXPECT_THAT(std::string(thrown.get().message()), HasSubstr("lost its way"));
+  EXPECT_TRUE(absl::IsInternal(failed.get()));
+  EXPECT_TRUE(after.get().ok());
+  // A lease that was kept, and that no session knows.
+  auto kept = ask([&](Farm&) { return store->lease_next("nobody", 0).status(); });
+  EXPECT_TRUE(kept.get().ok());
+  EXPECT_TRUE(absl::IsInternal(ask([](Farm&) { return absl::InternalError("another"); }).get()));
+  loop.stop();
+  EXPECT_FALSE(broken);
+  const auto progress = store->progress();
+  ASSERT_TRUE(progress.ok());
+  EXPECT_EQ(progress->front().waiting, 3U);
+  EXPECT_EQ(progress->front().leased, 0U);
+  store.reset();
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace irsig
