@@ -111,18 +111,6 @@ TEST(CheckResolved, WhatNoFileCouldSayIsRefusedByThePathOfTheField) {
       {"model.generate = \"castle\"",
        [](auto& s) { s.mutable_sweep()->mutable_model()->set_generate("castle"); }},
       {"model_sha256 = \"../x\"", [](auto& s) { s.set_model_sha256("../x"); }},
-      {"transport.job_size_vertices = 1 makes",
-       [](auto& s) {
-         s.mutable_sweep()->mutable_transport()->set_job_size_vertices(1);
-         s.mutable_sweep()->mutable_transport()->set_max_reflections(0);
-         s.mutable_sweep()->mutable_accuracy()->clear_relative_error();
-         s.mutable_sweep()->mutable_accuracy()->clear_absolute_error_k();
-         s.mutable_sweep()->mutable_accuracy()->set_target_paths(1);
-         for (int v = s.viewpoint_size(); v < 400000; ++v) {
-           *s.add_viewpoint() = s.viewpoint(0);
-           s.mutable_viewpoint(v)->set_range_m(1e5 + v);
-         }
-       }},
   };
   for (const Change& change : changes) {
     schema::ResolvedSweep sweep = good;
@@ -131,6 +119,14 @@ TEST(CheckResolved, WhatNoFileCouldSayIsRefusedByThePathOfTheField) {
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << change.named << ": " << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr(change.named));
     EXPECT_LT(status.message().size(), 20000U) << change.named;
+  }
+}
+
+TEST(CheckResolved, JobsAreCountedBeforeTheyAreMade) {
+  for (const char* name : {"frigate.toml", "houses.toml", "frigate_day.toml"}) {
+    schema::ResolvedSweep sweep = example(name);
+    sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e5);
+    EXPECT_EQ(job_count(sweep), static_cast<double>(expand_jobs(sweep, 1).size())) << name;
   }
 }
 
