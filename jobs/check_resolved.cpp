@@ -1,6 +1,6 @@
 #include "jobs/check_resolved.h"
 
-#include <cmath>
+#include <algorithm>
 #include <set>
 #include <string>
 #include <tuple>
@@ -14,6 +14,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
 
 namespace irsig {
@@ -71,12 +72,18 @@ void check_plain_name(const std::string& name, const std::string& path, Findings
 
 void check_field(const schema::ResolvedSweep& resolved, const schema::ConditionField& from,
                  const std::string& path, Findings& findings) {
+  // Inputs are moved where a job runs.
+  if (from.shift_k() != 0)
+    findings.add(path, absl::StrCat(path, ".shift_k = ", from.shift_k(), ", expected 0"));
   for (const std::uint32_t part : from.part())
     if (part >= static_cast<std::uint32_t>(resolved.sweep().part_size()))
       findings.add(path, absl::StrCat(path, ".part = ", part, ": there is no such part"));
   if (from.has_heat()) {
     if (from.heat() >= static_cast<std::uint32_t>(resolved.heat_size()))
       findings.add(path, absl::StrCat(path, ".heat = ", from.heat(), ": there is no such run"));
+    else if (resolved.heat(static_cast<int>(from.heat())).input_size() > 0)
+      findings.add(path, absl::StrCat(path, ".heat = ", from.heat(),
+                                      " is a run of changes, expected one of temperatures"));
     return;
   }
   check_sha256(from.sha256(), path + ".sha256", findings);
@@ -140,6 +147,48 @@ void check_condition(const schema::ResolvedSweep& resolved, int i, AirCheck& air
   }
 }
 
+void check_heat_run(const schema::ResolvedSweep& resolved, int i, AirCheck& air,
+                    Findings& findings) {
+  const schema::HeatRun& run = resolved.heat(i);
+  const std::string path = element("heat", i);
+  if (run.part_temperature_k_size() != resolved.sweep().part_size())
+    findings.add(path, absl::StrCat(path, ".part_temperature_k has ", run.part_temperature_k_size(),
+                                    " elements for ", resolved.sweep().part_size(), " parts"));
+  if (run.time_utc().empty() || run.course().record().empty())
+    findings.add(path, absl::StrCat(path, " has no times or no weather of its course"));
+  for (const std::string& time : run.time_utc())
+    if (!parse_rfc3339(time).ok())
+      findings.add(path, absl::StrCat(path, ".time_utc = \"", time,
+                                      "\", expected a time: 2025-12-21T01:30:00Z"));
+  for (int k = 1; k < run.course().record_size(); ++k)
+    if (!(run.course().record(k).unix_s() > run.course().record(k - 1).unix_s()))
+      findings.add(path, absl::StrCat(path, ".course.record[", k, "] is not after the one before"));
+  check_complete_surroundings(resolved.sweep(), run.surroundings(), path + ".surroundings",
+                              findings);
+  if (!run.has_weather()) {
+    findings.add(path, absl::StrCat(path, ".weather is missing"));
+  } else {
+    air.check(run.weather(), run.surroundings(), path);
+  }
+}
+
+// What [uncertainty] asks for, and the runs of changes that follow from it: made once more.
+void check_uncertainty(const schema::ResolvedSweep& as_sent, Findings& findings) {
+  const auto of_changes = [](const schema::HeatRun& run) { return run.input_size() > 0; };
+  const bool any = std::any_of(as_sent.heat().begin(), as_sent.heat().end(), of_changes);
+  if (!findings.empty() || (!any && !as_sent.sweep().has_uncertainty())) return;
+  schema::ResolvedSweep resolved = as_sent;
+  auto& runs = *resolved.mutable_heat();
+  runs.erase(std::remove_if(runs.begin(), runs.end(), of_changes), runs.end());
+  resolve_uncertainty(resolved, findings);
+  if (!findings.empty()) return;
+  const auto same = [](const schema::HeatRun& a, const schema::HeatRun& b) {
+    return a.SerializeAsString() == b.SerializeAsString();
+  };
+  if (!std::equal(runs.begin(), runs.end(), as_sent.heat().begin(), as_sent.heat().end(), same))
+    findings.add("heat", "heat has other runs of changes than those that follow from uncertainty");
+}
+
 // As resolve_sweep found the tables: what it has written into them since, and the rules of tables
 // do not take, is taken out again.
 schema::Sweep as_written(schema::Sweep sweep) {
@@ -199,11 +248,8 @@ absl::Status check_resolved(const schema::ResolvedSweep& sweep) {
   check_viewpoints(sweep, findings);
   AirCheck air(findings);
   for (int i = 0; i < sweep.condition_size(); ++i) check_condition(sweep, i, air, findings);
-  for (int i = 0; i < sweep.heat_size(); ++i) {
-    const std::string path = element("heat", i);
-    if (sweep.heat(i).has_weather())
-      air.check(sweep.heat(i).weather(), sweep.heat(i).surroundings(), path);
-  }
+  for (int i = 0; i < sweep.heat_size(); ++i) check_heat_run(sweep, i, air, findings);
+  check_uncertainty(sweep, findings);
   if (!findings.empty()) return findings.status();
   const double jobs = job_count(sweep);
   if (jobs > kMostJobs)

@@ -238,6 +238,8 @@ absl::Status check_row(const schema::SignatureRow& row, const std::string& path)
     IRSIG_STORE_TRY(check_ranges(part, path + ".part"));
   for (const schema::EffectEntry& effect : row.effect())
     IRSIG_STORE_TRY(check_ranges(effect, path + ".effect"));
+  for (const schema::InputContribution& input : row.input())
+    IRSIG_STORE_TRY(check_ranges(input, path + ".input"));
   for (const schema::ProfileRow& profile : row.profile()) {
     IRSIG_STORE_TRY(check_ranges(profile, path + ".profile"));
     IRSIG_STORE_TRY(check_text(profile.name(), 1000, path + ".profile.name"));
