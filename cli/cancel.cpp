@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "cli/commands.h"
+#include "cli/coordinator_options.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 #include "view/print.h"
@@ -8,8 +9,8 @@
 namespace irsig {
 namespace {
 
-absl::Status cancel_sweep(const std::string& sweep, const std::string& coordinator) {
-  const auto address = parse_address(coordinator);
+absl::Status cancel_sweep(const std::string& sweep, const CoordinatorOptions& coordinator) {
+  const auto address = coordinator.address();
   if (!address.ok()) return address.status();
   const auto reply = cancel(*address, sweep);
   if (!reply.ok()) return reply.status();
@@ -24,9 +25,8 @@ void add_cancel(CLI::App& app, int& exit_code) {
   auto* command =
       app.add_subcommand("cancel", "take a sweep's open jobs off a coordinator's queue");
   auto sweep = std::make_shared<std::string>();
-  auto coordinator = std::make_shared<std::string>();
+  auto coordinator = std::make_shared<CoordinatorOptions>(*command);
   command->add_option("SWEEP", *sweep, "its name, its hash, or 8 digits of it")->required();
-  command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
   command->callback([=, &exit_code] { exit_code = report(cancel_sweep(*sweep, *coordinator)); });
 }
 

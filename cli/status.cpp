@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_join.h"
 #include "cli/commands.h"
+#include "cli/coordinator_options.h"
 #include "cli/output_options.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/ostream.h"
@@ -58,8 +59,8 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
   return absl::OkStatus();
 }
 
-absl::Status show_status(const std::string& coordinator, const OutputOptions& output) {
-  const auto address = parse_address(coordinator);
+absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output) {
+  const auto address = coordinator.address();
   if (!address.ok()) return address.status();
   const auto status = farm_status(*address);
   if (!status.ok()) return status.status();
@@ -72,10 +73,9 @@ absl::Status show_status(const std::string& coordinator, const OutputOptions& ou
 
 void add_status(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("status", "what a running coordinator has done and has to do");
-  auto coordinator = std::make_shared<std::string>();
+  auto coordinator = std::make_shared<CoordinatorOptions>(*command);
   auto output =
       std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
-  command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
   command->callback([=, &exit_code] { exit_code = report(show_status(*coordinator, *output)); });
 }
 

@@ -2,6 +2,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/coordinator_options.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
@@ -11,9 +12,9 @@
 namespace irsig {
 namespace {
 
-absl::Status submit_sweep(const std::string& sweep_path, const std::string& coordinator,
+absl::Status submit_sweep(const std::string& sweep_path, const CoordinatorOptions& coordinator,
                           const AccuracyAsked& asked) {
-  const auto address = parse_address(coordinator);
+  const auto address = coordinator.address();
   if (!address.ok()) return address.status();
   // Nobody there is said before minutes are spent on a large model.
   if (const auto there = farm_status(*address); !there.ok()) return there.status();
@@ -40,9 +41,8 @@ absl::Status submit_sweep(const std::string& sweep_path, const std::string& coor
 void add_submit(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("submit", "hand a sweep to a running coordinator");
   auto sweep = std::make_shared<std::string>();
-  auto coordinator = std::make_shared<std::string>();
+  auto coordinator = std::make_shared<CoordinatorOptions>(*command);
   command->add_option("SWEEP", *sweep, "the sweep file")->required();
-  command->add_option("--coordinator", *coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
   auto asked = std::make_shared<AccuracyAsked>();
   add_effects_option(*command, *asked);
   add_size_option(*command, *asked);

@@ -66,6 +66,15 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
+std::shared_ptr<grpc::ServerCredentials> credentials(const Address& listen) {
+  if (!listen.tls) return grpc::InsecureServerCredentials();
+  grpc::SslServerCredentialsOptions options(
+      GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
+  options.pem_root_certs = listen.tls->ca;
+  options.pem_key_cert_pairs.push_back({listen.tls->key, listen.tls->certificate});
+  return grpc::SslServerCredentials(options);
+}
+
 std::string random_id() {
   std::random_device device;
   return absl::StrCat(absl::Hex(device(), absl::kZeroPad8), absl::Hex(device(), absl::kZeroPad8));
@@ -150,7 +159,7 @@ class Server final : public FarmServer {
     int port = -1;
     const std::string uri =
         is_unix ? listen.target : listen.target.substr(listen.target.find(':') + 1);
-    builder.AddListeningPort(uri, grpc::InsecureServerCredentials(), &port);
+    builder.AddListeningPort(uri, credentials(listen), &port);
     const mode_t before = umask(0177);  // the socket is born with mode 0600
     server_ = builder.BuildAndStart();
     umask(before);

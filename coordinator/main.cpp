@@ -41,9 +41,11 @@ int main(int argc, char** argv) {
   CLI::App app{"hands out the jobs of a signature database to workers and stores their results"};
   std::string db_path, listen;
   bool remove_unused = false;
+  irsig::NetworkOptions network;
   irsig::FarmRules rules;
   app.add_option("--db", db_path, "the database; made if it does not exist")->required();
-  app.add_option("--listen", listen, "unix:PATH or 127.0.0.1:PORT (0: any free port)")->required();
+  app.add_option("--listen", listen, "unix:PATH or HOST:PORT (0: any free port)")->required();
+  irsig::add_network_options(app, network);
   app.add_option("--heartbeat-s", rules.heartbeat_s, "how often workers report")
       ->capture_default_str()
       ->check(CLI::Range(0.05, 3600.0));
@@ -61,7 +63,7 @@ int main(int argc, char** argv) {
     return report(
         absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));
   }
-  const auto address = irsig::parse_address(listen);
+  const auto address = irsig::parse_address(listen, network);
   if (!address.ok()) return report(address.status());
 
   spdlog::set_default_logger(spdlog::stderr_logger_mt("coordinator"));

@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/handshake.h"
 #include "spdlog/spdlog.h"
 
 namespace irsig {
@@ -154,6 +155,8 @@ class LeaseLoop {
             "no coordinator answers at ", plan_.coordinator.text, " (", status.message(), ")"));
       }
       if (!said) {
+        // A certificate that is refused is refused again.
+        if (auto why = check_handshake(plan_.coordinator); !why.ok()) return why;
         spdlog::warn("no coordinator answers at {}: trying again", plan_.coordinator.text);
         said = true;
       }

@@ -59,9 +59,11 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
 int main(int argc, char** argv) {
   CLI::App app{"computes the jobs that a coordinator hands out"};
   std::string coordinator;
+  irsig::NetworkOptions network;
   irsig::WorkerPlan plan;
   plan.worker_name = default_name();
-  app.add_option("--coordinator", coordinator, "unix:PATH or 127.0.0.1:PORT")->required();
+  app.add_option("--coordinator", coordinator, "unix:PATH or HOST:PORT")->required();
+  irsig::add_network_options(app, network);
   app.add_option("--name", plan.worker_name, "a name that no other worker has")
       ->capture_default_str();
   app.add_flag("--exit-when-finished", plan.exit_when_finished,
@@ -75,7 +77,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  auto address = irsig::parse_address(coordinator);
+  auto address = irsig::parse_address(coordinator, network);
   if (!address.ok()) return report(address.status());
   plan.coordinator = *std::move(address);
   plan.determinism_class = irsig::determinism_class();

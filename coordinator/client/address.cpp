@@ -13,9 +13,11 @@ namespace irsig {
 namespace {
 
 absl::Status refuse(std::string_view text, std::string_view why) {
-  return absl::InvalidArgumentError(fmt::format(
-      "address \"{}\": {}; expected unix:PATH or a loopback port such as 127.0.0.1:50051", text,
-      why));
+  return absl::InvalidArgumentError(
+      fmt::format("address \"{}\": {}; expected unix:PATH, a loopback port such as "
+                  "127.0.0.1:50051, or HOST:PORT "
+                  "with TLS",
+                  text, why));
 }
 
 absl::StatusOr<Address> parse_unix(std::string_view text) {
@@ -30,13 +32,23 @@ absl::StatusOr<Address> parse_unix(std::string_view text) {
         text, absl::StrCat("the path of a Unix socket may have ", sizeof(sockaddr_un::sun_path) - 1,
                            " bytes, this one has ", absolute.size()));
   }
-  return Address{std::string(text), "unix:" + absolute, absolute};
+  return Address{std::string(text), "unix:" + absolute, absolute, "", nullptr};
 }
 
-}  // namespace
+bool is_host_name(std::string_view host) {
+  return !host.empty() &&
+         host.find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+             "0123456789.-") == std::string_view::npos &&
+         host.find_first_not_of("0123456789.") != std::string_view::npos;
+}
 
-absl::StatusOr<Address> parse_address(std::string_view text) {
-  if (text.starts_with("unix:")) return parse_unix(text);
+struct Place {
+  Address address;
+  bool loopback = false;
+};
+
+absl::StatusOr<Place> parse_port(std::string_view text) {
   const auto colon = text.rfind(':');
   if (colon == std::string_view::npos) return refuse(text, "no port");
   const std::string host(text.substr(0, colon));
@@ -47,17 +59,48 @@ absl::StatusOr<Address> parse_address(std::string_view text) {
   if (problem != std::errc() || end != port_text.data() + port_text.size() || port > 65535) {
     return refuse(text, "the port is not a number between 0 and 65535");
   }
-  if (host == "localhost") {
-    return Address{std::string(text), absl::StrCat("ipv4:127.0.0.1:", port), ""};
-  }
-  if (host == "[::1]") return Address{std::string(text), absl::StrCat("ipv6:[::1]:", port), ""};
+  const auto at = [&](const std::string& target, const std::string& bare_host, bool loopback) {
+    return Place{{std::string(text), absl::StrCat(target, ":", port), "", bare_host, nullptr},
+                 loopback};
+  };
   in_addr ip4{};
-  if (inet_pton(AF_INET, host.c_str(), &ip4) == 1 && (ntohl(ip4.s_addr) >> 24) == 127) {
-    return Address{std::string(text), absl::StrCat("ipv4:", host, ":", port), ""};
+  if (inet_pton(AF_INET, host.c_str(), &ip4) == 1)
+    return at("ipv4:" + host, host, (ntohl(ip4.s_addr) >> 24) == 127);
+  if (host == "localhost") return at("ipv4:127.0.0.1", host, true);
+  if (host.starts_with('[') && host.ends_with(']')) {
+    const std::string bare = host.substr(1, host.size() - 2);
+    in6_addr ip6{};
+    if (inet_pton(AF_INET6, bare.c_str(), &ip6) == 1)
+      return at("ipv6:" + host, bare, IN6_IS_ADDR_LOOPBACK(&ip6));
   }
-  return refuse(text,
-                "not a loopback address: connections are not encrypted yet, so that only this "
-                "machine may be reached");
+  if (is_host_name(host)) return at("dns:" + host, host, false);
+  return refuse(text, "no host");
+}
+
+}  // namespace
+
+absl::StatusOr<Address> parse_address(std::string_view text, const NetworkOptions& network) {
+  if (text.starts_with("unix:")) {
+    if (network.tls.any())
+      return refuse(text, "TLS is for ports: a Unix socket is protected by its mode");
+    return parse_unix(text);
+  }
+  auto place = parse_port(text);
+  if (!place.ok()) return place.status();
+  if (network.tls.any() && network.insecure_network)
+    return refuse(text, "--insecure-network is for addresses without TLS");
+  if (network.tls.any()) {
+    auto identity = read_tls(network.tls);
+    if (!identity.ok()) return identity.status();
+    place->address.tls = std::make_shared<const TlsIdentity>(*std::move(identity));
+  } else if (!place->loopback && !network.insecure_network) {
+    return refuse(
+        text,
+        "not a loopback address: whoever reaches it from another machine could do "
+        "everything; give --tls-cert, --tls-key and --tls-ca, or --insecure-network where "
+        "all who are on the network are trusted");
+  }
+  return std::move(place->address);
 }
 
 }  // namespace irsig

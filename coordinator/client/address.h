@@ -1,22 +1,45 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "coordinator/client/tls.h"
 
 namespace irsig {
 
-// Where a coordinator listens. Until there is mutual TLS, only what cannot be reached from another
-// machine: a Unix socket or a loopback port.
+// Where a coordinator listens, and what both sides prove there.
 struct Address {
   std::string text;       // as given
   std::string target;     // as gRPC wants it
-  std::string unix_path;  // empty for a loopback port
+  std::string unix_path;  // empty for a port
+  std::string host;       // that the coordinator's certificate must name; empty for a Unix socket
+  std::shared_ptr<const TlsIdentity> tls;  // null: neither encrypted nor authenticated
 };
 
-// "unix:PATH", "127.x.y.z:PORT", "[::1]:PORT" or "localhost:PORT" (which stands for 127.0.0.1).
-// INVALID_ARGUMENT for everything else, other hosts included.
-[[nodiscard]] absl::StatusOr<Address> parse_address(std::string_view text);
+// What a user says of the network.
+struct NetworkOptions {
+  TlsFiles tls;
+  bool insecure_network = false;  // other machines may reach it without TLS
+};
+
+// "unix:PATH", or HOST:PORT with 127.x.y.z, [::1] or localhost (which stands for 127.0.0.1) as
+// host; other hosts (IPv4, [IPv6], a name) only with TLS or with insecure_network. INVALID_ARGUMENT
+// for everything else, and if the files of TLS are not what read_tls expects.
+[[nodiscard]] absl::StatusOr<Address> parse_address(std::string_view text,
+                                                    const NetworkOptions& network = {});
+
+// The options of a program that listens or connects, into `network`; App: CLI::App.
+template <class App>
+void add_network_options(App& app, NetworkOptions& network) {
+  app.add_option("--tls-cert", network.tls.certificate, "PEM file: the certificate to show");
+  app.add_option("--tls-key", network.tls.key, "PEM file: its private key, of mode 0600");
+  app.add_option("--tls-ca", network.tls.ca,
+                 "PEM file: the authority that has signed the certificates of both sides");
+  app.add_flag(
+      "--insecure-network", network.insecure_network,
+      "an address of other machines without TLS: everybody who reaches it may do everything");
+}
 
 }  // namespace irsig

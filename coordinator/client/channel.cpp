@@ -28,7 +28,15 @@ std::shared_ptr<grpc::Channel> connect(const Address& address) {
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
   arguments.SetMaxSendMessageSize(kMaxMessageBytes);
-  return grpc::CreateCustomChannel(address.target, grpc::InsecureChannelCredentials(), arguments);
+  if (!address.tls)
+    return grpc::CreateCustomChannel(address.target, grpc::InsecureChannelCredentials(), arguments);
+  // The certificate names the host as the user does, and not what it stands for.
+  arguments.SetSslTargetNameOverride(address.host);
+  grpc::SslCredentialsOptions options;
+  options.pem_root_certs = address.tls->ca;
+  options.pem_private_key = address.tls->key;
+  options.pem_cert_chain = address.tls->certificate;
+  return grpc::CreateCustomChannel(address.target, grpc::SslCredentials(options), arguments);
 }
 
 absl::Status to_absl(const grpc::Status& status) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "coordinator/client/handshake.h"
 #include "jobs/expand.h"
 
 namespace irsig {
@@ -24,6 +25,7 @@ std::unique_ptr<schema::Farm::Stub> stub_for(const Address& coordinator) {
 
 absl::Status named(const absl::Status& status, const Address& coordinator) {
   if (!is_unreachable(status)) return status;
+  if (auto why = check_handshake(coordinator); !why.ok()) return why;
   return absl::UnavailableError(
       absl::StrCat("no coordinator answers at ", coordinator.text, " (", status.message(), ")"));
 }

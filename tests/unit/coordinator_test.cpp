@@ -24,7 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Address, OnlyThisMachineIsAccepted) {
+TEST(Address, OnlyThisMachineIsAcceptedUnlessOthersAreAskedFor) {
   for (const char* good : {"unix:/run/x", "unix:relative/x", "unix:///run/x", "127.0.0.1:50051",
                            "127.3.2.1:1", "localhost:0", "[::1]:7"}) {
     EXPECT_TRUE(parse_address(good).ok()) << good;
@@ -36,6 +36,15 @@ TEST(Address, OnlyThisMachineIsAccepted) {
   }
   EXPECT_THAT(std::string(parse_address("10.1.2.3:4").status().message()),
               HasSubstr("not a loopback address"));
+  const NetworkOptions insecure{{}, true};
+  for (const char* good : {"0.0.0.0:50051", "192.168.1.2:50051", "example.org:80", "[::]:50051",
+                           "127.0.0.1.example.org:80", "127.0.0.1:7", "unix:/run/x"})
+    EXPECT_TRUE(parse_address(good, insecure).ok()) << good;
+  for (const char* bad : {"", ":80", "*:50051", "example.org", "300.1.1.1:80", "[example.org]:80",
+                          "a b:80", "../x:80"})
+    EXPECT_TRUE(absl::IsInvalidArgument(parse_address(bad, insecure).status())) << bad;
+  EXPECT_EQ(parse_address("localhost:7")->host, "localhost");
+  EXPECT_EQ(parse_address("[::1]:7")->host, "::1");
   EXPECT_THAT(std::string(parse_address("unix:/" + std::string(200, 'x')).status().message()),
               HasSubstr("107 bytes"));
 }

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <openssl/evp.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace irsig {
+
+// OpenSSL's objects, freed when they go.
+template <auto free>
+struct Freed {
+  template <class Object>
+  void operator()(Object* object) const {
+    free(object);
+  }
+};
+using Bio = std::unique_ptr<BIO, Freed<BIO_free>>;
+using Certificate = std::unique_ptr<X509, Freed<X509_free>>;
+using PrivateKey = std::unique_ptr<EVP_PKEY, Freed<EVP_PKEY_free>>;
+using CertificateStore = std::unique_ptr<X509_STORE, Freed<X509_STORE_free>>;
+
+// The certificates of a PEM text, in its order; what is not one ends the list.
+std::vector<Certificate> certificates_of(const std::string& pem);
+// Null: it is none, or has a password, which nobody is asked for.
+PrivateKey private_key_of(const std::string& pem);
+// Of an authority.
+CertificateStore store_of(const std::vector<Certificate>& trusted);
+
+}  // namespace irsig
