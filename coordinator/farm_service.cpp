@@ -87,9 +87,9 @@ class ChunkReader : public grpc::ServerReadReactor<Chunk>, private OpenCalls::Ca
   Chunk chunk_;
 };
 
-absl::Status busy(const char* what) {
-  return absl::UnavailableError(
-      absl::StrCat("the coordinator has too many ", what, " under way: try again"));
+// UNAVAILABLE to workers, who try again by themselves; to others a refusal.
+absl::Status busy(absl::StatusCode code, const char* what) {
+  return {code, absl::StrCat("the coordinator has too many ", what, " under way: try again")};
 }
 
 // What results may take in memory when they are read: eight times their bytes, as rows with short
@@ -118,7 +118,7 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
     if (!desk_.leases->holds(worker_id_, fencing_token_)) return not_current();
     if (bytes_.size() + chunk.piece().size() > expected_)
       return absl::InvalidArgumentError("more bytes than announced");
-    if (!memory_.take(chunk.piece().size())) return busy("results");
+    if (!memory_.take(chunk.piece().size())) return busy(absl::StatusCode::kUnavailable, "results");
     bytes_ += chunk.piece();
     return absl::OkStatus();
   }
@@ -207,7 +207,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     if (sweep_bytes_ != 0 || header.size_bytes() == 0 || header.size_bytes() > kMaxSweepBytes)
       return absl::InvalidArgumentError(absl::StrCat(
           "a sweep of ", header.size_bytes(), " bytes, expected one of 1 to ", kMaxSweepBytes));
-    if (!place_.take(1)) return busy("submissions");
+    if (!place_.take(1)) return busy(absl::StatusCode::kResourceExhausted, "submissions");
     sweep_bytes_ = header.size_bytes();
     physics_version_ = header.physics_version();
     if (header.has_prediction()) prediction_ = std::move(*header.mutable_prediction());
@@ -240,7 +240,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     SpooledFile& file = *assets_.back().file;
     if (file.size() + piece.size() > asset_bytes_)
       return absl::InvalidArgumentError("an asset's piece that was not announced");
-    if (!room_.take(piece.size())) return busy("submissions");
+    if (!room_.take(piece.size())) return busy(absl::StatusCode::kResourceExhausted, "submissions");
     return file.append(piece);
   }
 

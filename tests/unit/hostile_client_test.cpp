@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -327,6 +328,152 @@ TEST_F(HostileClient, OfManyFailuresTheRestIsCounted) {
   ASSERT_EQ(ended.failure_size(), 21);
   EXPECT_EQ(ended.failure(20), "and 10 more");
   EXPECT_LT(ended.ByteSizeLong(), 20000U);
+}
+
+// Only the holder of a lease may send the result of its job, and that of no other; what was stored
+// stays as it was.
+TEST_F(HostileClient, ResultsOfOthersAreRefusedAndWhatIsStoredStays) {
+  const schema::ResolvedSweep sweep = frigate_sweep(9);
+  ASSERT_TRUE(submit(address_, sweep, {}, 1).ok());
+  schema::RegisterReply a, b;
+  ASSERT_TRUE(register_as("a", a).ok());
+  ASSERT_TRUE(register_as("b", b).ok());
+  const schema::LeaseReply first = lease(a.worker_id()), second = lease(b.worker_id());
+  const std::string one = synthetic_result(sweep, first.job()).SerializeAsString();
+  const std::string two = synthetic_result(sweep, second.job()).SerializeAsString();
+  ASSERT_TRUE(complete(a.worker_id(), first.fencing_token(), one).ok());
+  const auto digest = [&] {
+    auto reader = StoreReader::open(folder_ + "/test.sigdb");
+    EXPECT_TRUE(reader.ok()) << reader.status();
+    return reader.ok() ? (*reader)->digest().value_or("none") : "";
+  };
+  const std::string before = digest();
+  struct Sent {
+    std::string worker_id;
+    std::uint64_t token;
+    const std::string& bytes;
+    std::string named;
+  };
+  const std::vector<Sent> wrong = {
+      {a.worker_id(), first.fencing_token(), one, "not current"},   // twice
+      {a.worker_id(), second.fencing_token(), two, "not current"},  // another's lease
+      {b.worker_id(), first.fencing_token(), one, "not current"},   // a job that is done
+      {"nobody", second.fencing_token(), two, "not current"},
+      {b.worker_id(), 0, two, "not current"},
+      {b.worker_id(), second.fencing_token() + 1000, two, "not current"},  // never given out
+      {b.worker_id(), second.fencing_token(), one, "job_key is"},          // another job's result
+  };
+  for (const Sent& sent : wrong) {
+    const absl::Status refused = complete(sent.worker_id, sent.token, sent.bytes);
+    EXPECT_TRUE(absl::IsFailedPrecondition(refused) || absl::IsInvalidArgument(refused)) << refused;
+    EXPECT_THAT(std::string(refused.message()), HasSubstr(sent.named));
+    EXPECT_EQ(digest(), before) << sent.named;
+  }
+  EXPECT_EQ(status().done(), 1U);
+  // Words that the service does not know.
+  for (const auto& damage : std::vector<std::function<void(schema::SignatureRow&)>>{
+           [](auto& row) { row.set_stop_reason(static_cast<schema::StopReason>(99)); },
+           [](auto& row) { row.set_stop_reason(static_cast<schema::StopReason>(-1)); },
+           [](auto& row) {
+             row.mutable_effect(0)->set_state(static_cast<schema::EffectState>(77));
+           },
+           [](auto& row) { row.set_condition_index(4000000000U); }}) {
+    const schema::LeaseReply job = lease(b.worker_id());
+    ASSERT_EQ(job.state(), schema::LeaseReply::STATE_LEASED);
+    schema::JobResult result = synthetic_result(sweep, job.job());
+    damage(*result.mutable_view()->mutable_row(0));
+    const absl::Status refused =
+        complete(b.worker_id(), job.fencing_token(), result.SerializeAsString());
+    EXPECT_TRUE(absl::IsInvalidArgument(refused)) << refused;
+    EXPECT_EQ(digest(), before);
+  }
+}
+
+// What breaks off leaves nothing: the same lease takes the whole result, the same sweep is stored.
+TEST_F(HostileClient, WhatIsCutOffLeavesNothing) {
+  const schema::ResolvedSweep sweep = frigate_sweep(2);
+  const std::string bytes = sweep.SerializeAsString();
+  EXPECT_FALSE(submit_bytes(bytes.substr(0, bytes.size() - 7)).ok());
+  EXPECT_FALSE(submit_bytes("").ok());
+  for (const bool cancelled : {false, true}) {
+    grpc::ClientContext context;
+    schema::SubmitReply reply;
+    const auto stream = farm_->Submit(&context, &reply);
+    schema::SubmitChunk chunk;
+    chunk.mutable_sweep()->set_size_bytes(bytes.size());
+    chunk.mutable_sweep()->set_physics_version(1);
+    stream->Write(chunk);
+    chunk.set_piece(bytes.substr(0, bytes.size() / 2));
+    stream->Write(chunk);
+    if (cancelled) context.TryCancel();
+    stream->WritesDone();
+    EXPECT_FALSE(stream->Finish().ok());
+  }
+  EXPECT_EQ(farm_status(address_, 20)->sweep_size(), 0);
+  ASSERT_TRUE(submit(address_, sweep, {}, 1).ok());
+  schema::RegisterReply worker;
+  ASSERT_TRUE(register_as("a", worker).ok());
+  const schema::LeaseReply job = lease(worker.worker_id());
+  const std::string result = synthetic_result(sweep, job.job()).SerializeAsString();
+  for (const std::uint64_t announced :
+       {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{result.size() + 1}, ~std::uint64_t{0}}) {
+    grpc::ClientContext context;
+    schema::CompleteReply reply;
+    const auto stream = farm_->Complete(&context, &reply);
+    schema::CompleteChunk chunk;
+    chunk.set_worker_id(worker.worker_id());
+    chunk.set_fencing_token(job.fencing_token());
+    chunk.set_result_bytes(announced);
+    chunk.set_piece(result);
+    stream->Write(chunk);
+    stream->WritesDone();
+    EXPECT_FALSE(stream->Finish().ok()) << announced;
+  }
+  EXPECT_EQ(status().leased(), 1U);
+  EXPECT_TRUE(complete(worker.worker_id(), job.fencing_token(), result).ok());
+}
+
+// So many submissions at a time; the next ones are told to wait, and nobody is held up.
+TEST_F(HostileClient, AFloodOfSubmissionsIsTurnedAway) {
+  constexpr int kFlood = 40, kTogether = 4;
+  struct Open {
+    grpc::ClientContext context;
+    schema::SubmitReply reply;
+    std::unique_ptr<grpc::ClientWriter<schema::SubmitChunk>> stream;
+  };
+  const std::string bytes = frigate_sweep(1).SerializeAsString();
+  std::vector<std::unique_ptr<Open>> open;
+  for (int i = 0; i < kFlood; ++i) {
+    open.push_back(std::make_unique<Open>());
+    open.back()->stream = farm_->Submit(&open.back()->context, &open.back()->reply);
+    schema::SubmitChunk chunk;
+    chunk.mutable_sweep()->set_size_bytes(bytes.size());
+    chunk.mutable_sweep()->set_physics_version(1);
+    open.back()->stream->Write(chunk);
+  }
+  // Empty pieces change nothing: they tell who has been turned away.
+  const auto is_open = [](const auto& call) {
+    schema::SubmitChunk nothing;
+    nothing.set_piece("");
+    return call->stream->Write(nothing);
+  };
+  const double until_s = now_s() + 120;
+  while (std::count_if(open.begin(), open.end(), is_open) > kTogether && now_s() < until_s) {
+  }
+  EXPECT_TRUE(farm_status(address_, 20).ok());
+  int refused = 0, taken = 0;
+  for (const auto& call : open) {
+    schema::SubmitChunk chunk;
+    chunk.set_piece(bytes);
+    call->stream->Write(chunk);
+    call->stream->WritesDone();
+    const absl::Status status = to_absl(call->stream->Finish());
+    ++(status.ok() ? taken : refused);
+    EXPECT_TRUE(status.ok() || absl::IsResourceExhausted(status)) << status;
+  }
+  EXPECT_EQ(taken, kTogether);
+  EXPECT_EQ(refused, kFlood - kTogether);
+  EXPECT_TRUE(submit(address_, frigate_sweep(3), {}, 1).ok()) << "it goes on";
 }
 
 // A model arrives in pieces, is held against its hash and is not kept in memory.
