@@ -38,8 +38,9 @@ constexpr auto kRanges = std::to_array<RangeOfName>({
     {"_stderr_w_sr_um", {0, 1e27}},
     {"_stderr_w_m2_sr_um", {0, 1e15}},
     {"path_transmittance", {0, 1 + 1e-6}},
-    {"backface_share", {0, 1 + 1e-9}},
-    {"target_fraction", {0, 1 + 1e-9}},
+    // Sums of many equal weights, some of them of float32.
+    {"backface_share", {0, 1 + 1e-6}},
+    {"target_fraction", {0, 1 + 1e-6}},
     {"sun_azimuth_deg", {-360, 360}},
     {"sun_zenith_deg", {0, 180}},
     // Shares of light, with the scatter of their estimate.

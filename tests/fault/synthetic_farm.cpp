@@ -149,6 +149,14 @@ schema::ResolvedSweep heated_frigate_sweep(std::uint32_t viewpoints, const std::
     schema::HeatRun& run = *sweep.mutable_heat()->rbegin();
     run.add_time_utc(condition.time_utc());
     *run.mutable_part_temperature_k() = condition.part_temperature_k();
+    *run.mutable_surroundings() = condition.surroundings();
+    *run.mutable_weather() = condition.weather();
+    if (run.course().record().empty()) {
+      schema::WeatherRecord& record = *run.mutable_course()->add_record();
+      record.set_air_temperature_k(290);
+      record.set_dew_point_k(280);
+      record.set_pressure_pa(1e5);
+    }
     schema::ConditionField& from = *condition.mutable_temperature_field();
     from.set_heat(static_cast<std::uint32_t>(sweep.heat_size() - 1));
     from.add_part(0);
