@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <thread>
 
@@ -19,33 +18,40 @@
 #include "jobs/sweep_file.h"
 #include "planning/export_temperatures.h"
 #include "schema/store/store.h"
-#include "tests/unit/heated_sweep.h"
+#include "tests/unit/sweep_text.h"
 
 namespace irsig {
 namespace {
 
-schema::ResolvedSweep heated_disk() {
-  const std::string path = IRSIG_SOURCE_DIR "/jobs/examples/disk.toml";
-  std::ifstream in(path);
-  std::stringstream text;
-  text << in.rdbuf();
-  const auto file = parse_sweep(text.str(), path);
+// The frigate at one hour of a winter's day, with few facets and samples.
+schema::ResolvedSweep heated_frigate() {
+  const std::filesystem::path path = IRSIG_SOURCE_DIR "/jobs/examples/frigate_day.toml";
+  auto file = parse_sweep(text_of(path), path.string());
   EXPECT_TRUE(file.ok()) << file.status();
-  schema::ResolvedSweep sweep = *resolve_sweep(*file, "");
-  schema::Accuracy& accuracy = *sweep.mutable_sweep()->mutable_accuracy();
-  accuracy.clear_relative_error();
-  accuracy.clear_absolute_error_k();
-  accuracy.set_samples_per_replicate(64);
-  sweep.mutable_sweep()->mutable_output()->set_thumbnail_px(0);
-  sweep.mutable_sweep()->mutable_model()->set_triangles(100);
-  for (int c = 0; c < sweep.condition_size(); ++c) compute_temperatures(sweep, c, 290 + c);
-  return sweep;
+  const auto read = [&](const std::string& name) -> absl::StatusOr<std::string> {
+    return text_of(path.parent_path() / name);
+  };
+  EXPECT_TRUE(read_material_files(*file, read).ok());
+  EXPECT_TRUE(read_weather_files(*file, read).ok());
+  schema::Sweep& sweep = file->sweep;
+  sweep.mutable_season()->DeleteSubrange(1, sweep.season_size() - 1);
+  sweep.mutable_time()->DeleteSubrange(1, sweep.time_size() - 1);
+  sweep.mutable_model()->set_triangles(2000);
+  sweep.mutable_viewpoints()->set_count(3);
+  sweep.mutable_heat()->set_rays(64);
+  sweep.clear_uncertainty();
+  sweep.mutable_accuracy()->clear_relative_error();
+  sweep.mutable_accuracy()->set_samples_per_replicate(64);
+  sweep.mutable_output()->set_thumbnail_px(0);
+  const auto resolved = resolve_sweep(*file, "");
+  EXPECT_TRUE(resolved.ok()) << resolved.status();
+  return *resolved;
 }
 
 TEST(HeatFarm, StoresWhatOneProcessComputes) {
   std::string folder = "/tmp/irsig-heat-XXXXXX";
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const schema::ResolvedSweep sweep = heated_disk();
+  const schema::ResolvedSweep sweep = heated_frigate();
   const std::string db = folder + "/heat.sigdb";
   {
     auto farm = LocalFarm::start({.db_path = db,
