@@ -203,10 +203,17 @@ struct StoredSignature {
   double unit_x, unit_y, unit_z;  // unit vector target -> sensor, body frame
   double sun_azimuth_deg, sun_zenith_deg;
   // The catalogue's quantities, each by its name; kNotComputed in rows of a format that did not
-  // have it.
+  // have it, and where not every row has it.
 #define IRSIG_VALUE_MEMBERS(name, stderr_name, unit, since, what) double name, stderr_name;
 #define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name;
-  IRSIG_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
+  IRSIG_COMPUTED_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
+#undef IRSIG_VALUE_MEMBERS
+#undef IRSIG_NUMBER_MEMBER
+#define IRSIG_VALUE_MEMBERS(name, stderr_name, unit, since, what) \
+  double name = kNotComputed, stderr_name = kNotComputed;
+#define IRSIG_NUMBER_MEMBER(name, kind, unit, since, what) double name = kNotComputed;
+  IRSIG_PLUME_QUANTITIES(IRSIG_VALUE_MEMBERS, IRSIG_NUMBER_MEMBER)
+  IRSIG_INPUT_QUANTITIES(IRSIG_NUMBER_MEMBER)
 #undef IRSIG_VALUE_MEMBERS
 #undef IRSIG_NUMBER_MEMBER
   // The three inputs that contribute most to input_uncertainty_w_sr, beyond the noise of their

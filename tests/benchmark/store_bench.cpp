@@ -113,7 +113,9 @@ schema::JobResult make_result(std::mt19937_64& random) {
       for (int i = 0; i < wavelengths; ++i) spectrum.add_lambda_um((b == 0 ? 3 : 8) + 0.05 * i);
       for (int f = 0; f < spectrum.GetDescriptor()->field_count(); ++f) {
         const auto* field = spectrum.GetDescriptor()->field(f);
-        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT) continue;
+        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT ||
+            field->name().find("plume") != std::string::npos)
+          continue;  // hot gas is of rows that say so
         for (int i = 0; i < wavelengths; ++i) {
           spectrum.GetReflection()->AddFloat(&spectrum, field, static_cast<float>(value(random)));
         }

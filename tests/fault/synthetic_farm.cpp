@@ -212,7 +212,9 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
         spectrum->add_lambda_um(band.lambda_min_um() + i * band.step_um());
         for (int f = 0; f < spectrum->GetDescriptor()->field_count(); ++f) {
           const auto* field = spectrum->GetDescriptor()->field(f);
-          if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT) continue;
+          if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT ||
+              field->name().find("plume") != std::string::npos)
+            continue;  // hot gas is of rows that say so
           spectrum->GetReflection()->AddFloat(spectrum, field, static_cast<float>(number()));
         }
       }

@@ -187,7 +187,9 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       }
       for (int f = 0; f < spectrum.GetDescriptor()->field_count(); ++f) {
         const auto* field = spectrum.GetDescriptor()->field(f);
-        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT) continue;
+        if (field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_FLOAT ||
+            field->name().find("plume") != std::string::npos)
+          continue;
         for (int i = 0; i < wavelengths; ++i) {
           spectrum.GetReflection()->AddFloat(&spectrum, field, static_cast<float>(next += 0.125));
         }
@@ -356,6 +358,9 @@ inline std::string without_what_came_after(int version) {
     if (quantity.since_format > version) columns.emplace_back(quantity.name);
   for (const std::string& column : columns)
     absl::StrAppend(&script, "ALTER TABLE signature DROP COLUMN ", column, ";");
+  for (const char* whose : {"plume", "apparent_plume", "contrast_plume"})
+    for (const char* what : {"_w_sr_um", "_stderr_w_sr_um"})
+      absl::StrAppend(&script, "ALTER TABLE spectrum DROP COLUMN ", whose, what, ";");
   return script;
 }
 

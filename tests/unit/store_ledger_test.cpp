@@ -150,7 +150,7 @@ TEST_F(StoreLedger, AFileOfVersion4HasNone) {
   const auto before = StoreReader::open(path_).value()->find({}).value();
   ASSERT_EQ(back_to_version_4(path_), "older");
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "13");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "14");
   EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
   auto reader = StoreReader::open(path_).value();
   const auto after = reader->find({}).value();
