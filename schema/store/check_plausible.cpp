@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
@@ -149,12 +150,13 @@ absl::Status check_sums(const schema::SignatureRow& row, const std::string& path
   };
   for (const schema::Estimate* cause :
        {&row.emitted_w_sr(), &row.sun_reflected_w_sr(), &row.sky_reflected_w_sr(),
-        &row.sea_reflected_w_sr(), &row.parts_reflected_w_sr()})
+        &row.sea_reflected_w_sr(), &row.parts_reflected_w_sr(), &row.plume_w_sr()})
     add(cause->value());
   const std::string intensity = path + ".intensity_w_sr";
   IRSIG_STORE_TRY(
       check_sum(sum, magnitude, row.intensity_w_sr().value(), kRounding, intensity, "causes"));
   sum = magnitude = 0;
+  add(row.plume_w_sr().value());  // 0 without hot gas
   for (const schema::PartIntensity& part : row.part()) add(part.intensity_w_sr().value());
   IRSIG_STORE_TRY(
       check_sum(sum, magnitude, row.intensity_w_sr().value(), kRounding, intensity, "parts"));
@@ -197,6 +199,12 @@ const std::array kSpectrumLists = {
     IRSIG_LIST(background_radiance_stderr_w_m2_sr_um),
     IRSIG_LIST(path_transmittance),
     IRSIG_LIST(path_radiance_w_m2_sr_um),
+    IRSIG_LIST(plume_w_sr_um),
+    IRSIG_LIST(plume_stderr_w_sr_um),
+    IRSIG_LIST(apparent_plume_w_sr_um),
+    IRSIG_LIST(apparent_plume_stderr_w_sr_um),
+    IRSIG_LIST(contrast_plume_w_sr_um),
+    IRSIG_LIST(contrast_plume_stderr_w_sr_um),
 #undef IRSIG_LIST
 };
 
@@ -204,9 +212,10 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string&
   IRSIG_STORE_TRY(check_list(spectrum.lambda_um(), make_range("lambda_um"), "lambda_um", path));
   for (const SpectrumList& list : kSpectrumLists)
     IRSIG_STORE_TRY(check_list((spectrum.*list.values)(), list.range, list.name, path));
-  const std::array causes = {&spectrum.emitted_w_sr_um(), &spectrum.sun_reflected_w_sr_um(),
-                             &spectrum.sky_reflected_w_sr_um(), &spectrum.sea_reflected_w_sr_um(),
-                             &spectrum.parts_reflected_w_sr_um()};
+  std::vector causes = {&spectrum.emitted_w_sr_um(), &spectrum.sun_reflected_w_sr_um(),
+                        &spectrum.sky_reflected_w_sr_um(), &spectrum.sea_reflected_w_sr_um(),
+                        &spectrum.parts_reflected_w_sr_um()};
+  if (!spectrum.plume_w_sr_um().empty()) causes.push_back(&spectrum.plume_w_sr_um());
   const auto& whole = spectrum.spectral_intensity_w_sr_um();
   for (const auto* cause : causes)
     if (cause->size() != whole.size()) return wrong(path, "has causes of another length");

@@ -281,7 +281,8 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
          auto& spectrum = *row(r)->mutable_spectrum();
          const auto* type = spectrum.GetDescriptor();
          for (int f = 0; f < type->field_count(); ++f)
-           spectrum.GetReflection()->RemoveLast(&spectrum, type->field(f));
+           if (spectrum.GetReflection()->FieldSize(spectrum, type->field(f)) > 0)
+             spectrum.GetReflection()->RemoveLast(&spectrum, type->field(f));
        }},
   };
   const schema::ResolvedSweep sweep = frigate_sweep(static_cast<std::uint32_t>(damages.size()));
