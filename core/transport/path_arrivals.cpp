@@ -86,6 +86,15 @@ IRSIG_STAGE PathTracer::Met PathTracer::find_hit(const Arrivals& all, Work& work
   // Under water (or ground): the path ended on the surface above.
   if (hit.at.z > all.surface_z_m) return Met::kBelow;
   hit.normal = {facet.nx, facet.ny, facet.nz};
+  // Rays through gas begin before it, far from a small target: as far as their own rounding goes, a
+  // vertex must not lie behind its facet.
+  if (all.order == 0 && gas_ != nullptr) {
+    const float* corner =
+        target_.vertex.data() + 3 * static_cast<std::size_t>(target_.triangle[3 * hit.facet]);
+    const float off =
+        dot(hit.normal, {hit.at.x - corner[0], hit.at.y - corner[1], hit.at.z - corner[2]});
+    hit.at = {hit.at.x - off * facet.nx, hit.at.y - off * facet.ny, hit.at.z - off * facet.nz};
+  }
   hit.cos_o = -dot(hit.normal, d) * ray.state.inverse_length;
   const PartSpec& part = target_.part[facet.part];
   hit.material = part.material;

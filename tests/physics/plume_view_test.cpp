@@ -158,6 +158,95 @@ TEST(PlumeView, ATargetHidesWhatIsBehindIt) {
   EXPECT_EQ(view->row[0].plume_w_sr.stderr_, 0);
 }
 
+// Half of the slab stands behind the edge of a wide target.
+TEST(PlumeView, OfGasBesideAnEdgeWhatIsBesideItIsSeen) {
+  SceneSpec scene = scene_of(generated("box", 12, 0, 0.1, 800, 800), grey(1), mwir());
+  scene.spectral_breaks_um = gas_band_edges_um(3, 12);
+  const auto simulator = simulator_of(scene);
+  UniformPlume spec;
+  spec.kind = "slab";
+  spec.length_m = 1;
+  spec.width_m = spec.height_m = 4;
+  spec.temperature_k = kGasK;
+  spec.co2 = 0.07;
+  spec.h2o = 0.06;
+  spec.soot = 1e-8;
+  spec.voxel_m = 0.25;
+  auto made = generate_uniform_plume(spec);
+  ASSERT_TRUE(made.ok());
+  made->grids.interpolation = PlumeInterpolation::kConstant;
+  made->grids.position_m = {-10, 400, 0};
+  const auto field = plume_of(made->volume, made->grids);
+  ASSERT_TRUE(field.ok()) << field.status();
+  ViewRequest r = request(*simulator, 0, 0, 1e6, {300});
+  r.condition[0].gas = *field;
+  r.accuracy.samples_per_replicate = 512;
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  const Column column = column_of(*simulator, slab_layer(), nullptr);
+  expect_within_t(view->row[0].plume_w_sr,
+                  0.5 * kAreaM2 * in_band_of(*simulator, 0, column.emitted), 1, "half a slab", 5e-3,
+                  0.01 * view->row[0].plume_w_sr.value);
+}
+
+// What is taken of a painted target is as its own spectrum is: that of the row without gas.
+TEST(PlumeView, OfASpectralTargetItsOwnSpectrumIsTaken) {
+  SceneSpec scene = scene_of(generated("disk", 200, 1), *builtin_material("hull"), mwir());
+  scene.spectral_breaks_um = gas_band_edges_um(3, 12);
+  const auto simulator = simulator_of(scene);
+  ViewRequest r = request(*simulator, 0, 0, 1e5, {kGasK});
+  r.max_reflections = 2;
+  r.accuracy.samples_per_replicate = 1024;
+  r.condition[0].surroundings.kind = SurroundingsKind::kSea;
+  r.condition[0].surroundings.sky_temperature_k = 600;
+  r.condition[0].surroundings.sea_temperature_k = 600;
+  r.condition[0].surroundings.sea_emissivity = 1;
+  const auto alone = simulator->simulate(r);
+  r.condition[0].gas = slab(10);
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(alone.ok() && view.ok());
+  const Column column = column_of(*simulator, slab_layer(), nullptr);
+  const BandGrid& grid = simulator->band_grids()[0];
+  double taken = 0, all = 0;  // the bins at both ends reach beyond the band
+  for (std::size_t k = 0; k < grid.lambda_um.size(); ++k)
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
+      all += grid.band_weight[i] * alone->row[0].spectral.value[k];
+      taken += grid.band_weight[i] * column.absorbed[i] * alone->row[0].spectral.value[k];
+    }
+  taken *= alone->row[0].intensity_w_sr.value / all;
+  const SignatureResult& row = view->row[0];
+  EXPECT_FALSE(row.spectral_cause[0].value.empty());
+  // Steep flanks of the target's spectrum within a bin of 0.25 um.
+  // The waterline hides the lower half of both.
+  expect_within_t(row.plume_w_sr, 0.5 * kAreaM2 * in_band_of(*simulator, 0, column.emitted) - taken,
+                  1, "slab before a painted disk", 3e-3, 1e-3 * row.plume_emitted_w_sr);
+  EXPECT_GT(taken, 0.1 * row.plume_emitted_w_sr);
+}
+
+// Other random numbers scatter as they say.
+TEST(PlumeView, SeedsScatterAsTheyState) {
+  const auto simulator = disk(0.5);
+  ViewRequest r = request(*simulator, 30, 10, 1e4, {400});
+  r.condition[0].gas = slab(3);
+  r.accuracy.samples_per_replicate = 32;
+  std::vector<double> value;
+  double variance = 0;
+  constexpr int kSeeds = 24;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    r.seed = static_cast<std::uint64_t>(seed + 1);
+    const auto view = simulator->simulate(r);
+    ASSERT_TRUE(view.ok());
+    value.push_back(view->row[0].plume_w_sr.value);
+    variance += std::pow(view->row[0].plume_w_sr.stderr_, 2) / kSeeds;
+  }
+  double mean = 0, scatter = 0;
+  for (const double v : value) mean += v / kSeeds;
+  for (const double v : value) scatter += (v - mean) * (v - mean) / (kSeeds - 1);
+  std::printf("scatter over stated: %.2f\n", std::sqrt(scatter / variance));
+  EXPECT_GT(std::sqrt(scatter / variance), 0.6);
+  EXPECT_LT(std::sqrt(scatter / variance), 1.5);
+}
+
 TEST(PlumeView, InAWorldOfOneTemperatureThereIsNoContrast) {
   const auto simulator = disk(1);
   ViewRequest r = request(*simulator, 0, 0, 1e5, {kGasK});
