@@ -80,7 +80,7 @@ class GasMeasurement {
     weights_ = run(gas_, samples(pilot), 2, plan_.effects.max_reflections);
     const std::vector<double> sums = sum_of(weights_);
     for (Nodes& nodes : nodes_)
-      nodes.weight = column_weights(nodes.tests, sums, kTolerance, nodes.tests.size());
+      nodes.weight = column_weights(nodes.tests, sums, 0, nodes.tests.size());
     find_class_errors();
     split_by_class();
     return true;
