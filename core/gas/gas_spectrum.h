@@ -38,7 +38,7 @@ struct GasSpectrum {
 // Absorption and emission without scattering, gases as factors; a segment is isothermal:
 //   L = sum over segments of (T_before - T_after) B(T_segment)
 // Layers of different temperature: carbon dioxide at 1970-2460 and monoxide at 1750-2350 cm-1 bin
-// by bin (hot_lines.h), all else by Curtis and Godson (curve_of_growth.h).
+// by bin (hot_lines.h), all else by Curtis and Godson (gas_loops.h).
 //
 //   path  from the eye outwards; segments of length 0 count for nothing
 //

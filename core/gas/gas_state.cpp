@@ -41,13 +41,14 @@ absl::Status check_gas(const GasLayer& segment) {
     return absl::InvalidArgumentError(
         absl::StrFormat("gas length_m %g: expected 0 or more", segment.length_m));
   }
+  if (const absl::Status status = check_gas(segment.state); !status.ok()) return status;
   if (!(segment.temperature_spread_k >= 0 &&
         segment.temperature_spread_k < segment.state.temperature_k)) {
     return absl::InvalidArgumentError(absl::StrFormat("gas temperature_spread_k %g at %g K",
                                                       segment.temperature_spread_k,
                                                       segment.state.temperature_k));
   }
-  return check_gas(segment.state);
+  return absl::OkStatus();
 }
 
 }  // namespace irsig

@@ -34,17 +34,11 @@ std::vector<double> take_numbers(std::string_view& line, std::size_t count) {
   return out;
 }
 
-struct StoredBand {
-  HotLineBand shape;
-  std::vector<std::int32_t>
-      thousandth_ln;  // [(pressure * temperatures + temperature) * points + point]
-};
-
 class HotLines {
  public:
   explicit HotLines(std::string_view text) {
-    std::vector<std::optional<StoredBand>>* gas = nullptr;
-    StoredBand* band = nullptr;
+    std::vector<std::optional<HotLineBand>>* gas = nullptr;
+    HotLineBand* band = nullptr;
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       std::string_view line = text.substr(0, end);
@@ -54,7 +48,7 @@ class HotLines {
       const std::string_view first = take_word(rest);
       if (first == "temperatures" || first == "pressures") {
         while (!rest.empty()) {
-          (first == "pressures" ? ln_pressure_atm : ln_temperature)
+          (first == "pressures" ? knots.ln_pressure_atm : knots.ln_temperature)
               .push_back(std::log(take_number(rest)));
         }
       } else if (first == "gas") {
@@ -64,10 +58,10 @@ class HotLines {
         const auto index =
             static_cast<std::size_t>((take_number(rest) - kGasFirstCm1) / kGasBandWidthCm1);
         band = &(*gas)[index].emplace();
-        band->shape = read_shape(rest);
+        *band = read_shape(rest);
       } else {
         std::string_view row = line;
-        for (std::size_t i = 0; i < band->shape.weight.size(); ++i) {
+        for (std::size_t i = 0; i < band->weight.size(); ++i) {
           band->thousandth_ln.push_back(static_cast<std::int32_t>(take_number(row)));
         }
         IRSIG_CHECK(row.empty());
@@ -77,18 +71,19 @@ class HotLines {
       for (const auto& b : *of) {
         if (!b) continue;
         IRSIG_CHECK(b->thousandth_ln.size() ==
-                    b->shape.weight.size() * ln_temperature.size() * ln_pressure_atm.size());
+                    b->weight.size() * knots.ln_temperature.size() *
+                        knots.ln_pressure_atm.size());
       }
     }
   }
 
-  [[nodiscard]] const StoredBand* find(HotGas gas, std::size_t band) const {
+  [[nodiscard]] const HotLineBand* find(HotGas gas, std::size_t band) const {
     if (gas == HotGas::kH2o) return nullptr;
     const auto& of = gas == HotGas::kCo2 ? co2 : co;
     return of[band] ? &*of[band] : nullptr;
   }
 
-  std::vector<double> ln_temperature, ln_pressure_atm;
+  HotLineKnots knots;
 
  private:
   static HotLineBand read_shape(std::string_view& rest) {
@@ -110,7 +105,7 @@ class HotLines {
     return out;
   }
 
-  std::vector<std::optional<StoredBand>> co2, co;
+  std::vector<std::optional<HotLineBand>> co2, co;
 };
 
 const HotLines& hot_lines() {
@@ -121,42 +116,32 @@ const HotLines& hot_lines() {
 }  // namespace
 
 const HotLineBand* hot_line_band(HotGas gas, std::size_t band) {
-  const StoredBand* found = hot_lines().find(gas, band);
-  return found != nullptr ? &found->shape : nullptr;
+  return hot_lines().find(gas, band);
 }
 
-std::vector<double> hot_line_absorption_m2_mol(HotGas gas, std::size_t band, double temperature_k,
-                                               double pressure_pa) {
-  const HotLines& table = hot_lines();
-  const StoredBand* of = table.find(gas, band);
-  IRSIG_CHECK(of != nullptr);
+const HotLineKnots& hot_line_knots() { return hot_lines().knots; }
+
+HotLinePlace hot_line_place(double temperature_k, double pressure_pa) {
   // Four knots around the temperature, at the table's ends those next to them.
-  const std::vector<double>&t = table.ln_temperature, &p = table.ln_pressure_atm;
+  const std::vector<double>&t = hot_line_knots().ln_temperature,
+                      &p = hot_line_knots().ln_pressure_atm;
   const double x = std::log(temperature_k);
   std::size_t i = 0;
   while (i + 4 < t.size() && x > t[i + 2]) ++i;
-  std::array<double, 4> knot{};
-  for (std::size_t a = 0; a < 4; ++a) {
-    knot[a] = 1;
-    for (std::size_t b = 0; b < 4; ++b) {
-      if (b != a) knot[a] *= (x - t[i + b]) / (t[i + a] - t[i + b]);
-    }
-  }
   const double y = std::log(pressure_pa / 101325);
   std::size_t j = 0;
   while (j + 2 < p.size() && y > p[j + 1]) ++j;
   const double v = (y - p[j]) / (p[j + 1] - p[j]);
-  const std::size_t points = of->shape.weight.size();
-  std::vector<double> out(points);
-  for (std::size_t n = 0; n < points; ++n) {
-    double ln = 0;
-    for (std::size_t a = 0; a < 4; ++a) {
-      const auto at = [&](std::size_t pressure) {
-        return of->thousandth_ln[(pressure * t.size() + i + a) * points + n];
-      };
-      ln += knot[a] * ((1 - v) * at(j) + v * at(j + 1));
+  HotLinePlace out;
+  for (std::size_t a = 0; a < 4; ++a) {
+    double knot = 1;
+    for (std::size_t b = 0; b < 4; ++b) {
+      if (b != a) knot *= (x - t[i + b]) / (t[i + a] - t[i + b]);
     }
-    out[n] = std::exp(1e-3 * ln);
+    out.row[a] = j * t.size() + i + a;
+    out.row[4 + a] = out.row[a] + t.size();
+    out.weight[a] = knot * (1 - v);
+    out.weight[4 + a] = knot * v;
   }
   return out;
 }

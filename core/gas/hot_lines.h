@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/gas/narrow_band.h"
@@ -17,16 +19,26 @@ struct HotLineBand {
   std::vector<double> term_weight;   // sum 1
   std::vector<double> weight;        // [point = term * bins + bin], sum 1
   std::vector<std::size_t> term_of;  // [point]
+  // 1000 ln of absorption in m2/mol, [(pressure * temperatures + temperature) * points + point]
+  std::vector<std::int32_t> thousandth_ln;
+};
+// What the tables stand at.
+struct HotLineKnots {
+  std::vector<double> ln_temperature, ln_pressure_atm;
 };
 
 // Null where the gas is described by narrow_band alone (water; bands away from these).
 [[nodiscard]] const HotLineBand* hot_line_band(HotGas gas, std::size_t band);
 
-// Absorption at the band's points; ln of the table's, cubic in ln temperature, linear in ln
-// pressure.                                                                       [m2/mol]
+[[nodiscard]] const HotLineKnots& hot_line_knots();
+
+// Eight rows of a band's table and their weights, whose sum is 1000 ln of the absorption: cubic in ln
+// temperature, linear in ln pressure.
 //   temperature_k, pressure_pa  as check_gas asks
-[[nodiscard]] std::vector<double> hot_line_absorption_m2_mol(HotGas gas, std::size_t band,
-                                                             double temperature_k,
-                                                             double pressure_pa);
+struct HotLinePlace {
+  std::array<std::size_t, 8> row{};  // pressure * temperatures + temperature
+  std::array<double, 8> weight{};
+};
+[[nodiscard]] HotLinePlace hot_line_place(double temperature_k, double pressure_pa);
 
 }  // namespace irsig

@@ -37,16 +37,29 @@ constexpr Widths widths(HotGas gas) {
 
 }  // namespace
 
-NarrowBand narrow_band(HotGas gas, double wavenumber_cm1, double temperature_k) {
+bool narrow_band_exists(HotGas gas, double nu) {
   switch (gas) {
     case HotGas::kH2o:
-      return h2o_band(wavenumber_cm1, temperature_k);
+      return true;
     case HotGas::kCo2:
-      return co2_band(wavenumber_cm1, temperature_k);
+      return (nu > 500 && nu <= 1100) || (nu > 3050 && nu <= 3800) || (nu > 4550 && nu <= 5725);
     case HotGas::kCo:
-      return co_band(wavenumber_cm1, temperature_k);
+      return nu >= 1600 && nu <= 2400;
   }
-  return {};
+  return false;
+}
+
+void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double temperature_k,
+                  std::span<NarrowBand> out) {
+  switch (gas) {
+    case HotGas::kH2o:
+      return h2o_bands(wavenumber_cm1, temperature_k, out);
+    case HotGas::kCo2:
+      return co2_bands(wavenumber_cm1, temperature_k, out);
+    case HotGas::kCo:
+      for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = co_band(wavenumber_cm1[i], temperature_k);
+  }
 }
 
 double lorentz_width_cm1(HotGas gas, const GasState& s) {

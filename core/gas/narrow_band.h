@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/gas/curve_of_growth.h"
+#include <span>
+
 #include "core/gas/gas_state.h"
 
 namespace irsig {
@@ -14,8 +15,18 @@ namespace irsig {
 // bands (docs/methods/gas.md).
 enum class HotGas { kH2o, kCo2, kCo };
 
-// At one wavenumber (the centre of a band of 5 to 25 cm-1) and temperature [K].
-[[nodiscard]] NarrowBand narrow_band(HotGas gas, double wavenumber_cm1, double temperature_k);
+// Mean absorption of lines that lie at random within a narrow band.
+struct NarrowBand {
+  double strength_per_cm_atm = 0;  // S/d, of the gas at 273 K and 1 atm; 0: no lines here
+  double lines_per_cm1 = 1;        // 1/d, of the lines that count
+};
+
+// False: at no temperature has the gas lines at random there (hot_lines.h may have others).
+[[nodiscard]] bool narrow_band_exists(HotGas gas, double wavenumber_cm1);
+
+// At some wavenumbers (centres of bands of 5 to 25 cm-1) and one temperature [K].
+void narrow_bands(HotGas gas, std::span<const double> wavenumber_cm1, double temperature_k,
+                  std::span<NarrowBand> out);
 
 // Half widths at half height of the gas's lines.                                   [1/cm]
 // Lorentz: collisions with H2O, CO2, CO, N2 (the rest), and with its own kind in resonance.

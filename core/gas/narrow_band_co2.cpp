@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/gas/gas_loops.h"
 #include "core/gas/narrow_band_tables.h"
 
 namespace irsig {
@@ -10,7 +11,7 @@ namespace {
 // Fundamentals [cm-1]; the mean of the two lower ones counts for both.
 constexpr double kOmega1 = 1354.91, kOmega2 = 673, kOmega3 = 2396.49;
 constexpr double kOmega12 = 0.5 * (0.5 * kOmega1 + kOmega2);
-constexpr double kB = 0.391635, kA = 0.0030875;  // rotation, and its change with v3 [cm-1]
+constexpr double kB = kCo2RotationCm1, kA = kCo2RotationChangeCm1;
 constexpr double kLinesPerCm1 = 1 / (4 * kB);    // of a band without hot ones
 
 // Bands that end on v3 + 1 from all levels below, each a P and an R branch of smeared-out lines.
@@ -23,10 +24,6 @@ struct HotBands {
   double (*bend)(int v);
 };
 
-double centre_4_3(int v, int v3) {
-  constexpr double kX13 = -19.37, kX23 = -12.53, kX33 = -12.63;
-  return kOmega3 + 0.5 * kX13 + kX23 + 2 * kX33 + 0.5 * (0.5 * kX13 + kX23) * v + 2 * kX33 * v3;
-}
 double centre_2_7_long(int v, int v3) {
   return v == 0 ? 3613 - 47.0 * v3 : 3598 - 18.0 * v - 47.0 * v3;
 }
@@ -35,48 +32,63 @@ double centre_2_7_short(int v, int v3) {
 }
 double bend_2_7(int v) { return v % 2 == 1 ? (v + 5) / 6.0 : (v + 3.0) * (v + 4) / (v + 2) / 6; }
 
-struct Sums {
-  double weak = 0, strong = 0;
-};
+// (000)-(021) and (010)-(031); (000)-(101) and (010)-(111)
+constexpr std::array<HotBands, 2> kBands27 = {
+    {{28.5, 2 * kOmega2 + kOmega3, centre_2_7_long, bend_2_7},
+     {42.3, kOmega1 + kOmega3, centre_2_7_short, bend_2_7}}};
 
-void add(Sums& sums, const HotBands& bands, double nu, double t) {
-  const auto share = [&](double energy, double temperature) {
-    return 1 - std::exp(-kRadcalC2CmK * energy / temperature);
-  };
-  const auto filling = [&](double temperature) {
-    return share(kOmega3, temperature) * std::pow(share(kOmega12, temperature), 3) *
-           (2 - share(kOmega12, temperature)) * share(bands.combination, temperature);
-  };
-  const double scale = bands.strength * kB * kRadcalC2CmK / (kA * filling(kRadcalT0K)) *
-                       share(nu, t) * filling(t) * nu * kRadcalT0K / (t * t);
-  for (int v = 0; v < 20; ++v) {
+double share(double energy, double temperature) {
+  return 1 - std::exp(-kRadcalC2CmK * energy / temperature);
+}
+double filling(const HotBands& bands, double temperature) {
+  return share(kOmega3, temperature) * std::pow(share(kOmega12, temperature), 3) *
+         (2 - share(kOmega12, temperature)) * share(bands.combination, temperature);
+}
+
+void fill(const HotBands& bands, double t, HotLevels& out) {
+  constexpr std::size_t kLevels = HotLevels::kV * HotLevels::kV3;
+  double exponent[2 * kLevels], e[2 * kLevels];
+  for (std::size_t n = 0; n < kLevels; ++n) {
+    const int v = static_cast<int>(n / HotLevels::kV3), v3 = static_cast<int>(n % HotLevels::kV3);
+    const double centre = bands.centre(v, v3);
+    out.centre_cm1[n / HotLevels::kV3][n % HotLevels::kV3] = centre;
+    exponent[n] = -(v3 * kOmega3 + v * kOmega12) * kRadcalC2CmK / t;
+    exponent[kLevels + n] = -kRadcalC2CmK * centre / t;
+  }
+  exp_of(2 * kLevels, exponent, e);
+  for (std::size_t n = 0; n < kLevels; ++n) {
+    const int v = static_cast<int>(n / HotLevels::kV3), v3 = static_cast<int>(n % HotLevels::kV3);
     const double states = v % 2 == 1 ? 0.25 * (v + 1) * (v + 3) : 0.25 * (v + 2) * (v + 2);
-    for (int v3 = 0; v3 < 10; ++v3) {
-      const double gamma = kB - kA * (v3 + 1);
-      const double centre = bands.centre(v, v3);
-      const double delta = kA * (nu - centre);
-      if (gamma * gamma <= delta) break;
-      const double d = 2 * std::sqrt(gamma * gamma - delta);
-      const double f1 = gamma - 0.5 * d, f2 = gamma + 0.5 * d;
-      const double rate = kRadcalC2CmK * gamma / (kA * kA * t);
-      const double head = rate * delta * (1 + 0.5 * kA / gamma);
-      if (head <= -78 || rate * 2 * gamma * f1 >= 78) break;
-      const double level = (v3 + 1) * states * bands.bend(v) *
-                           std::exp(-(v3 * kOmega3 + v * kOmega12) * kRadcalC2CmK / t);
-      const double common = scale * level / (centre * share(centre, t));
-      const double minus = common * std::abs(f1) * std::exp(head - rate * 2 * gamma * f1);
-      const double plus = common * std::abs(f2) * std::exp(head - rate * 2 * gamma * f2);
-      const double added = (minus + plus) / d;
-      sums.weak += added;
-      if (!(added >= 1e-4 * sums.weak) || !(sums.weak > 0)) break;
-      sums.strong += std::sqrt(0.5 * states) * (std::sqrt(minus) + std::sqrt(plus)) / d;
-    }
+    out.filled[n / HotLevels::kV3][n % HotLevels::kV3] =
+        (v3 + 1) * states * bands.bend(v) * e[n] / (bands.centre(v, v3) * (1 - e[kLevels + n]));
   }
 }
 
-NarrowBand of(const Sums& sums, double t) {
-  if (!(sums.weak > 0) || !(sums.strong > 0)) return {};
-  return {sums.weak * t / 273, sums.strong * sums.strong / sums.weak};
+// Those at 2.7 um.
+void bands_2_7(std::span<const double> nu, double t, std::span<NarrowBand> out) {
+  HotLevels levels[kBands27.size()];
+  double common[kBands27.size()];
+  for (std::size_t k = 0; k < kBands27.size(); ++k) {
+    const HotBands& bands = kBands27[k];
+    fill(bands, t, levels[k]);
+    common[k] = bands.strength * kB * kRadcalC2CmK / (kA * filling(bands, kRadcalT0K)) *
+                filling(bands, t) * kRadcalT0K / (t * t);
+  }
+  for (std::size_t first = 0; first < nu.size(); first += kGasLanes) {
+    const std::size_t count = std::min(kGasLanes, nu.size() - first);
+    double at[kGasLanes], scale[kGasLanes];
+    HotBandSums sums;
+    for (std::size_t j = 0; j < kGasLanes; ++j) at[j] = nu[first + std::min(j, count - 1)];
+    for (std::size_t k = 0; k < kBands27.size(); ++k) {
+      for (std::size_t j = 0; j < kGasLanes; ++j) scale[j] = common[k] * share(at[j], t) * at[j];
+      add_hot_bands(levels[k], t, at, scale, sums);
+    }
+    for (std::size_t j = 0; j < count; ++j) {
+      const double weak = sums.weak[j], strong = sums.strong[j];
+      out[first + j] = weak > 0 && strong > 0 ? NarrowBand{weak * t / 273, strong * strong / weak}
+                                              : NarrowBand{};
+    }
+  }
 }
 
 // Bands whose lines only just overlap: strength [cm-2 atm-1] at t, centre.
@@ -140,26 +152,30 @@ NarrowBand band_15(double nu, double t) {
   return {strength, lines};
 }
 
-}  // namespace
+bool at_2_7(double nu) { return nu > 3050 && nu <= 3800; }
 
 NarrowBand co2_band(double nu, double t) {
   if (nu > 5725 || nu <= 500) return {};
   if (nu > 4550) return band_2_0(nu, t);
-  if (nu > 3050 && nu <= 3800) {
-    // (000)-(021) and (010)-(031); (000)-(101) and (010)-(111)
-    Sums sums;
-    add(sums, {28.5, 2 * kOmega2 + kOmega3, centre_2_7_long, bend_2_7}, nu, t);
-    add(sums, {42.3, kOmega1 + kOmega3, centre_2_7_short, bend_2_7}, nu, t);
-    return of(sums, t);
-  }
-  if (nu > 1975 && nu <= 2395) {
-    Sums sums;
-    add(sums, {2700, kOmega3, centre_4_3, [](int) { return 1.0; }}, nu, t);
-    return of(sums, t);
-  }
   if (nu > 880 && nu <= 1100) return band_10(nu, t);
   if (nu <= 880) return band_15(nu, t);
-  return {};
+  return {};  // 1970-2460 cm-1: hot_lines.h
+}
+
+}  // namespace
+
+void co2_bands(std::span<const double> nu, double t, std::span<NarrowBand> out) {
+  for (std::size_t i = 0; i < nu.size();) {
+    std::size_t last = i;
+    while (last < nu.size() && at_2_7(nu[last])) ++last;
+    if (last > i) {
+      bands_2_7(nu.subspan(i, last - i), t, out.subspan(i, last - i));
+      i = last;
+    } else {
+      out[i] = co2_band(nu[i], t);
+      ++i;
+    }
+  }
 }
 
 }  // namespace irsig

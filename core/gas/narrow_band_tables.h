@@ -1,9 +1,10 @@
 #pragma once
 
+#include <span>
 #include <string_view>
 #include <vector>
 
-#include "core/gas/curve_of_growth.h"
+#include "core/gas/narrow_band.h"
 
 namespace irsig {
 
@@ -27,9 +28,14 @@ class StrengthTable {
 // hc/k and the reference temperature of the formulas, as they were fitted.
 inline constexpr double kRadcalC2CmK = 1.4388, kRadcalT0K = 300;
 
+// Rotation of carbon dioxide, and its change with v3.                                 [cm-1]
+inline constexpr double kCo2RotationCm1 = 0.391635, kCo2RotationChangeCm1 = 0.0030875;
+
 // One gas each.
-[[nodiscard]] NarrowBand h2o_band(double wavenumber_cm1, double temperature_k);
-[[nodiscard]] NarrowBand co2_band(double wavenumber_cm1, double temperature_k);
+void h2o_bands(std::span<const double> wavenumber_cm1, double temperature_k,
+               std::span<NarrowBand> out);
+void co2_bands(std::span<const double> wavenumber_cm1, double temperature_k,
+               std::span<NarrowBand> out);
 [[nodiscard]] NarrowBand co_band(double wavenumber_cm1, double temperature_k);
 
 }  // namespace irsig

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace irsig {
 
 // A quantity before a change, and what the change adds, carried through sums, products and
@@ -23,17 +21,5 @@ struct Step {
   return {ratio, (a.by - ratio * b.by) / b.to()};
 }
 [[nodiscard]] inline Step operator*(double a, Step b) { return {a * b.from, a * b.by}; }
-[[nodiscard]] inline Step sqrt(Step a) {
-  const double from = std::sqrt(a.from), sum = from + std::sqrt(a.to());
-  return {from, sum > 0 ? a.by / sum : 0};
-}
-[[nodiscard]] inline Step log1p(Step a) {
-  return {std::log1p(a.from), std::log1p(a.by / (1 + a.from))};
-}
-// exp(-a)
-[[nodiscard]] inline Step exp_minus(Step a) {
-  const double from = std::exp(-a.from);
-  return {from, from * std::expm1(-a.by)};
-}
 
 }  // namespace irsig

@@ -41,7 +41,7 @@ Below below(double x, double shape) {
 }
 
 constexpr double kShapeMin = 1e-4, kShapeMax = 50;
-constexpr std::size_t kShapes = 72, kShares = 161;
+constexpr std::size_t kShapes = LorenzCurves::kShapes, kShares = LorenzCurves::kShares;
 
 double shape_of(std::size_t i) {
   return kShapeMin * std::pow(kShapeMax / kShapeMin, static_cast<double>(i) / (kShapes - 1));
@@ -52,11 +52,11 @@ double share_of(std::size_t j) {
   return 1 - s * s * s * s;
 }
 
-using Curves = std::array<std::array<double, kShares>, kShapes>;
+}  // namespace
 
-const Curves& curves() {
-  static const Curves table = [] {
-    Curves out{};
+const std::array<LorenzCurves::Curve, LorenzCurves::kShapes>& LorenzCurves::curves() {
+  static const std::array<Curve, kShapes> table = [] {
+    std::array<Curve, kShapes> out{};
     for (std::size_t i = 0; i < kShapes; ++i) {
       const double shape = shape_of(i);
       for (std::size_t j = 1; j + 1 < kShares; ++j) {
@@ -74,59 +74,36 @@ const Curves& curves() {
   return table;
 }
 
-}  // namespace
-
 double water_independence(double temperature_k) { return between(temperature_k, &Knot::value); }
-double water_independence_spread(double temperature_k, double air_transmittance) {
-  return std::hypot(between(temperature_k, &Knot::spread),
-                    0.44 * air_transmittance * air_transmittance * air_transmittance);
+double water_independence_spread(double temperature_k) {
+  return between(temperature_k, &Knot::spread);
+}
+double water_thin_air_spread(double air_transmittance) {
+  return 0.44 * air_transmittance * air_transmittance * air_transmittance;
+}
+
+double LorenzCurves::place_of_shape(double shape) {
+  static const double per_ln = (kShapes - 1) / std::log(kShapeMax / kShapeMin);
+  return std::log(std::clamp(shape, kShapeMin, kShapeMax) / kShapeMin) * per_ln;
+}
+
+LorenzCurves::Place LorenzCurves::place_of_share(double g) {
+  const double y = (1 - std::sqrt(std::sqrt(std::clamp(1 - g, 0.0, 1.0)))) * (kShares - 1);
+  const std::size_t j = std::min(static_cast<std::size_t>(y), kShares - 2);
+  // Linear in the share itself, so that equal shares of a cell hold equal absorption.
+  return {j, std::clamp((g - share_of(j)) / (share_of(j + 1) - share_of(j)), 0.0, 1.0)};
 }
 
 double inverse_gaussian_lorenz(double g, double shape) {
-  const double x = std::log(std::clamp(shape, kShapeMin, kShapeMax) / kShapeMin) /
-                   std::log(kShapeMax / kShapeMin) * (kShapes - 1);
+  const double x = LorenzCurves::place_of_shape(shape);
   const std::size_t i = std::min(static_cast<std::size_t>(x), kShapes - 2);
-  const double y = (1 - std::pow(std::clamp(1 - g, 0.0, 1.0), 0.25)) * (kShares - 1);
-  const std::size_t j = std::min(static_cast<std::size_t>(y), kShares - 2);
   const double u = x - static_cast<double>(i);
-  // Linear in the share itself, so that equal shares of a cell hold equal absorption.
-  const double v = std::clamp((g - share_of(j)) / (share_of(j + 1) - share_of(j)), 0.0, 1.0);
-  const auto at = [&](std::size_t a) { return (1 - v) * curves()[a][j] + v * curves()[a][j + 1]; };
+  const auto [j, v] = LorenzCurves::place_of_share(g);
+  const auto at = [&](std::size_t a) {
+    const LorenzCurves::Curve& curve = LorenzCurves::curves()[a];
+    return (1 - v) * curve[j] + v * curve[j + 1];
+  };
   return (1 - u) * at(i) + u * at(i + 1);
-}
-
-WaterThroughAir::WaterThroughAir(const GasTerms& cold) : product_(0) {
-  std::vector<std::size_t> order(cold.depth.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return cold.depth[i]; });
-  double sum = 0;
-  for (const std::size_t i : order) {
-    // Four bins of each term, as the hot gas's absorption varies within it.
-    for (const double share : {0.4, 0.3, 0.2, 0.1}) {
-      const double w = cold.weight[i] * share;
-      point_.push_back({w, sum, sum + w, std::exp(-cold.depth[i])});
-      product_ += w * point_.back().air;
-      sum += w;
-    }
-  }
-  if (point_.empty()) {  // no lines of cold water here
-    point_.push_back({1, 0, 1, 1});
-    product_ = 1;
-  }
-}
-
-WaterThroughAir::Share WaterThroughAir::add(double weak_depth, double lorentz) {
-  double through = 0, all = 0, last = 0;
-  for (Point& p : point_) {
-    const double next = inverse_gaussian_lorenz(p.end, 2 * lorentz);
-    const double depth = weak_depth * (next - last) / p.weight;
-    const double taken = p.weight * std::exp(-p.depth) * -std::expm1(-depth);
-    through += taken * p.air;
-    all += taken;
-    p.depth += depth;
-    last = next;
-  }
-  return {all > 0 ? through / all : point_.front().air, product_};
 }
 
 }  // namespace irsig

@@ -1,9 +1,7 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
-#include <vector>
-
-#include "core/atmosphere/gas_terms.h"
 
 namespace irsig {
 
@@ -16,31 +14,27 @@ namespace irsig {
 // Limit: one window; w grows with amount and range.
 [[nodiscard]] double water_independence(double temperature_k);
 
-// One sigma of w: its own spread, and what the air's terms miss where the air is thin and only the
-// strongest wavenumbers matter (0.44 T^3, from the same comparison).
-//   air_transmittance  T, of the air's water alone
-[[nodiscard]] double water_independence_spread(double temperature_k, double air_transmittance);
+// One sigma of w: the root of the sum of the squares of its own spread, and of what the air's terms
+// miss where the air is thin and only the strongest wavenumbers matter (0.44 T^3, from the same
+// comparison).
+[[nodiscard]] double water_independence_spread(double temperature_k);
+[[nodiscard]] double water_thin_air_spread(double air_transmittance);
 
-// One band. The hot gas's absorption is distributed as Malkmus' model has it (inverse Gaussian).
-class WaterThroughAir {
- public:
-  explicit WaterThroughAir(const GasTerms& cold);
+// Lorenz curves of the distribution of the hot gas's absorption, as Malkmus' model has it (inverse
+// Gaussian of mean 1): share of the absorption that the weakest g of the wavenumbers hold.
+struct LorenzCurves {
+  static constexpr std::size_t kShapes = 72, kShares = 161;
+  using Curve = std::array<double, kShares>;
 
-  // Mean transmittance of the air for what a segment of hot water takes and sends.
-  //   weak_depth  S/d u of the segment, > 0
-  //   lorentz     half width times 1/d
-  struct Share {
-    double ranked, product;
+  // Of a shape > 0: how far it lies between two neighbouring curves, those of whole numbers.
+  [[nodiscard]] static double place_of_shape(double shape);
+  // Of g in [0, 1]: likewise, of a curve's shares.
+  struct Place {
+    std::size_t low;
+    double on;
   };
-  Share add(double weak_depth, double lorentz);
-
- private:
-  struct Point {
-    double weight, begin, end, air;  // air: transmittance; begin, end: of the cumulative weight
-    double depth = 0;
-  };
-  std::vector<Point> point_;
-  double product_;
+  [[nodiscard]] static Place place_of_share(double g);
+  [[nodiscard]] static const std::array<Curve, kShapes>& curves();
 };
 
 // Share of the absorption that the weakest g of the wavenumbers hold: Lorenz curve of an inverse

@@ -59,66 +59,96 @@ absl::StatusOr<GasWavelengths> GasWavelengths::make(std::vector<double> um) {
 
 namespace {
 
-// Of the gas's bands.
-struct BandLight {
-  std::vector<double> emitted, absorbed, error;
-};
-absl::StatusOr<BandLight> band_light(const GasColumn& column, const GasWavelengths& wavelengths,
-                                     const AbsorberAmounts* air) {
+absl::StatusOr<std::vector<GasPath>> paths_of(const GasColumn& column,
+                                              const GasWavelengths& wavelengths) {
   const std::vector<GasLayer> layers = layers_of(column);
-  BandLight out{std::vector<double>(kGasBandCount), std::vector<double>(kGasBandCount),
-                std::vector<double>(kGasBandCount)};
+  std::vector<GasPath> out;
   for (const GasBands& range : wavelengths.ranges()) {
-    const auto put = [&](std::vector<double>& to, const std::vector<double>& values) {
-      std::copy(values.begin(), values.end(),
-                to.begin() + static_cast<std::ptrdiff_t>(range.first));
-    };
-    if (air == nullptr) {
-      auto spectrum = gas_spectrum(layers, range);
-      if (!spectrum.ok()) return spectrum.status();
-      put(out.emitted, spectrum->radiance_w_m2_sr_um);
-      put(out.absorbed, spectrum->absorptance);
-      continue;
-    }
-    auto through = gas_through_air(layers, *air, range);
-    if (!through.ok()) return through.status();
-    put(out.emitted, through->spectrum.radiance_w_m2_sr_um);
-    put(out.error, through->water_correlation_error_w_m2_sr_um);
-    for (std::size_t i = 0; i < range.size(); ++i) {
-      const double clear = through->air_transmittance[i];
-      out.absorbed[range.first + i] = clear > 0 ? through->spectrum.absorptance[i] / clear : 0;
-    }
+    absl::StatusOr<GasPath> path = GasPath::make(layers, range);
+    if (!path.ok()) return path.status();
+    out.push_back(*std::move(path));
   }
   return out;
 }
 
 }  // namespace
 
-absl::StatusOr<ColumnLight> column_light(const GasColumn& column, const GasWavelengths& wavelengths,
-                                         const AbsorberAmounts* air) {
-  const absl::StatusOr<BandLight> fine = band_light(column, wavelengths, air);
-  if (!fine.ok()) return fine.status();
-  BandLight coarse;
-  if (column.size() > 1) {
-    GasColumn steps;
-    for (const CoarseStep& step : coarser(column)) steps.push_back(step.segment);
-    absl::StatusOr<BandLight> made = band_light(steps, wavelengths, air);
+absl::StatusOr<AirBeforeColumns> AirBeforeColumns::make(const AbsorberAmounts& air,
+                                                        const GasWavelengths& wavelengths) {
+  AirBeforeColumns out;
+  for (const GasBands& range : wavelengths.ranges()) {
+    absl::StatusOr<AirBeforeGas> made = AirBeforeGas::make(air, range);
     if (!made.ok()) return made.status();
-    coarse = *std::move(made);
-  }
-  const double temperature_k = emission_temperature_k(column);
-  ColumnLight out;
-  for (std::size_t i = 0; i < wavelengths.um().size(); ++i) {
-    const std::size_t band = wavelengths.band(i);
-    const double shape = planck_radiance_w_m2_sr_um(wavelengths.um()[i], temperature_k) /
-                         planck_radiance_w_m2_sr_um(gas_band_lambda_um(band), temperature_k);
-    const double step = coarse.emitted.empty() ? 0 : fine->emitted[band] - coarse.emitted[band];
-    out.emitted_w_m2_sr_um.push_back(shape * (fine->emitted[band] + step));
-    out.step_w_m2_sr_um.push_back(shape * step);
-    out.absorbed.push_back(fine->absorbed[band]);
-    out.model_error_w_m2_sr_um.push_back(shape * fine->error[band]);
+    out.range_.push_back(*std::move(made));
   }
   return out;
 }
+
+absl::StatusOr<HotColumn> HotColumn::make(const GasColumn& column,
+                                          const GasWavelengths& wavelengths) {
+  HotColumn out;
+  out.wavelengths_ = &wavelengths;
+  absl::StatusOr<std::vector<GasPath>> fine = paths_of(column, wavelengths);
+  if (!fine.ok()) return fine.status();
+  out.fine_ = *std::move(fine);
+  if (column.size() > 1) {
+    GasColumn steps;
+    for (const CoarseStep& step : coarser(column)) steps.push_back(step.segment);
+    absl::StatusOr<std::vector<GasPath>> coarse = paths_of(steps, wavelengths);
+    if (!coarse.ok()) return coarse.status();
+    out.coarse_ = *std::move(coarse);
+  }
+  const double temperature_k = emission_temperature_k(column);
+  for (std::size_t i = 0; i < wavelengths.um().size(); ++i)
+    out.shape_.push_back(
+        planck_radiance_w_m2_sr_um(wavelengths.um()[i], temperature_k) /
+        planck_radiance_w_m2_sr_um(gas_band_lambda_um(wavelengths.band(i)), temperature_k));
+  return out;
+}
+
+HotColumn::BandLight HotColumn::light(const std::vector<GasPath>& path,
+                                      const AirBeforeColumns* air) {
+  BandLight out;
+  if (path.empty()) return out;
+  for (auto* v : {&out.emitted, &out.absorbed, &out.error}) v->assign(kGasBandCount, 0.0);
+  for (std::size_t r = 0; r < path.size(); ++r) {
+    const auto put = [&](std::vector<double>& to, const std::vector<double>& values) {
+      std::copy(values.begin(), values.end(),
+                to.begin() + static_cast<std::ptrdiff_t>(path[r].alone().bands.first));
+    };
+    if (air == nullptr) {
+      put(out.emitted, path[r].alone().radiance_w_m2_sr_um);
+      put(out.absorbed, path[r].alone().absorptance);
+      continue;
+    }
+    const GasThroughAir through = path[r].through(air->range_[r]);
+    put(out.emitted, through.spectrum.radiance_w_m2_sr_um);
+    put(out.error, through.water_correlation_error_w_m2_sr_um);
+    const GasBands range = through.spectrum.bands;
+    for (std::size_t i = 0; i < range.size(); ++i) {
+      const double clear = through.air_transmittance[i];
+      out.absorbed[range.first + i] = clear > 0 ? through.spectrum.absorptance[i] / clear : 0;
+    }
+  }
+  return out;
+}
+
+ColumnLight HotColumn::light(const AirBeforeColumns* air) const {
+  const BandLight fine = light(fine_, air), coarse = light(coarse_, air);
+  ColumnLight out;
+  for (std::size_t i = 0; i < shape_.size(); ++i) {
+    const std::size_t band = wavelengths_->band(i);
+    const double shape = shape_[i];
+    const double step = coarse.emitted.empty() ? 0 : fine.emitted[band] - coarse.emitted[band];
+    out.emitted_w_m2_sr_um.push_back(shape * (fine.emitted[band] + step));
+    out.step_w_m2_sr_um.push_back(shape * step);
+    out.absorbed.push_back(fine.absorbed[band]);
+    out.model_error_w_m2_sr_um.push_back(shape * fine.error[band]);
+  }
+  return out;
+}
+
+ColumnLight HotColumn::at_near_end() const { return light(nullptr); }
+ColumnLight HotColumn::behind(const AirBeforeColumns& air) const { return light(&air); }
 
 }  // namespace irsig

@@ -5,7 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/atmosphere/absorber_amounts.h"
-#include "core/gas/gas_spectrum.h"
+#include "core/gas/gas_path.h"
 #include "core/hot_gas/column_tests.h"
 
 namespace irsig {
@@ -41,15 +41,48 @@ struct ColumnLight {
   std::vector<double> model_error_w_m2_sr_um;
 };
 
+// Air between columns and sensor, on a sweep's wavelengths: made once, for all columns.
+class AirBeforeColumns {
+ public:
+  // INVALID_ARGUMENT: wavelengths that the air's tables have not.
+  [[nodiscard]] static absl::StatusOr<AirBeforeColumns> make(const AbsorberAmounts& air,
+                                                             const GasWavelengths& wavelengths);
+
+ private:
+  friend class HotColumn;
+  std::vector<AirBeforeGas> range_;
+};
+
+// A column of gas, of which all is computed that does not depend on the air before it.
+//
 // Steps that are isothermal show thick lines the mean of a step and not its front: an error in
 // proportion to the steps, which is extrapolated away (beside 3 % of 3.2-5 um without air at the
 // steps of view_steps(), 0.3 % are left: tests/physics/plume_view_test.cpp).
 // Bands are 10 cm-1 wide; inside a band emission follows Planck's function at the column's
 // temperature, weighted with amounts and T^4.
-//   air  between column and sensor; null: none (light at the column's near end)
-// Errors: those of core/gas (temperature, pressure and amounts that its tables have not).
-[[nodiscard]] absl::StatusOr<ColumnLight> column_light(const GasColumn& column,
-                                                       const GasWavelengths& wavelengths,
-                                                       const AbsorberAmounts* air);
+class HotColumn {
+ public:
+  // Errors: those of core/gas (temperature, pressure and amounts that its tables have not).
+  //   wavelengths  of all columns and airs that meet; must outlive the column
+  [[nodiscard]] static absl::StatusOr<HotColumn> make(const GasColumn& column,
+                                                      const GasWavelengths& wavelengths);
+
+  [[nodiscard]] ColumnLight at_near_end() const;
+  // air: of the same wavelengths
+  [[nodiscard]] ColumnLight behind(const AirBeforeColumns& air) const;
+
+ private:
+  // Of the gas's bands.
+  struct BandLight {
+    std::vector<double> emitted, absorbed, error;
+  };
+  [[nodiscard]] static BandLight light(const std::vector<GasPath>& path,
+                                       const AirBeforeColumns* air);
+  [[nodiscard]] ColumnLight light(const AirBeforeColumns* air) const;
+
+  const GasWavelengths* wavelengths_ = nullptr;
+  std::vector<GasPath> fine_, coarse_;  // [range of wavelengths]; none: a column of one step
+  std::vector<double> shape_;           // [wavelength] of emission inside its band
+};
 
 }  // namespace irsig

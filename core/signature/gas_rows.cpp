@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -93,19 +94,29 @@ class GasMeasurement {
     if (environment.air == nullptr && request_.environment != nullptr)
       return absl::InvalidArgumentError(
           "hot gas behind imported air: its lines are not known, and band means do not multiply");
-    std::array<std::vector<ColumnLight>, 2> seen;
-    for (std::size_t set = 0; set < nodes_.size(); ++set)
-      for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
-        auto made = light_at_sensor(nodes_[set].column[m], nodes_[set].here[m], environment);
-        if (!made.ok()) return made.status();
-        seen[set].push_back(*std::move(made));
-      }
-    std::vector<ColumnLight> classes;
-    for (std::size_t k = 0; k < class_column_.size(); ++k) {
-      auto made = light_at_sensor(class_column_[k], class_here_[k], environment);
+    std::optional<AirBeforeColumns> air;
+    if (environment.air != nullptr) {
+      auto made = AirBeforeColumns::make(*environment.air, wavelengths_);
       if (!made.ok()) return made.status();
-      classes.push_back(*std::move(made));
+      air = *std::move(made);
     }
+    const auto at_sensor = [&](const std::vector<HotColumn>& columns,
+                               const std::vector<ColumnLight>& here) {
+      std::vector<ColumnLight> out;
+      for (std::size_t m = 0; m < columns.size(); ++m) {
+        if (air) {
+          out.push_back(columns[m].behind(*air));
+          continue;
+        }
+        out.push_back(here[m]);  // no air, or a grey one
+        for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
+          out.back().emitted_w_m2_sr_um[i] *= environment.transmittance[i];
+      }
+      return out;
+    };
+    const std::array<std::vector<ColumnLight>, 2> seen = {
+        at_sensor(nodes_[0].column, nodes_[0].here), at_sensor(nodes_[1].column, nodes_[1].here)};
+    const std::vector<ColumnLight> classes = at_sensor(class_column_, class_here_);
     const LitWeights of_classes(light, mean_, 1), of_replicates(light, each_, 1);
     std::vector<GasRow> out;
     for (const std::uint32_t b : request_.selected_band)
@@ -117,7 +128,7 @@ class GasMeasurement {
   // Columns whose weighted spectra add up to those of all rays. Two sets that have no column in
   // common: their difference shows what so few columns cost.
   struct Nodes {
-    std::vector<GasColumn> column;
+    std::vector<HotColumn> column;
     std::vector<std::vector<double>> tests;
     std::vector<ColumnLight> here;  // at the target
     std::vector<double> weight;     // [m2]
@@ -158,14 +169,15 @@ class GasMeasurement {
     return out;
   }
 
-  absl::StatusOr<std::vector<ColumnLight>> lights_at_target(const std::vector<GasColumn>& columns) {
-    std::vector<ColumnLight> out;
+  absl::Status prepare(const std::vector<GasColumn>& columns, std::vector<HotColumn>& hot,
+                       std::vector<ColumnLight>& here) const {
     for (const GasColumn& column : columns) {
-      auto light = column_light(column, wavelengths_, nullptr);
-      if (!light.ok()) return light.status();
-      out.push_back(*std::move(light));
+      auto made = HotColumn::make(column, wavelengths_);
+      if (!made.ok()) return made.status();
+      here.push_back(made->at_near_end());
+      hot.push_back(*std::move(made));
     }
-    return out;
+    return absl::OkStatus();
   }
 
   // One after another the column that is least like any before it.
@@ -173,6 +185,7 @@ class GasMeasurement {
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests) {
     std::vector<std::vector<double>> like;
+    std::vector<GasColumn> of_class;
     std::size_t next = 0;
     const auto absorbed = [&](std::size_t c) { return ColumnTests::absorbed(tested[c]); };
     const auto size = [&](std::size_t c) {
@@ -184,7 +197,7 @@ class GasMeasurement {
     double unlike = 1;
     while (like.size() < kClasses && unlike > kAlike) {
       like.push_back(tested[next]);
-      class_column_.push_back(columns[next]);
+      of_class.push_back(columns[next]);
       gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, like);
       unlike = 0;
       for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -199,10 +212,7 @@ class GasMeasurement {
         }
       }
     }
-    auto here = lights_at_target(class_column_);
-    if (!here.ok()) return here.status();
-    class_here_ = *std::move(here);
-    return absl::OkStatus();
+    return prepare(of_class, class_column_, class_here_);
   }
 
   // Of every other column of the survey one set, of the rest the other.
@@ -213,6 +223,7 @@ class GasMeasurement {
       Nodes& nodes = nodes_[set];
       std::vector<std::vector<double>> of_set;
       std::vector<std::size_t> place;
+      std::vector<GasColumn> chosen;
       for (std::size_t c = columns.size() > 1 ? set : 0; c < columns.size(); c += 2) {
         of_set.push_back(tested[c]);
         place.push_back(c);
@@ -220,12 +231,10 @@ class GasMeasurement {
       const std::vector<double> weight = column_weights(of_set, sums, kTolerance, kNodes);
       for (std::size_t c = 0; c < weight.size(); ++c) {
         if (!(weight[c] > 0)) continue;
-        nodes.column.push_back(columns[place[c]]);
+        chosen.push_back(columns[place[c]]);
         nodes.tests.push_back(of_set[c]);
       }
-      auto here = lights_at_target(nodes.column);
-      if (!here.ok()) return here.status();
-      nodes.here = *std::move(here);
+      if (auto status = prepare(chosen, nodes.column, nodes.here); !status.ok()) return status;
     }
     return absl::OkStatus();
   }
@@ -299,16 +308,6 @@ class GasMeasurement {
         });
         mean_[first].weight.add(share, one.weight);
       }
-  }
-
-  absl::StatusOr<ColumnLight> light_at_sensor(const GasColumn& column, const ColumnLight& here,
-                                              const ViewEnvironment& environment) const {
-    if (environment.air != nullptr)
-      return column_light(column, wavelengths_, environment.air.get());
-    ColumnLight out = here;  // no air, or a grey one
-    for (std::size_t i = 0; i < out.emitted_w_m2_sr_um.size(); ++i)
-      out.emitted_w_m2_sr_um[i] *= environment.transmittance[i];
-    return out;
   }
 
   // What is sent, by sets of nodes.
@@ -474,7 +473,7 @@ class GasMeasurement {
   std::shared_ptr<const PlumeField> field_;
   AimedView aimed_;
   std::array<Nodes, 2> nodes_;
-  std::vector<GasColumn> class_column_;
+  std::vector<HotColumn> class_column_;
   std::vector<ColumnLight> class_here_;
   std::vector<double> class_error_;  // [band of the scene] relative, of what is taken
   std::shared_ptr<const GasOnView> gas_;

@@ -311,6 +311,8 @@ TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
   const auto seen = r.environment->view(look, std::vector<std::uint32_t>{0});
   ASSERT_TRUE(seen.ok()) << seen.status();
   const auto wavelengths = GasWavelengths::make(um);
+  const auto air_before = AirBeforeColumns::make(*(*seen)[0].air, *wavelengths);
+  ASSERT_TRUE(air_before.ok()) << air_before.status();
   SegmentSteps fine;
   fine.temperature_step = 0.02;
   constexpr int kAcross = 128;
@@ -325,12 +327,12 @@ TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
       const GasColumn column =
           march(**field, {at, direction, 0, window.back_m - window.front_m}, fine);
       if (column.empty()) continue;
-      const auto alone = column_light(column, *wavelengths, nullptr);
-      const auto behind = column_light(column, *wavelengths, (*seen)[0].air.get());
-      ASSERT_TRUE(alone.ok() && behind.ok());
+      const auto hot = HotColumn::make(column, *wavelengths);
+      ASSERT_TRUE(hot.ok()) << hot.status();
+      const ColumnLight alone = hot->at_near_end(), behind = hot->behind(*air_before);
       for (std::size_t b = 0; b < 2; ++b) {
-        here[b] += cell_m2 * in_band_of(*simulator, b, alone->emitted_w_m2_sr_um);
-        there[b] += cell_m2 * in_band_of(*simulator, b, behind->emitted_w_m2_sr_um);
+        here[b] += cell_m2 * in_band_of(*simulator, b, alone.emitted_w_m2_sr_um);
+        there[b] += cell_m2 * in_band_of(*simulator, b, behind.emitted_w_m2_sr_um);
       }
     }
   for (std::size_t b = 0; b < 2; ++b) {

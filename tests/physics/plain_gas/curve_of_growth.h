@@ -1,14 +1,8 @@
 #pragma once
 
-#include "core/gas/step.h"
+#include "tests/physics/plain_gas/step.h"
 
-namespace irsig {
-
-// Mean absorption of lines that lie at random within a narrow band.
-struct NarrowBand {
-  double strength_per_cm_atm = 0;  // S/d, of the gas at 273 K and 1 atm; 0: no lines here
-  double lines_per_cm1 = 1;        // 1/d, of the lines that count
-};
+namespace irsig::plain {
 
 // Optical depth of a band along a path of gas, whose lines have one Goody distribution, Lorentz and
 // Doppler widths joined, its mean widths by Curtis and Godson.       [ludwig1973, 5-25 to 5-27]
@@ -33,4 +27,4 @@ class CurveOfGrowth {
   double depth_ = 0;
 };
 
-}  // namespace irsig
+}  // namespace irsig::plain

@@ -1,6 +1,6 @@
-#include "core/gas/curve_of_growth.h"
+#include "tests/physics/plain_gas/curve_of_growth.h"
 
-namespace irsig {
+namespace irsig::plain {
 namespace {
 
 // 1 - ln(1 + s) / s. Below 1e-300 s has no digits left, and nothing depends on it.
@@ -41,4 +41,4 @@ Step CurveOfGrowth::add(double weak_depth, double lorentz, double doppler) {
   return {before, by};
 }
 
-}  // namespace irsig
+}  // namespace irsig::plain

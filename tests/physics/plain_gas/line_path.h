@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "core/gas/step.h"
+#include "tests/physics/plain_gas/step.h"
 
-namespace irsig {
+namespace irsig::plain {
 
 // Transmittance of one band along a path whose absorption is a sum of exponentials over points of a
 // common order: sum of w_i exp(-d_i).
@@ -36,4 +36,4 @@ class LinePath {
   std::vector<double> weight_, depth_;
 };
 
-}  // namespace irsig
+}  // namespace irsig::plain
