@@ -1,9 +1,9 @@
 // CPU time of hot gas: spectra of a funnel's columns over 3-5 and 8-12 um, on one core.
 //   gas_bench [rays across, 12]
-// Prints CSV: columns, layers of a column, bands; then for each of preparation (with the light at the
-// near end), air, light behind air: microseconds of a column (of air: once), and how many times
-// faster than the formulas one by one (tests/physics/plain_gas) in the same run; then the funnel's
-// generation and the march of its rays.
+// Prints CSV: first the funnel's generation and the march of its rays at the steps of views; then for
+// steps of temperature that make short and long columns: microseconds of a column that is prepared
+// and seen at its near end, and seen behind air once it is prepared, each beside the formulas one by
+// one (tests/physics/plain_gas) in the same run, with the ratio; and of the air itself, once.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -62,6 +62,48 @@ std::vector<GasLayer> layers_of(const GasColumn& column) {
   return out;
 }
 
+void report(double step, const std::vector<GasColumn>& columns, const GasWavelengths& wavelengths,
+            const AbsorberAmounts& amounts) {
+  // The formulas one by one: each column and its coarser one.
+  double sum = 0;
+  const auto plain = [&](bool behind) {
+    for (const GasColumn& column : columns) {
+      GasColumn coarse;
+      for (const CoarseStep& pair : coarser(column)) coarse.push_back(pair.segment);
+      for (const GasColumn* one : {&column, static_cast<const GasColumn*>(&coarse)})
+        for (const GasBands& range : wavelengths.ranges())
+          sum += behind ? plain::gas_through_air(layers_of(*one), amounts, range)->spectrum.radiance_w_m2_sr_um[0]
+                        : plain::gas_spectrum(layers_of(*one), range)->radiance_w_m2_sr_um[0];
+    }
+  };
+  std::vector<HotColumn> hot;
+  const auto prepare = [&] {
+    hot.clear();
+    for (const GasColumn& column : columns) {
+      hot.push_back(*HotColumn::make(column, wavelengths));
+      sum += hot.back().at_near_end().emitted_w_m2_sr_um[0];
+    }
+  };
+  prepare();
+  plain(false);
+  const auto air = AirBeforeColumns::make(amounts, wavelengths);
+  if (!air.ok()) return;
+  const double plain_alone_s = least_s(3, [&] { plain(false); }),
+               plain_behind_s = least_s(3, [&] { plain(true); }), alone_s = least_s(5, prepare),
+               air_s = least_s(5, [&] { sum += AirBeforeColumns::make(amounts, wavelengths).ok(); }),
+               behind_s = least_s(5, [&] {
+                 for (const HotColumn& one : hot) sum += one.behind(*air).emitted_w_m2_sr_um[0];
+               });
+  std::size_t layers = 0;
+  for (const GasColumn& column : columns) layers += column.size();
+  const auto n = static_cast<double>(columns.size());
+  std::printf("%g,%zu,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", step, columns.size(),
+              static_cast<double>(layers) / n, 1e6 * alone_s / n, 1e6 * plain_alone_s / n,
+              plain_alone_s / alone_s, 1e6 * behind_s / n, 1e6 * plain_behind_s / n,
+              plain_behind_s / behind_s, 1e6 * air_s);
+  if (!(sum > 0)) std::printf("no light\n");
+}
+
 int run(int across) {
   absl::StatusOr<GeneratedPlume> made = absl::UnknownError("");
   const double generate_s = least_s(3, [&] { made = generate_funnel_plume(funnel()); });
@@ -76,15 +118,15 @@ int run(int across) {
       rays.push_back({w.center + ((2 * i + 1.0) / across - 1) * w.half_width_m * w.right +
                           ((2 * j + 1.0) / across - 1) * w.half_height_m * w.up + w.front_m * to,
                       to, 0, w.back_m - w.front_m});
-  std::vector<GasColumn> columns;
   MarchCounts counts;
+  std::size_t met = 0;
   const double march_s = least_s(5, [&] {
-    columns.clear();
     counts = {};
-    for (const PlumeRay& ray : rays)
-      if (GasColumn column = march(**field, ray, view_steps(), &counts); !column.empty())
-        columns.push_back(std::move(column));
+    met = 0;
+    for (const PlumeRay& ray : rays) met += march(**field, ray, view_steps(), &counts).empty() ? 0 : 1;
   });
+  std::printf("generate_s,march_us_per_ray,march_ns_per_cell\n%.4f,%.2f,%.1f\n", generate_s,
+              1e6 * march_s / static_cast<double>(met), 1e9 * march_s / static_cast<double>(counts.cells));
   std::vector<double> um;
   for (std::size_t b = kGasBandCount; b-- > 0;)
     if (const double x = gas_band_lambda_um(b); (x > 3 && x < 5) || (x > 8 && x < 12)) um.push_back(x);
@@ -93,50 +135,19 @@ int run(int across) {
   const AbsorberAmounts amounts =
       Atmosphere::make({afgl_profile(AfglProfile::kMidlatitudeSummer), {}})->amounts(level_path(10, 5000));
 
-  // The formulas one by one: each column and its coarser one.
-  double sum = 0;
-  const auto plain = [&](bool behind) {
-    for (const GasColumn& column : columns) {
-      GasColumn coarse;
-      for (const CoarseStep& step : coarser(column)) coarse.push_back(step.segment);
-      for (const GasColumn* one : {&column, static_cast<const GasColumn*>(&coarse)})
-        for (const GasBands& range : wavelengths->ranges())
-          sum += behind ? plain::gas_through_air(layers_of(*one), amounts, range)->spectrum.radiance_w_m2_sr_um[0]
-                        : plain::gas_spectrum(layers_of(*one), range)->radiance_w_m2_sr_um[0];
-    }
-  };
-  std::vector<HotColumn> hot;
-  const auto prepare = [&] {
-    hot.clear();
-    for (const GasColumn& column : columns) {
-      hot.push_back(*HotColumn::make(column, *wavelengths));
-      sum += hot.back().at_near_end().emitted_w_m2_sr_um[0];
-    }
-  };
-  prepare();
-  plain(false);
-  const auto air = AirBeforeColumns::make(amounts, *wavelengths);
-  if (!air.ok()) return 1;
-  const double plain_alone_s = least_s(3, [&] { plain(false); }),
-               plain_behind_s = least_s(3, [&] { plain(true); }), alone_s = least_s(5, prepare),
-               air_s = least_s(5, [&] { sum += AirBeforeColumns::make(amounts, *wavelengths).ok(); }),
-               behind_s = least_s(5, [&] {
-                 for (const HotColumn& one : hot) sum += one.behind(*air).emitted_w_m2_sr_um[0];
-               });
-  std::size_t layers = 0;
-  for (const GasColumn& column : columns) layers += column.size();
-  const auto n = static_cast<double>(columns.size());
-  std::printf("columns,layers_per_column,bands\n%zu,%.1f,%zu\n", columns.size(),
-              static_cast<double>(layers) / n, um.size());
-  std::printf("what,us_per_column,formulas_us_per_column,ratio\n");
-  std::printf("near_end,%.1f,%.1f,%.1f\n", 1e6 * alone_s / n, 1e6 * plain_alone_s / n,
-              plain_alone_s / alone_s);
-  std::printf("behind_air,%.1f,%.1f,%.1f\n", 1e6 * behind_s / n, 1e6 * plain_behind_s / n,
-              plain_behind_s / behind_s);
-  std::printf("air_once,%.1f,,\n", 1e6 * air_s);
-  std::printf("generate_s,march_us_per_ray,march_ns_per_cell\n%.4f,%.2f,%.1f\n", generate_s,
-              1e6 * march_s / n, 1e9 * march_s / static_cast<double>(counts.cells));
-  return sum > 0 ? 0 : 1;
+  std::printf(
+      "temperature_step,columns,layers_per_column,near_end_us,formulas_us,ratio,behind_air_us,"
+      "formulas_us,ratio,air_once_us\n");
+  for (const double step : {0.06, 0.01, 0.003}) {
+    SegmentSteps steps;
+    steps.temperature_step = step;
+    std::vector<GasColumn> columns;
+    for (const PlumeRay& ray : rays)
+      if (GasColumn column = march(**field, ray, steps); !column.empty())
+        columns.push_back(std::move(column));
+    report(step, columns, *wavelengths, amounts);
+  }
+  return 0;
 }
 
 }  // namespace
