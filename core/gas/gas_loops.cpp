@@ -88,6 +88,7 @@ IRSIG_CLONES LineStep through_lines(std::size_t points, const double* decay, dou
   double from[kGasLanes] = {}, by[kGasLanes] = {};
   for (std::size_t n = 0; n < points; n += kGasLanes) {
 #pragma GCC ivdep
+#pragma GCC unroll 1
     for (std::size_t j = 0; j < kGasLanes; ++j) {
       const double stored = decay[n + j], light = left[n + j];
       const bool thin = stored <= 0;
