@@ -44,7 +44,7 @@ class AirBeforeGas {
 };
 
 // A path's layers in neighbouring bands, with all of them that does not depend on the air before it:
-// about 10 kB a layer for a band of 3-5 um. Formulas: gas_spectrum.h.
+// at most 70 kB a layer for 3-5 and 8-12 um, and half as much again for HotColumn's coarser path. Formulas: gas_spectrum.h.
 class GasPath {
  public:
   // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that

@@ -120,6 +120,16 @@ TEST(AtmosphereLimits, LanesComputeExpAndLn) {
     EXPECT_NEAR(ln_lane(1 + off), std::log(1 + off), 3e-16 * std::log(1 + off)) << off;
     EXPECT_NEAR(ln_lane(1 - off), std::log(1 - off), -3e-16 * std::log(1 - off)) << off;
   }
+  for (double x = 1e-300; x < 699; x *= 1.0371) {
+    for (const double y : {x, -x}) {
+      EXPECT_NEAR(expm1_lane(y).exp_minus_1 / std::expm1(y), 1, 6e-16 + 1e-16 * x) << y;
+      EXPECT_NEAR(expm1_lane(y).exp / std::exp(y), 1, 4e-16 + 1e-16 * x) << y;
+    }
+    EXPECT_NEAR(log1p_lane(x) / std::log1p(x), 1, 1e-15) << x;
+    if (x < 0.999) EXPECT_NEAR(log1p_lane(-x) / std::log1p(-x), 1, 1e-15) << x;
+  }
+  EXPECT_EQ(expm1_lane(0).exp_minus_1, 0);
+  EXPECT_EQ(expm1_lane(-1e12).exp_minus_1, -1);
   EXPECT_EQ(ln_lane(1), 0);
   EXPECT_EQ(ln_lane(0), ln_lane(DBL_MIN));
 }
