@@ -180,7 +180,7 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
 absl::StatusOr<std::vector<MovedView>> InputViews::views(const schema::ViewJob& job) const {
   std::vector<MovedView> out;
   for (const Move& m : move_) {
-    auto request = request_from_job(m.sweep, job, m.environment, m.temperatures);
+    auto request = request_from_job(m.sweep, job, m.environment, m.temperatures, {});
     if (!request.ok()) return at(input_[m.input], request.status());
     out.push_back({*std::move(request), m.scene});
   }

@@ -30,7 +30,7 @@ std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) cons
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
                      const Environment* environment, std::size_t emitters,
-                     std::size_t field_bytes) {
+                     std::size_t field_bytes, std::size_t plume_bytes) {
   double wavelengths = 0;
   for (const BandGrid& grid : simulator.band_grids())
     wavelengths += static_cast<double>(grid.node_um.size());
@@ -55,7 +55,8 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
       (environment == nullptr
            ? 0
            : kBytesPerWeather * weathers_of(sweep).count * (1 + moved_environments(sweep))) +
-      row * (parts + directions) + kFieldBytes * static_cast<double>(field_bytes) +
+      row * (parts + directions) + kAllocation * static_cast<double>(plume_bytes) +
+      kFieldBytes * static_cast<double>(field_bytes) +
       kWeightsPerEmitter * elements * carried * kNumber * sweep.sweep().accuracy().replicates();
   return memory;
 }

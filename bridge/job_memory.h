@@ -32,6 +32,6 @@ struct JobMemory {
 // takes is not part of it.
 [[nodiscard]] JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
                                    const Environment* environment, std::size_t emitters,
-                                   std::size_t field_bytes);
+                                   std::size_t field_bytes, std::size_t plume_bytes);
 
 }  // namespace irsig

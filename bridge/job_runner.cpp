@@ -38,13 +38,14 @@ std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t f
 class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
-                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
+                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures, SweepPlumes plumes,
                 Assets assets, std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
                 std::vector<std::string> warnings, std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        plumes_(std::move(plumes)),
         assets_(std::move(assets)),
         field_bytes_(field_bytes),
         encoder_(std::move(encoder)),
@@ -69,7 +70,7 @@ class CoreJobRunner final : public JobRunner {
     return job_memory(sweep_, *simulator_, environment_.get(),
                       temperatures_.emitters ? temperatures_.emitters->part.size()
                                              : temperatures_.awaited_emitters,
-                      field_bytes_);
+                      field_bytes_, bytes_of(plumes_));
   }
 
   [[nodiscard]] std::size_t heat_bytes() const override {
@@ -102,7 +103,7 @@ class CoreJobRunner final : public JobRunner {
   }
 
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
-    auto request = request_from_job(sweep_, job, environment_, temperatures_);
+    auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
     if (!request.ok()) return request.status();
     request->accepted_backface_share = accepted_backface_share();
     if (request->thumbnail_px > 0 && !encoder_)
@@ -158,6 +159,7 @@ class CoreJobRunner final : public JobRunner {
   std::unique_ptr<Simulator> simulator_;
   std::shared_ptr<const Environment> environment_;  // null: the air is not the atmosphere
   SweepTemperatures temperatures_;
+  SweepPlumes plumes_;
   Assets assets_;            // of a sweep with heat runs
   std::size_t field_bytes_;  // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
@@ -207,6 +209,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
+  auto plumes = plumes_from_sweep(sweep, assets);
+  if (!plumes.ok()) return plumes.status();
   std::optional<InputViews> inputs;
   if (sweep.sweep().has_uncertainty() && !scene->temperatures.awaited) {
     auto made =
@@ -215,7 +219,7 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
     inputs = *std::move(made);
   }
   return std::make_unique<CoreJobRunner>(
-      sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
+      sweep, *std::move(simulator), *std::move(environment), scene->temperatures, *std::move(plumes),
       sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
           bytes_left_by_heat(sweep, scene->mesh.triangle.size()),

@@ -153,7 +153,8 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
 absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolved,
                                              const schema::ViewJob& job,
                                              std::shared_ptr<const Environment> environment,
-                                             const SweepTemperatures& temperatures) {
+                                             const SweepTemperatures& temperatures,
+                                             const SweepPlumes& plumes) {
   const schema::Sweep& sweep = resolved.sweep();
   if (temperatures.awaited)
     return absl::FailedPreconditionError(
@@ -180,6 +181,12 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     if (!surroundings.ok()) return surroundings.status();
     condition.surroundings = *surroundings;
     condition.air_temperature_k = c.air_temperature_k();
+    if (c.has_plume() && !plumes.empty()) {
+      if (c.plume() >= plumes.size())
+        return absl::InvalidArgumentError(absl::StrCat("a condition has plume ", c.plume(), " of ",
+                                                       plumes.size()));
+      condition.gas = plumes[c.plume()];
+    }
     // A calm sea has slopes too (sea_slope_variance).
     constexpr double kCalmMS = 1e-6;
     if (c.has_weather() && is_rough_sea(c.surroundings()))

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "bridge/sweep_plumes.h"
 #include "bridge/sweep_temperatures.h"
 #include "core/signature/simulator.h"
 #include "schema/job.pb.h"
@@ -37,9 +38,11 @@ struct SweepScene : SceneSpec {
 
 // Everything of one view's job but the scene: the sun's position is computed here. `environment`:
 // of environment_from_sweep; `temperatures`: of its scene. FAILED_PRECONDITION: they are awaited.
+// `plumes`: of plumes_from_sweep; or none, and hot gas is left out (of a sweep without it: none).
 [[nodiscard]] absl::StatusOr<ViewRequest> request_from_job(
     const schema::ResolvedSweep& sweep, const schema::ViewJob& job,
-    std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures);
+    std::shared_ptr<const Environment> environment, const SweepTemperatures& temperatures,
+    const SweepPlumes& plumes);
 
 // Where the sun stands in one condition.
 struct SunAngles {

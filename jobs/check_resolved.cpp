@@ -14,6 +14,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
 
@@ -204,7 +205,7 @@ schema::Sweep as_written(schema::Sweep sweep) {
   // A pilot's: so many samples, with the effects that the error calls for.
   if (sweep.accuracy().has_relative_error())
     sweep.mutable_accuracy()->clear_samples_per_replicate();
-  if (!sweep.has_heat() && sweep.has_place()) sweep.mutable_place()->clear_speed_m_s();
+  if (!sweep.has_heat() && !has_funnel_plume(sweep) && sweep.has_place()) sweep.mutable_place()->clear_speed_m_s();
   return sweep;
 }
 
@@ -227,6 +228,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   check_run(sweep, findings);
   check_effect_names(sweep.effects(), findings);
   check_heat(sweep, findings);
+  check_plume(sweep, findings);
   check_place(sweep, findings);
   check_air(sweep, findings);
   *resolved.mutable_viewpoint() = as_sent.viewpoint();
@@ -249,6 +251,7 @@ absl::Status check_resolved(const schema::ResolvedSweep& sweep) {
   AirCheck air(findings);
   for (int i = 0; i < sweep.condition_size(); ++i) check_condition(sweep, i, air, findings);
   for (int i = 0; i < sweep.heat_size(); ++i) check_heat_run(sweep, i, air, findings);
+  check_resolved_plumes(sweep, findings);
   check_uncertainty(sweep, findings);
   if (!findings.empty()) return findings.status();
   const double jobs = job_count(sweep);

@@ -145,6 +145,7 @@ void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   // These were written out into the conditions and heat runs, where they are complete.
   asked.clear_season();
   asked.clear_temperature_field();
+  asked.clear_plume();
   asked.clear_time();
   asked.clear_surroundings();
   schema::Air& air = *asked.mutable_air();
@@ -186,6 +187,7 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   clear_what_no_job_reads(sweep);
   sweep.clear_viewpoint();
   sweep.clear_condition();
+  sweep.clear_plume();
   sweep.clear_heat();
   *sweep.add_heat() = only;
   sweep.mutable_heat(0)->clear_season();  // a name

@@ -48,6 +48,7 @@ constexpr std::string_view kAirOutdoors = "what air outdoors has";
 constexpr std::string_view kSigma =
     "smaller is known exactly; of larger ones one step says nothing";
 constexpr std::string_view kIndexOfList = "the longest list";
+constexpr std::string_view kGasTables = "the tables of hot gas end there";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -183,6 +184,23 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Heat.tolerance_k", 1e-4, 10, "below, rounding is larger; above, there is no number"},
     {"Heat.rays", 16, 65536, "fewer see nothing, more only cost time"},
 
+    {"Plume.position_m", -1e6, 1e6, kPlacement},
+    {"Plume.temperature_k", 200, 2000, kGasTables},
+    {"Plume.pressure_pa", 10132.5, 202650, kGasTables},
+    {"Plume.diameter_m", 1e-3, 100, "a candle to a volcano"},
+    {"Plume.velocity_m_s", 0.1, 500, "slower gas does not fill its opening, faster is compressible"},
+    {"Plume.excess_air", 0, 20, "just enough to mostly air"},
+    {"Plume.hydrogen_per_carbon", 0, 4, "coal to methane"},
+    {"Plume.carbon_as_co", 0, 1, kFraction},
+    {"Plume.soot_g_per_kg", 0, 100, "the smokiest of fires"},
+    {"Plume.length_m", 1e-3, 1e5, kSize},
+    {"Plume.width_m", 1e-3, 1e5, kSize},
+    {"Plume.height_m", 1e-3, 1e5, kSize},
+    {"Plume.radius_m", 1e-3, 1e5, kSize},
+    {"Plume.voxel_m", 1e-4, 1e4, "a share of the size of the gas"},
+    {"Plume.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},
+    {"GasQuantity.constant", -300, 1e7, "any of its units; what the gas's tables have is less"},
+
     {"Transport.max_reflections", 0, 1000, kReflections},
     {"Transport.job_size_vertices", 1, 1e18, "one path to more than a machine's lifetime"},
     {"Accuracy.relative_error", 1e-6, 1, "below, rounding is larger; above, there is no number"},
@@ -230,6 +248,12 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Condition.part_temperature_k", 0, kHottestK, kTemperature},
     {"Condition.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
     {"Condition.air_temperature_k", 0, kHottestK, kTemperature},
+    {"Condition.plume", 0, kMostConditions, kIndexOfList},
+    {"ConditionPlume.wind_speed_m_s", 0, 150, "more than any storm"},
+    {"ConditionPlume.wind_from_deg", -360, 360, kAzimuth},
+    {"ConditionPlume.ship_speed_m_s", 0, 50, "faster than any ship"},
+    {"ConditionPlume.air_temperature_k", 0, 340, kAirOutdoors},
+    {"ConditionPlume.air_pressure_pa", 0, 1.2e5, "at the surface, mountains included"},
     {"ConditionField.part", 0, 1e6, kIndexOfList},
     {"ConditionField.heat", 0, kMostConditions, kIndexOfList},
     {"ConditionField.shift_k", -kHottestK, kHottestK, kTemperature},

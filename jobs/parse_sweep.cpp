@@ -47,6 +47,12 @@ std::string what_it_is(const toml::node& node) {
   }
 }
 
+// A number alone may stand for a table with this key.
+const FieldDescriptor* constant_of(const FieldDescriptor& field) {
+  return field.message_type() == nullptr ? nullptr
+                                         : field.message_type()->FindFieldByName("constant");
+}
+
 std::string what_is_expected(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_STRING:
@@ -56,7 +62,7 @@ std::string what_is_expected(const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_DOUBLE:
       return "a number";
     case FieldDescriptor::CPPTYPE_MESSAGE:
-      return "a table";
+      return constant_of(field) != nullptr ? "a number or a table" : "a table";
     default:
       return "a whole number, 0 or more";
   }
@@ -183,9 +189,12 @@ class Filler {
     switch (field.cpp_type()) {
       case FieldDescriptor::CPPTYPE_MESSAGE: {
         const toml::table* table = node.as_table();
-        if (table == nullptr) return wrong_type(node, path, what_is_expected(field));
+        const FieldDescriptor* constant = constant_of(field);
+        if (table == nullptr && (constant == nullptr || !node.is_number()))
+          return wrong_type(node, path, what_is_expected(field));
         Message* inner = append ? reflection.AddMessage(&message, &field)
                                 : reflection.MutableMessage(&message, &field);
+        if (table == nullptr) return fill_value(node, path, *constant, *inner);
         return fill_table(*table, path, *inner);
       }
       case FieldDescriptor::CPPTYPE_STRING: {

@@ -106,6 +106,7 @@ inline constexpr double kLongestUm = 1000.0;
 // Larger sweeps are refused before they fill the memory; split them.
 inline constexpr int kMostViewpoints = 1000000;
 inline constexpr int kMostConditions = 100000;
+inline constexpr int kMostPlumes = 1000;  // every worker keeps each of them
 inline constexpr int kMostWavelengths = 100000;
 
 }  // namespace irsig

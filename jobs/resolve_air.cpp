@@ -6,6 +6,7 @@
 #include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_plume.h"
 
 namespace irsig {
 namespace {
@@ -151,6 +152,14 @@ void check_wind(const schema::Air& air, const schema::Surroundings& surroundings
                 "does not apply, expected only with air.aerosol = \"navy_maritime\"");
 }
 
+// Of a season whose weather bends a funnel's plume.
+void require_wind(const SectionCheck& check) {
+  check.require({"wind_speed_m_s"}, "expected the wind: it bends the funnel's plume (0: calm)");
+  check.require({"wind_from_deg"},
+                "expected where the wind comes from, clockwise from north: it bends the funnel's "
+                "plume");
+}
+
 // Whether the season's profile follows from place and date.
 bool by_place(const schema::Sweep& sweep, const schema::Season& season) {
   if (season.has_profile()) return false;
@@ -166,9 +175,15 @@ void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& s
     check.error("sun_irradiance_w_m2",
                 "does not apply to air.model \"atmosphere\", which computes the sun's irradiance");
   check_surface_weather(season, sweep.has_heat(), path, check, findings);
-  check_wind(air, surroundings, sweep.has_heat() || season.has_day(), check);
-  for (const char* key : {"cloud_cover", "wind_from_deg"})
-    if (check.has(key) && !sweep.has_heat()) check.error(key, "does not apply without [heat]");
+  check_wind(air, surroundings,
+             sweep.has_heat() || season.has_day() || has_funnel_plume(sweep), check);
+  if (check.has("cloud_cover") && !sweep.has_heat())
+    check.error("cloud_cover", "does not apply without [heat]");
+  if (has_funnel_plume(sweep)) {
+    if (!season.has_weather_file()) require_wind(check);
+  } else if (check.has("wind_from_deg") && !sweep.has_heat()) {
+    check.error("wind_from_deg", "does not apply without [heat] or a funnel's [plume]");
+  }
   if (air.aerosol() == "none" && season.has_visibility_m())
     check.error("visibility_m", "does not apply to air.aerosol \"none\"");
   (void)check.at_most_one({"profile", "profile_file"});
@@ -226,10 +241,20 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
     check_weather_of_season(sweep, season, surroundings, path, findings);
     return;
   }
+  SectionCheck::Names of_any_air = {"name",
+                                    "date",
+                                    "time",
+                                    "part_temperature_k",
+                                    "temperature_field",
+                                    "surroundings",
+                                    "sun_irradiance_w_m2",
+                                    "air_temperature_k"};
+  if (model == "homogeneous" && has_funnel_plume(sweep)) {
+    of_any_air.insert(of_any_air.end(), {"wind_speed_m_s", "wind_from_deg"});
+    require_wind(check);
+  }
   if (model == "vacuum" || model == "homogeneous")
-    check.only({"name", "date", "time", "part_temperature_k", "temperature_field", "surroundings",
-                "sun_irradiance_w_m2", "air_temperature_k"},
-               absl::StrCat("to air.model \"", model, "\""));
+    check.only(of_any_air, absl::StrCat("to air.model \"", model, "\""));
   if (model == "homogeneous")
     check.require({"air_temperature_k"}, "expected the air's temperature: the air is homogeneous");
   if (season.has_air_temperature_k() && season.air_temperature_k() == 0 && model == "homogeneous")

@@ -8,6 +8,7 @@
 #include "core/spectral/solar.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_plume.h"
 #include "jobs/season_course.h"
 #include "jobs/time_of_day.h"
 
@@ -174,6 +175,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
   if (!findings.empty()) return;
 
   const auto fields = resolve_temperature_fields(file);
+  std::vector<PlumeWeather> wind;  // [condition]
   for (int s = 0; s < sweep.season_size(); ++s) {
     const schema::Season& season = sweep.season(s);
     const SeasonGroup& group = *group_of[static_cast<std::size_t>(s)];
@@ -198,10 +200,12 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
       resolve_sun(sweep, s, utc, condition, findings);
       if (sweep.air().model() == "homogeneous")
         condition.set_air_temperature_k(season.air_temperature_k());
-      if (atmosphere && group.course)
-        weather = resolve_weather(
-            file, s, with_weather_of(*group.course, unix_seconds(utc), season, s, findings),
-            month_of(season.date()), findings);
+      schema::Season now = season;
+      if (atmosphere && group.course) {
+        now = with_weather_of(*group.course, unix_seconds(utc), season, s, findings);
+        weather = resolve_weather(file, s, now, month_of(season.date()), findings);
+      }
+      wind.push_back({now.wind_speed_m_s(), now.wind_from_deg()});
       if (atmosphere) {
         condition.set_air_temperature_k(weather.air_temperature_k());
         *condition.mutable_weather() = weather;
@@ -210,6 +214,7 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
     }
   }
   resolve_heat(groups, resolved, findings);
+  resolve_plumes(file, wind, resolved, findings);
 }
 
 }  // namespace irsig

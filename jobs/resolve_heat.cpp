@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "jobs/resolve.h"
+#include "jobs/resolve_plume.h"
 
 namespace irsig {
 namespace {
@@ -56,8 +57,9 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
                                       "\", but [heat] is missing, expected it: a wall's "
                                       "temperature is computed"));
     }
-    if (sweep.place().has_speed_m_s())
-      findings.add("place.speed_m_s", "place.speed_m_s does not apply without [heat]");
+    if (sweep.place().has_speed_m_s() && !has_funnel_plume(sweep))
+      findings.add("place.speed_m_s",
+                   "place.speed_m_s does not apply without [heat] or a funnel's [plume]");
     return;
   }
   const SectionCheck check(sweep.heat(), "heat", findings);

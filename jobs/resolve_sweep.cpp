@@ -6,6 +6,7 @@
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
 #include "jobs/resolve_heat.h"
+#include "jobs/resolve_plume.h"
 #include "jobs/resolve_uncertainty.h"
 #include "jobs/size_bounds.h"
 #include "jobs/sweep_file.h"
@@ -68,6 +69,7 @@ void write_defaults(schema::Sweep& sweep) {
 
   write_air_defaults(*sweep.mutable_air());
   write_heat_defaults(sweep);
+  write_plume_defaults(sweep);
 
   schema::Transport& transport = *sweep.mutable_transport();
   if (!transport.has_max_reflections()) transport.set_max_reflections(64);
@@ -160,6 +162,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_run(resolved.sweep(), findings);
   check_effects(file, findings);
   check_heat(file.sweep, findings);
+  check_plume(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);

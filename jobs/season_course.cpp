@@ -13,6 +13,7 @@
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/weather_file.h"
 #include "jobs/number_bounds.h"
+#include "jobs/resolve_plume.h"
 #include "jobs/weather_files.h"
 
 namespace irsig {
@@ -124,16 +125,21 @@ class CourseReader {
     };
     both("wind_from_deg", season.has_wind_from_deg(), WeatherQuantity::kWindFrom);
     both("cloud_cover", season.has_cloud_cover(), WeatherQuantity::kCloudCover);
-    if (sweep_.has_heat() && !has(WeatherQuantity::kWindFrom) && !season.has_wind_from_deg())
+    const bool of_plume = has_funnel_plume(sweep_);
+    if ((sweep_.has_heat() || of_plume) && !has(WeatherQuantity::kWindFrom) &&
+        !season.has_wind_from_deg())
       findings_.add(of + ".wind_from_deg",
                     absl::StrCat(of, ".wind_from_deg is missing (and a column wind_from_deg in \"",
                                  one_line(season.weather_file()),
                                  "\" too), expected where the "
-                                 "wind comes from: temperatures are computed"));
+                                 "wind comes from: ",
+                                 of_plume ? "it bends the funnel's plume"
+                                          : "temperatures are computed"));
     if (!findings_.empty()) return;
     CourseWanted wanted;
     wanted.place = place();
     wanted.radiation = sweep_.has_heat();
+    wanted.wind_direction = of_plume;
     if (season.has_wind_from_deg()) wanted.wind_from_deg = season.wind_from_deg();
     if (season.has_cloud_cover()) wanted.cloud_cover = season.cloud_cover();
     wanted.periodic = repeats(sweep_);
@@ -263,6 +269,7 @@ schema::Season with_weather_of(const WeatherCourse& course, double unix_s,
   if (!season.has_relative_humidity_percent()) out.set_relative_humidity_percent(percent);
   if (!season.has_pressure_pa()) out.set_pressure_pa(now.pressure_pa);
   if (!season.has_wind_speed_m_s()) out.set_wind_speed_m_s(now.wind_m_s);
+  if (!season.has_wind_from_deg()) out.set_wind_from_deg(now.wind_from_deg);
   const NumberBounds& wind = bounds_of("Season.wind_speed_m_s");
   if (now.wind_m_s > wind.most)
     findings.add(of + from, absl::StrCat(of, from, " has a wind of ", absl::SixDigits(now.wind_m_s),

@@ -99,12 +99,13 @@ class Checker {
  public:
   Checker(const schema::ResolvedSweep& sweep, const Simulator& simulator,
           std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
-          std::vector<ViewRows> views, double times,
+          SweepPlumes plumes, std::vector<ViewRows> views, double times,
           const std::function<void(const CheckedViewpoint&)>& seen)
       : sweep_(sweep),
         simulator_(simulator),
         environment_(std::move(environment)),
         temperatures_(std::move(temperatures)),
+        plumes_(std::move(plumes)),
         views_(std::move(views)),
         times_(times),
         seen_(seen),
@@ -148,7 +149,7 @@ class Checker {
   [[nodiscard]] absl::StatusOr<CheckedErrors> check(const ViewRows& view) const {
     schema::ViewJob job;
     job.set_viewpoint_index(view.viewpoint);
-    auto request = request_from_job(sweep_, job, environment_, temperatures_);
+    auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
     if (!request.ok()) return request.status();
     LongerRun longer;
     longer.times = times_;
@@ -163,6 +164,7 @@ class Checker {
   const Simulator& simulator_;
   std::shared_ptr<const Environment> environment_;
   SweepTemperatures temperatures_;
+  SweepPlumes plumes_;
   std::vector<ViewRows> views_;
   double times_;
   const std::function<void(const CheckedViewpoint&)>& seen_;
@@ -188,8 +190,10 @@ absl::StatusOr<CheckedDatabase> check_database_errors(
   if (!simulator.ok()) return simulator.status();
   const auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
-  Checker checker(sweep, **simulator, *environment, scene->temperatures, *std::move(views),
-                  asked.times, seen);
+  auto plumes = plumes_from_sweep(sweep, source.loaded.assets);
+  if (!plumes.ok()) return plumes.status();
+  Checker checker(sweep, **simulator, *environment, scene->temperatures, *std::move(plumes),
+                  *std::move(views), asked.times, seen);
   const std::uint32_t workers =
       asked.workers > 0 ? asked.workers : std::max(std::thread::hardware_concurrency(), 1u);
   if (auto status = checker.run(workers); !status.ok()) return status;

@@ -61,7 +61,7 @@ absl::StatusOr<EffectsCurves> effects_curves(const schema::ResolvedSweep& sweep,
     // Each its own: what one has remembered of air and sky does not help the other.
     const auto environment = environment_from_sweep(row, (*simulator)->band_grids());
     if (!environment.ok()) return environment.status();
-    auto request = request_from_job(row, {}, *environment, scene->temperatures);
+    auto request = request_from_job(row, {}, *environment, scene->temperatures, {});
     if (!request.ok()) return request.status();
     request->viewpoint = viewpoint;
     request->selected_condition = request->selected_band = {0};

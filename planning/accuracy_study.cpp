@@ -67,7 +67,8 @@ absl::StatusOr<std::unique_ptr<BuiltScene>> build(const LoadedSweep& loaded, con
   out->simulator = *std::move(simulator);
   auto environment = environment_from_sweep(resolved, out->simulator->band_grids());
   if (!environment.ok()) return environment.status();
-  auto request = request_from_job(resolved, {}, *std::move(environment), scene->temperatures);
+  // Of the target's own light: hot gas has samples of its own.
+  auto request = request_from_job(resolved, {}, *std::move(environment), scene->temperatures, {});
   if (!request.ok()) return request.status();
   out->request = *std::move(request);
   out->request.viewpoint = place.viewpoint;

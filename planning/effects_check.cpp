@@ -67,13 +67,15 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
              for_all = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!for_chosen.ok()) return for_chosen.status();
   if (!for_all.ok()) return for_all.status();
+  const auto plumes = plumes_from_sweep(sweep, loaded.assets);
+  if (!plumes.ok()) return plumes.status();
   std::vector<CheckedView> views;
   for (const ViewRows& chosen : *rows) {
     schema::ViewJob job;
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());
     job.mutable_band_index()->Assign(chosen.band.begin(), chosen.band.end());
-    auto request = request_from_job(sweep, job, *for_chosen, scene->temperatures);
+    auto request = request_from_job(sweep, job, *for_chosen, scene->temperatures, *plumes);
     if (!request.ok()) return request.status();
     request->effects = {EffectChoice::Mode::kAuto, {}};
     auto view = check_effects(**simulator, *std::move(request),

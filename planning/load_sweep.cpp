@@ -12,6 +12,7 @@
 #include "core/base/user_file.h"
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
+#include "jobs/resolve_plume.h"
 #include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
 
@@ -99,6 +100,8 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   if (const absl::Status status = read_temperature_files(*file, reader(kMostModelBytes));
       !status.ok())
     return status;
+  if (const absl::Status status = read_plume_file(*file, reader(kMostModelBytes)); !status.ok())
+    return status;
   return file;
 }
 
@@ -141,6 +144,8 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   if (!loaded.resolved.model_sha256().empty())
     loaded.assets[loaded.resolved.model_sha256()] = std::move(model_bytes);
   for (const auto& [name, bytes] : fields_of(loaded.file))
+    loaded.assets[sha256_hex(bytes)] = std::string(bytes);
+  if (const std::string_view bytes = plume_bytes(loaded.file); !bytes.empty())
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
   if (!asked.any_size)

@@ -8,6 +8,8 @@ std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep) {
   for (const schema::Condition& condition : sweep.condition())
     if (condition.has_temperature_field() && !condition.temperature_field().has_heat())
       out.insert(condition.temperature_field().sha256());
+  for (const schema::ConditionPlume& plume : sweep.plume())
+    if (!plume.sha256().empty()) out.insert(plume.sha256());
   return out;
 }
 

@@ -17,7 +17,8 @@ using Assets = std::map<std::string, std::string>;
 // Empty: not known.
 using HeatOutputs = std::vector<std::string>;
 
-// The files that it needs: its model's (unless it is generated), its temperature fields'.
+// The files that it needs: its model's (unless it is generated), its temperature fields', its
+// hot gas's.
 [[nodiscard]] std::set<std::string> needed_assets(const schema::ResolvedSweep& sweep);
 
 // Empty: the sweep has no such file.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/gas/gas_spectrum.h"
 #include "core/geo/sun.h"
 
 namespace irsig {
@@ -63,10 +64,13 @@ absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
 
 std::vector<double> spectral_breaks_um(const schema::ResolvedSweep& sweep) {
   std::vector<double> breaks_um;
-  if (!has_atmosphere(sweep)) return breaks_um;
+  // The air's bands are bands of hot gas, too.
+  if (!has_atmosphere(sweep) && !sweep.sweep().has_plume()) return breaks_um;
   for (const schema::Band& band : sweep.sweep().band()) {
-    const auto edges = air_band_edges_um(band.lambda_min_um() - band.step_um(),
-                                         band.lambda_max_um() + band.step_um());
+    const double from_um = band.lambda_min_um() - band.step_um(),
+                 to_um = band.lambda_max_um() + band.step_um();
+    const auto edges = has_atmosphere(sweep) ? air_band_edges_um(from_um, to_um)
+                                             : gas_band_edges_um(from_um, to_um);
     breaks_um.insert(breaks_um.end(), edges.begin(), edges.end());
   }
   std::sort(breaks_um.begin(), breaks_um.end());

@@ -28,8 +28,8 @@ struct SweepWeathers {
 [[nodiscard]] absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const schema::ResolvedSweep& sweep, std::span<const double> node_um);
 
-// Where the air's spectrum jumps inside the sweep's bands and a bin beyond them (SceneSpec);
-// empty without the embedded atmosphere.
+// Where the spectra of air and hot gas jump inside the sweep's bands and a bin beyond them
+// (SceneSpec); empty without the embedded atmosphere and without hot gas.
 [[nodiscard]] std::vector<double> spectral_breaks_um(const schema::ResolvedSweep& sweep);
 
 }  // namespace irsig

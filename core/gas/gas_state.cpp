@@ -29,7 +29,7 @@ absl::Status check_gas(const GasState& s) {
           absl::StrFormat("gas mole fraction %s %g: expected 0 to 1", share.name, share.value));
     }
   }
-  if (!(s.soot >= 0 && s.soot <= 1e-3)) {
+  if (!(s.soot >= 0 && s.soot <= kGasSootMax)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("gas soot volume fraction %g: expected 0 to 1e-3", s.soot));
   }

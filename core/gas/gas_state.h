@@ -26,6 +26,7 @@ struct GasLayer {
 // those of 300 K.
 inline constexpr double kGasTemperatureMinK = 200, kGasTemperatureMaxK = 2000;
 inline constexpr double kGasPressureMinPa = 10132.5, kGasPressureMaxPa = 202650;
+inline constexpr double kGasSootMax = 1e-3;
 
 // OUT_OF_RANGE or INVALID_ARGUMENT, with the quantity and its value: temperature and pressure
 // outside of the above, a mole fraction outside [0, 1] or all of them above 1 together, a soot

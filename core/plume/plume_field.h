@@ -31,6 +31,8 @@ struct PlumeReport {
   std::uint64_t gas_voxels = 0;
   std::uint64_t warm_without_gas = 0;  // active temperature, but no CO2, H2O, CO or soot
   double least_k = 0, most_k = 0;
+  double least_pa = 0, most_pa = 0;
+  double most_soot = 0;                        // volume fraction
   std::array<double, kPlumeSpecies> amount{};  // of all voxels: CO2, H2O, CO [mol]; soot [m3]
 };
 

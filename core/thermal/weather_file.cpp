@@ -247,7 +247,7 @@ class CourseMaker {
     r.dew_point_k = dew_point(u, r.air_k);
     if (wanted_.wind_from_deg && !file_.has[at(Q::kWindFrom)])
       r.wind_from_deg = *wanted_.wind_from_deg;
-    else if (wanted_.radiation)
+    else if (wanted_.radiation || wanted_.wind_direction)
       // No direction of no wind.
       r.wind_from_deg = r.wind_m_s == 0 && std::isnan(value(row, Q::kWindFrom))
                             ? 0

@@ -73,7 +73,8 @@ struct CourseWanted {
   bool periodic = false;
   WeatherPlace place{};
   bool radiation = false;  // and the wind's direction
-  // Where the file has no column for them; absent: an error (with `radiation`), and 0.
+  bool wind_direction = false;
+  // Where the file has no column for them; absent: an error (where it is wanted), and 0.
   std::optional<double> wind_from_deg, cloud_cover;
 };
 struct FileCourse {

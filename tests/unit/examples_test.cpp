@@ -44,7 +44,8 @@ TEST(Examples, AllOfThemResolveAndExpand) {
   EXPECT_THAT(names,
               UnorderedElementsAre("quickstart", "frigate", "frigate_paper", "disk", "primitives",
                                    "sphere", "box", "cylinder", "cone", "cavity", "cooling_tower",
-                                   "painted_sphere", "houses", "frigate_day"));
+                                   "painted_sphere", "houses", "frigate_day", "frigate_plume",
+                                   "plume_column"));
 }
 
 // Rationale: the ship examples are the published case; a slip in a number would look like physics.

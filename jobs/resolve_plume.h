@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "jobs/material_files.h"
+#include "jobs/section_check.h"
+#include "schema/job.pb.h"
+
+namespace irsig {
+
+// Whether the sweep's hot gas rises from a funnel and so depends on the weather of each condition.
+[[nodiscard]] bool has_funnel_plume(const schema::Sweep& sweep);
+
+// Puts the bytes of the file that [plume] names into file.content. Call it between parse_sweep and
+// resolve_sweep. INVALID_ARGUMENT (file:line:column): a file that cannot be read. What is in it is
+// read where the scene is made.
+[[nodiscard]] absl::Status read_plume_file(SweepFile& file, const FileReader& read);
+// Empty: there is none.
+[[nodiscard]] std::string_view plume_bytes(const SweepFile& file);
+
+// [plume], and what sweeps with it may not have; then its defaults.
+void check_plume(const schema::Sweep& sweep, Findings& findings);
+void write_plume_defaults(schema::Sweep& sweep);
+
+// The weather of a condition as far as a funnel's plume depends on it.
+struct PlumeWeather {
+  double wind_speed_m_s = 0, wind_from_deg = 0;  // clockwise from true north
+};
+// Writes ResolvedSweep.plume, and which of them each condition has; weather: [condition]. Of a
+// sweep without [plume]: nothing.
+void resolve_plumes(const SweepFile& file, const std::vector<PlumeWeather>& weather,
+                    schema::ResolvedSweep& resolved, Findings& findings);
+
+// The same of a resolved sweep that came from somewhere else.
+void check_resolved_plumes(const schema::ResolvedSweep& resolved, Findings& findings);
+
+}  // namespace irsig
