@@ -29,8 +29,8 @@ std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) cons
 }
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
-                     const Environment* environment, std::size_t emitters,
-                     std::size_t field_bytes, std::size_t plume_bytes) {
+                     const Environment* environment, std::size_t emitters, std::size_t field_bytes,
+                     std::size_t plume_bytes) {
   double wavelengths = 0;
   for (const BandGrid& grid : simulator.band_grids())
     wavelengths += static_cast<double>(grid.node_um.size());

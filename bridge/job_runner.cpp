@@ -38,9 +38,10 @@ std::size_t bytes_left_by_heat(const schema::ResolvedSweep& sweep, std::size_t f
 class CoreJobRunner final : public JobRunner {
  public:
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
-                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures, SweepPlumes plumes,
-                Assets assets, std::size_t field_bytes, std::optional<ThumbnailEncoder> encoder,
-                std::vector<std::string> warnings, std::optional<InputViews> inputs)
+                std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
+                SweepPlumes plumes, Assets assets, std::size_t field_bytes,
+                std::optional<ThumbnailEncoder> encoder, std::vector<std::string> warnings,
+                std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
         environment_(std::move(environment)),
@@ -219,8 +220,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
     inputs = *std::move(made);
   }
   return std::make_unique<CoreJobRunner>(
-      sweep, *std::move(simulator), *std::move(environment), scene->temperatures, *std::move(plumes),
-      sweep.heat_size() > 0 ? assets : Assets(),
+      sweep, *std::move(simulator), *std::move(environment), scene->temperatures,
+      *std::move(plumes), sweep.heat_size() > 0 ? assets : Assets(),
       bytes_of(assets) - asset(assets, sweep.model_sha256()).size() +
           bytes_left_by_heat(sweep, scene->mesh.triangle.size()),
       std::move(encoder), model_warnings(sweep, *scene), std::move(inputs));

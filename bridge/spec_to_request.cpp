@@ -183,8 +183,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     condition.air_temperature_k = c.air_temperature_k();
     if (c.has_plume() && !plumes.empty()) {
       if (c.plume() >= plumes.size())
-        return absl::InvalidArgumentError(absl::StrCat("a condition has plume ", c.plume(), " of ",
-                                                       plumes.size()));
+        return absl::InvalidArgumentError(
+            absl::StrCat("a condition has plume ", c.plume(), " of ", plumes.size()));
       condition.gas = plumes[c.plume()];
     }
     // A calm sea has slopes too (sea_slope_variance).

@@ -76,19 +76,19 @@ absl::Status check_state(const PlumeReport& report, const std::string& path) {
     return !(least >= low && most <= high);
   };
   if (outside(report.least_k, report.most_k, kGasTemperatureMinK, kGasTemperatureMaxK))
-    return absl::InvalidArgumentError(absl::StrCat(
-        path, ": gas of ", absl::SixDigits(report.least_k), " to ", absl::SixDigits(report.most_k),
-        " K, expected ", kGasTemperatureMinK, " to ", kGasTemperatureMaxK,
-        " K: the tables of hot gas end there"));
-  if (outside(report.least_pa, report.most_pa, kGasPressureMinPa, kGasPressureMaxPa))
-    return absl::InvalidArgumentError(absl::StrCat(
-        path, ": gas of ", absl::SixDigits(report.least_pa), " to ",
-        absl::SixDigits(report.most_pa), " Pa, expected ", kGasPressureMinPa, " to ",
-        kGasPressureMaxPa, " Pa: the tables of hot gas end there"));
-  if (report.most_soot > kGasSootMax)
     return absl::InvalidArgumentError(
-        absl::StrCat(path, ": gas with ", report.most_soot, " of its volume soot, expected at most ",
-                     kGasSootMax, ": the tables of hot gas end there"));
+        absl::StrCat(path, ": gas of ", absl::SixDigits(report.least_k), " to ",
+                     absl::SixDigits(report.most_k), " K, expected ", kGasTemperatureMinK, " to ",
+                     kGasTemperatureMaxK, " K: the tables of hot gas end there"));
+  if (outside(report.least_pa, report.most_pa, kGasPressureMinPa, kGasPressureMaxPa))
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": gas of ", absl::SixDigits(report.least_pa), " to ",
+                     absl::SixDigits(report.most_pa), " Pa, expected ", kGasPressureMinPa, " to ",
+                     kGasPressureMaxPa, " Pa: the tables of hot gas end there"));
+  if (report.most_soot > kGasSootMax)
+    return absl::InvalidArgumentError(absl::StrCat(
+        path, ": gas with ", report.most_soot, " of its volume soot, expected at most ",
+        kGasSootMax, ": the tables of hot gas end there"));
   return absl::OkStatus();
 }
 
@@ -99,8 +99,8 @@ absl::Status check_reach(const schema::ResolvedSweep& sweep, const PlumeField& f
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (v.range_m() <= reach_m)
       return absl::InvalidArgumentError(absl::StrCat(
-          "viewpoints.range_m: a sensor at ", v.range_m(),
-          " m, but hot gas reaches as far as ", absl::SixDigits(reach_m),
+          "viewpoints.range_m: a sensor at ", v.range_m(), " m, but hot gas reaches as far as ",
+          absl::SixDigits(reach_m),
           " m from the target's reference point, expected sensors farther away than that"));
   return absl::OkStatus();
 }

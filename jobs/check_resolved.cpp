@@ -205,7 +205,8 @@ schema::Sweep as_written(schema::Sweep sweep) {
   // A pilot's: so many samples, with the effects that the error calls for.
   if (sweep.accuracy().has_relative_error())
     sweep.mutable_accuracy()->clear_samples_per_replicate();
-  if (!sweep.has_heat() && !has_funnel_plume(sweep) && sweep.has_place()) sweep.mutable_place()->clear_speed_m_s();
+  if (!sweep.has_heat() && !has_funnel_plume(sweep) && sweep.has_place())
+    sweep.mutable_place()->clear_speed_m_s();
   return sweep;
 }
 

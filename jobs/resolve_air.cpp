@@ -175,8 +175,8 @@ void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& s
     check.error("sun_irradiance_w_m2",
                 "does not apply to air.model \"atmosphere\", which computes the sun's irradiance");
   check_surface_weather(season, sweep.has_heat(), path, check, findings);
-  check_wind(air, surroundings,
-             sweep.has_heat() || season.has_day() || has_funnel_plume(sweep), check);
+  check_wind(air, surroundings, sweep.has_heat() || season.has_day() || has_funnel_plume(sweep),
+             check);
   if (check.has("cloud_cover") && !sweep.has_heat())
     check.error("cloud_cover", "does not apply without [heat]");
   if (has_funnel_plume(sweep)) {

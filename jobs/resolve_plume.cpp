@@ -41,9 +41,9 @@ Keys keys_of(const std::string& kind) {
     return {{"temperature_k", "diameter_m", "velocity_m_s", "excess_air", "length_m", "voxel_m"},
             {"hydrogen_per_carbon", "carbon_as_co", "soot_g_per_kg"}};
   if (kind == "file")
-    return {joined({"file", "unit_m", "forward_axis", "up_axis", "temperature", "pressure"},
-                   kSpecies),
-            {"interpolation"}};
+    return {
+        joined({"file", "unit_m", "forward_axis", "up_axis", "temperature", "pressure"}, kSpecies),
+        {"interpolation"}};
   const Names size = kind == "slab"       ? Names{"length_m", "width_m", "height_m"}
                      : kind == "cylinder" ? Names{"length_m", "radius_m"}
                                           : Names{"radius_m"};
@@ -86,8 +86,8 @@ void check_body(const schema::Plume& plume, const SectionCheck& check) {
     if (!check.has(name)) continue;
     const schema::GasQuantity& q = quantity(plume, name);
     if (q.has_grid() || !q.has_constant() || (q.has_unit() && q.unit() != "1")) {
-      check.error(name, absl::StrCat("is no number, expected one: a ", plume.kind(),
-                                     " has no grids"));
+      check.error(name,
+                  absl::StrCat("is no number, expected one: a ", plume.kind(), " has no grids"));
       all_good = false;
       continue;
     }
@@ -114,8 +114,8 @@ void check_file(const schema::Plume& plume, const SectionCheck& check, Findings&
   if (!absl::EndsWithIgnoreCase(plume.file(), ".vdb"))
     check.error("file",
                 absl::StrCat("= \"", one_line(plume.file()), "\", expected a file ending in .vdb"));
-  const bool interpolation = !plume.has_interpolation() ||
-                             check.one_of("interpolation", {"linear", "constant"});
+  const bool interpolation =
+      !plume.has_interpolation() || check.one_of("interpolation", {"linear", "constant"});
   const auto grids = grids_from_message(plume);
   if (!interpolation || !grids.ok()) return;
   const absl::StatusOr<PlumeReading> reading = check_plume_grids(*grids);
@@ -123,7 +123,8 @@ void check_file(const schema::Plume& plume, const SectionCheck& check, Findings&
     for (const auto line : absl::StrSplit(std::string(reading.status().message()), '\n')) {
       const std::string text(line), key = text.substr(0, text.find_first_of(": "));
       const std::string path = check.has(key.c_str()) ? absl::StrCat("plume.", key) : "plume";
-      findings.add(path, absl::StrCat(check.has(key.c_str()) ? "plume." : "plume: ", one_line(text)));
+      findings.add(path,
+                   absl::StrCat(check.has(key.c_str()) ? "plume." : "plume: ", one_line(text)));
     }
     return;
   }
@@ -160,8 +161,7 @@ void check_funnel(const schema::Sweep& sweep, const SectionCheck& check, Finding
 
 // Bands that the gas's tables have; stored spectra are means over step_um.
 void check_bands(const schema::Sweep& sweep, Findings& findings) {
-  const double least_um = gas_band_lambda_um(kGasBandCount - 1),
-               most_um = gas_band_lambda_um(0);
+  const double least_um = gas_band_lambda_um(kGasBandCount - 1), most_um = gas_band_lambda_um(0);
   for (int b = 0; b < sweep.band_size(); ++b) {
     const schema::Band& band = sweep.band(b);
     if (!band.has_lambda_min_um() || !band.has_lambda_max_um()) continue;
@@ -233,13 +233,11 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
   if (!sweep.has_plume()) return;
   const schema::Plume& plume = sweep.plume();
   const SectionCheck check(plume, "plume", findings);
-  check.require({"kind"},
-                "expected \"funnel\", \"slab\", \"cylinder\", \"sphere\" or \"file\"");
+  check.require({"kind"}, "expected \"funnel\", \"slab\", \"cylinder\", \"sphere\" or \"file\"");
   if (!check.one_of("kind", {"funnel", "slab", "cylinder", "sphere", "file"})) return;
   const Keys keys = keys_of(plume.kind());
   for (const char* key : keys.needed) check.require({key}, absl::StrCat("expected ", what_is(key)));
-  check.require({"position_m"},
-                "expected where it is: [forward, to starboard, up] in metres");
+  check.require({"position_m"}, "expected where it is: [forward, to starboard, up] in metres");
   if (check.has("position_m") && plume.position_m_size() != 3)
     check.error("position_m", absl::StrCat("has ", plume.position_m_size(),
                                            " numbers, expected three: forward, to starboard, up"));
@@ -266,9 +264,10 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
   for (int s = 0; s < sweep.season_size(); ++s)
     if (sweep.season(s).has_modtran_file()) {
       const std::string path = absl::StrCat("season[", s, "].modtran_file");
-      findings.add(path, absl::StrCat(path, " and [plume] are both there, expected one of them: "
-                                            "of imported air no lines are known, and band means "
-                                            "of air and hot gas do not multiply"));
+      findings.add(path, absl::StrCat(path,
+                                      " and [plume] are both there, expected one of them: "
+                                      "of imported air no lines are known, and band means "
+                                      "of air and hot gas do not multiply"));
     }
 }
 

@@ -128,13 +128,13 @@ class CourseReader {
     const bool of_plume = has_funnel_plume(sweep_);
     if ((sweep_.has_heat() || of_plume) && !has(WeatherQuantity::kWindFrom) &&
         !season.has_wind_from_deg())
-      findings_.add(of + ".wind_from_deg",
-                    absl::StrCat(of, ".wind_from_deg is missing (and a column wind_from_deg in \"",
-                                 one_line(season.weather_file()),
-                                 "\" too), expected where the "
-                                 "wind comes from: ",
-                                 of_plume ? "it bends the funnel's plume"
-                                          : "temperatures are computed"));
+      findings_.add(
+          of + ".wind_from_deg",
+          absl::StrCat(of, ".wind_from_deg is missing (and a column wind_from_deg in \"",
+                       one_line(season.weather_file()),
+                       "\" too), expected where the "
+                       "wind comes from: ",
+                       of_plume ? "it bends the funnel's plume" : "temperatures are computed"));
     if (!findings_.empty()) return;
     CourseWanted wanted;
     wanted.place = place();

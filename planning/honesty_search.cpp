@@ -101,7 +101,8 @@ absl::Status by_reference(const Computed& program, const SearchOptions& options,
   const auto scene =
       scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat);
   if (!scene.ok()) return scene.status();
-  const auto request = request_from_job(program.sweep, program.job, nullptr, scene->temperatures, {});
+  const auto request =
+      request_from_job(program.sweep, program.job, nullptr, scene->temperatures, {});
   if (!request.ok()) return request.status();
   const auto reference = ReferenceView::make(*scene, *request, 0);
   if (!reference.ok()) return reference.status();

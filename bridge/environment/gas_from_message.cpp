@@ -18,10 +18,9 @@ GridOrConstant quantity_from_message(const schema::GasQuantity& q, const char* f
 absl::StatusOr<PlumeGrids> grids_from_message(const schema::Plume& plume) {
   PlumeGrids out;
   if (plume.has_interpolation()) {
-    const auto interpolation =
-        named<PlumeInterpolation>("plume.interpolation", plume.interpolation(),
-                                  {{"linear", PlumeInterpolation::kLinear},
-                                   {"constant", PlumeInterpolation::kConstant}});
+    const auto interpolation = named<PlumeInterpolation>(
+        "plume.interpolation", plume.interpolation(),
+        {{"linear", PlumeInterpolation::kLinear}, {"constant", PlumeInterpolation::kConstant}});
     if (!interpolation.ok()) return interpolation.status();
     out.interpolation = *interpolation;
   }

@@ -146,7 +146,8 @@ void PlumeFieldMaker::check_gas(const Voxel& v) {
   report.least_k =
       report.gas_voxels == 0 ? v.temperature_k : std::min(report.least_k, v.temperature_k);
   report.most_k = std::max(report.most_k, v.temperature_k);
-  report.least_pa = report.gas_voxels == 0 ? v.pressure_pa : std::min(report.least_pa, v.pressure_pa);
+  report.least_pa =
+      report.gas_voxels == 0 ? v.pressure_pa : std::min(report.least_pa, v.pressure_pa);
   report.most_pa = std::max(report.most_pa, v.pressure_pa);
   report.most_soot = std::max(report.most_soot, v.fraction[kSoot]);
   ++report.gas_voxels;

@@ -209,7 +209,8 @@ TEST(SeasonCourse, WhatIsWrongWithHeat) {
   p.place += "speed_m_s = 8\n";
   EXPECT_EQ(error_of(p), "");
   p.heat = "";
-  EXPECT_THAT(error_of(p), HasSubstr("place.speed_m_s does not apply without [heat] or a funnel's [plume]"));
+  EXPECT_THAT(error_of(p),
+              HasSubstr("place.speed_m_s does not apply without [heat] or a funnel's [plume]"));
   p = {};
   p.air = "model = \"vacuum\"\n";
   EXPECT_THAT(error_of(p), AllOf(HasSubstr("[heat] needs air.model = \"atmosphere\""),
