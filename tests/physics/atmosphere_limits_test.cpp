@@ -126,7 +126,9 @@ TEST(AtmosphereLimits, LanesComputeExpAndLn) {
       EXPECT_NEAR(expm1_lane(y).exp / std::exp(y), 1, 4e-16 + 1e-16 * x) << y;
     }
     EXPECT_NEAR(log1p_lane(x) / std::log1p(x), 1, 1e-15) << x;
-    if (x < 0.999) EXPECT_NEAR(log1p_lane(-x) / std::log1p(-x), 1, 1e-15) << x;
+    if (x < 0.999) {
+      EXPECT_NEAR(log1p_lane(-x) / std::log1p(-x), 1, 1e-15) << x;
+    }
   }
   EXPECT_EQ(expm1_lane(0).exp_minus_1, 0);
   EXPECT_EQ(expm1_lane(-1e12).exp_minus_1, -1);
