@@ -64,10 +64,9 @@ namespace irsig {
   return k * kLn2High + (f - (s * (f - 2.0 * (z * sum)) - k * kLn2Low));
 }
 
-// exp(x) and exp(x) - 1 together, each with its own digits: relative errors below 6e-16 + 1e-16 |x| for |x| <= 700;
-// beyond, those of +-700.
-// exp(x) - 1 = 2^n (exp(r) - 1) + (2^n - 1): the second summand is exact, and of the first's sign
-// or larger by a factor of 1.4.
+// exp(x) and exp(x) - 1 together, each with its own digits: relative errors below 6e-16 + 1e-16 |x|
+// for |x| <= 700; beyond, those of +-700. exp(x) - 1 = 2^n (exp(r) - 1) + (2^n - 1): the second
+// summand is exact, and of the first's sign or larger by a factor of 1.4.
 struct ExpLane {
   double exp, exp_minus_1;
 };
@@ -93,8 +92,7 @@ struct ExpLane {
   sum = sum * r + 1.0 / 6;
   sum = sum * r + 0.5;
   const double part = r + r * r * sum;
-  const double scale =
-      std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
+  const double scale = std::bit_cast<double>((std::bit_cast<std::uint64_t>(shifted) + 1023) << 52);
   return {scale + scale * part, scale * part + (scale - 1.0)};
 }
 

@@ -13,9 +13,7 @@ namespace {
 
 #define IRSIG_LANE [[gnu::always_inline]] inline
 
-IRSIG_LANE Step log1p_step(Step a) {
-  return {log1p_lane(a.from), log1p_lane(a.by / (1 + a.from))};
-}
+IRSIG_LANE Step log1p_step(Step a) { return {log1p_lane(a.from), log1p_lane(a.by / (1 + a.from))}; }
 IRSIG_LANE Step sqrt_step(Step a) {
   const double from = std::sqrt(a.from), sum = from + std::sqrt(a.from + a.by);
   const bool positive = sum > 0;
@@ -187,8 +185,7 @@ IRSIG_CLONES void add_hot_bands(const HotLevels& levels, double temperature_k,
         const double f1 = gamma - 0.5 * d, f2 = gamma + 0.5 * d;
         const double head = rate * delta * (1 + 0.5 * kA / gamma);
         const double tail = rate * 2 * gamma * f1;
-        const double meant =
-            ((square > 0) & (head > -78) & (tail < 78)) ? alive[j] : 0.0;
+        const double meant = ((square > 0) & (head > -78) & (tail < 78)) ? alive[j] : 0.0;
         const double common = scale[j] * filled;
         const double minus = common * std::abs(f1) * exp_lane(head - tail);
         const double plus = common * std::abs(f2) * exp_lane(head - rate * 2 * gamma * f2);

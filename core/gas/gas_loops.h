@@ -18,15 +18,16 @@ struct Steps {
   double *from, *by;
 };
 
-// Bands of lines at random, one gas, along a path: optical depth of a Goody distribution, Lorentz and
-// Doppler widths joined, mean widths by Curtis and Godson.           [ludwig1973, 5-25 to 5-27]
+// Bands of lines at random, one gas, along a path: optical depth of a Goody distribution, Lorentz
+// and Doppler widths joined, mean widths by Curtis and Godson.           [ludwig1973, 5-25 to 5-27]
 //
 //   X = sum of S/d u;  a_c = sum of (S/d u gamma_c / d) / X, a_d likewise
 //   X_c = X / sqrt(1 + X / (4 a_c)),  X_d = 1.7 a_d sqrt(ln(1 + (X / (1.7 a_d))^2))
 //   depth = X sqrt(1 - Y^(-1/2)),  Y = (1 - (X_c/X)^2)^-2 + (1 - (X_d/X)^2)^-2 - 1
 //
-// One formula from 1e-280 (less is nothing) to 1e280: depth is X where it is thin, and what a segment
-// adds to it has a relative error of 1e-13 times (1 + ln of the depths' ratio) whatever lies before.
+// One formula from 1e-280 (less is nothing) to 1e280: depth is X where it is thin, and what a
+// segment adds to it has a relative error of 1e-13 times (1 + ln of the depths' ratio) whatever
+// lies before.
 struct GrowthSums {
   double *weak, *lorentz, *doppler;  // sums of X, a_c X, a_d X
   double* depth;
@@ -37,8 +38,8 @@ struct GrowthSums {
 void grow(std::size_t bands, const GrowthSums& sums, const double* weak, const double* lorentz,
           const double* doppler, const Steps& through);
 
-// What exp(-d) and exp(-d) - 1 of a segment are, in one number: the second where it is above -1/2 (and
-// not positive), else the first. For kGasLanes k points.
+// What exp(-d) and exp(-d) - 1 of a segment are, in one number: the second where it is above -1/2
+// (and not positive), else the first. For kGasLanes k points.
 void line_decay(std::size_t points, const std::int32_t* thousandth_ln, const HotLinePlace& place,
                 double amount_mol_m2, double* decay);
 struct LineStep {
@@ -54,8 +55,8 @@ void soot_step(std::size_t bands, double volume_fraction_m, const double* per_m,
                const Steps& through);
 
 // Planck's function, mean of two temperatures; scale: c1L / lambda^5.
-void planck_mean(std::size_t bands, const double* lambda_um, const double* scale, double t1, double t2,
-                 double* out);
+void planck_mean(std::size_t bands, const double* lambda_um, const double* scale, double t1,
+                 double t2, double* out);
 
 // Weighted mean of what cold air lets through of what a segment of hot water takes.
 struct WaterPoints {
@@ -68,15 +69,15 @@ struct WaterTaken {
   double through, all;
 };
 //   points       kGasLanes k, at most kMostWaterPoints
-//   low, high    Lorenz curves of two shapes; weight_high: how far the segment's is from low to high
-//   left         as for lines
+//   low, high    Lorenz curves of two shapes; weight_high: how far the segment's is from low to
+//   high left         as for lines
 inline constexpr std::size_t kMostWaterPoints = 256;
 [[nodiscard]] WaterTaken through_water(std::size_t points, const WaterPoints& point,
                                        const double* low, const double* high, double weight_high,
                                        double weak_depth, double* left);
 
-// Sums over hot bands of carbon dioxide, kGasLanes wavenumbers at a time: bands (v, v3) to v3 + 1 of
-// levels below, each a P and an R branch of smeared-out lines.
+// Sums over hot bands of carbon dioxide, kGasLanes wavenumbers at a time: bands (v, v3) to v3 + 1
+// of levels below, each a P and an R branch of smeared-out lines.
 struct HotLevels {
   static constexpr std::size_t kV = 20, kV3 = 10;
   double centre_cm1[kV][kV3];

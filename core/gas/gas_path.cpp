@@ -50,7 +50,8 @@ absl::Status check(GasBands bands, GasBands within) {
   return absl::OkStatus();
 }
 
-// One gas along a path in some bands of a range: those in which its lines are at random, or its own.
+// One gas along a path in some bands of a range: those in which its lines are at random, or its
+// own.
 class OwnBands {
  public:
   OwnBands(HotGas gas, GasBands bands) : gas_(gas) {
@@ -202,8 +203,8 @@ void AirBeforeGas::add_lines(const AbsorberAmounts& air) {
   const std::vector<JointLines> joint = joint_lines(bands_);
   joint_ = weights(joint);
   for (const JointLines& one : joint) {
-    const GasTerms cold = gas_terms(air, kSameInAir[one.gas], bands_.first + one.band -
-                                                                  kAirGasBands.first);
+    const GasTerms cold =
+        gas_terms(air, kSameInAir[one.gas], bands_.first + one.band - kAirGasBands.first);
     IRSIG_CHECK(cold.depth.size() == one.lines->term_weight.size());
     double sum = 0;
     for (std::size_t i = 0; i < one.lines->weight.size(); ++i) {
@@ -324,9 +325,10 @@ GasThroughAir GasPath::through(const AirBeforeGas& air) const {
   const std::size_t n = bands_.size();
   std::vector<double> joint_left = air.joint_, water_left = air.weight_, water = air.water_;
   std::vector<double> whole_from(n), whole_by(n), rest_from(n), joint_through(n, 1.0);
-  GasThroughAir out{{bands_, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)},
-                    air.transmittance_,
-                    std::vector<double>(n)};
+  GasThroughAir out{
+      {bands_, std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)},
+      air.transmittance_,
+      std::vector<double>(n)};
   const auto& curves = LorenzCurves::curves();
   if (layers_ == 0)
     for (const JointLines& one : joint_) {
@@ -348,9 +350,9 @@ GasThroughAir GasPath::through(const AirBeforeGas& air) const {
     const double* decay = decay_.data() + layer * points_;
     for (const JointLines& one : joint_) {
       const std::size_t points = one.lines->weight.size();
-      const LineStep step =
-          through_lines(points, decay + one.first, joint_left.data() + one.first);
-      const Step product = Step{whole_from[one.band], whole_by[one.band]} * Step{step.from, step.by};
+      const LineStep step = through_lines(points, decay + one.first, joint_left.data() + one.first);
+      const Step product =
+          Step{whole_from[one.band], whole_by[one.band]} * Step{step.from, step.by};
       whole_from[one.band] = product.from;
       whole_by[one.band] = product.by;
       rest_from[one.band] *= step.from;

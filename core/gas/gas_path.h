@@ -15,8 +15,8 @@ struct HotLineBand;
 
 // One gas in one band, whose lines are given by points that are the cold air's as well.
 struct JointLines {
-  std::size_t gas, band;         // band: beyond the first of the range
-  std::size_t first;             // of its points among all of the range
+  std::size_t gas, band;  // band: beyond the first of the range
+  std::size_t first;      // of its points among all of the range
   const HotLineBand* lines;
 };
 [[nodiscard]] std::vector<JointLines> joint_lines(GasBands bands);
@@ -25,7 +25,8 @@ struct JointLines {
 class AirBeforeGas {
  public:
   // INVALID_ARGUMENT for bands that the air has not.
-  [[nodiscard]] static absl::StatusOr<AirBeforeGas> make(const AbsorberAmounts& air, GasBands bands);
+  [[nodiscard]] static absl::StatusOr<AirBeforeGas> make(const AbsorberAmounts& air,
+                                                         GasBands bands);
 
  private:
   friend class GasPath;
@@ -43,8 +44,9 @@ class AirBeforeGas {
   std::vector<double> on_, inverse_weight_, weight_, air_;
 };
 
-// A path's layers in neighbouring bands, with all of them that does not depend on the air before it:
-// at most 70 kB a layer for 3-5 and 8-12 um, and half as much again for HotColumn's coarser path. Formulas: gas_spectrum.h.
+// A path's layers in neighbouring bands, with all of them that does not depend on the air before
+// it: 33 kB a layer for 3-5 and 8-12 um, and half as much again for HotColumn's coarser path.
+// Formulas: gas_spectrum.h.
 class GasPath {
  public:
   // Errors: those of check_gas, with the segment's number (from 1); INVALID_ARGUMENT for bands that
@@ -70,8 +72,8 @@ class GasPath {
   GasBands bands_;
   std::vector<JointLines> joint_;
   std::size_t layers_ = 0, points_ = 0;
-  std::vector<double> of_band_;  // [layer][Of][band]
-  std::vector<double> decay_;    // [layer][point of joint lines], line_decay
+  std::vector<double> of_band_;                // [layer][Of][band]
+  std::vector<double> decay_;                  // [layer][point of joint lines], line_decay
   std::vector<double> independence_, spread_;  // [layer]
   std::vector<double> through_;  // [band] of soot and gases with lines of their own; at last
   std::vector<double> water_through_;

@@ -71,8 +71,7 @@ class HotLines {
       for (const auto& b : *of) {
         if (!b) continue;
         IRSIG_CHECK(b->thousandth_ln.size() ==
-                    b->weight.size() * knots.ln_temperature.size() *
-                        knots.ln_pressure_atm.size());
+                    b->weight.size() * knots.ln_temperature.size() * knots.ln_pressure_atm.size());
       }
     }
   }
@@ -124,7 +123,7 @@ const HotLineKnots& hot_line_knots() { return hot_lines().knots; }
 HotLinePlace hot_line_place(double temperature_k, double pressure_pa) {
   // Four knots around the temperature, at the table's ends those next to them.
   const std::vector<double>&t = hot_line_knots().ln_temperature,
-                      &p = hot_line_knots().ln_pressure_atm;
+        &p = hot_line_knots().ln_pressure_atm;
   const double x = std::log(temperature_k);
   std::size_t i = 0;
   while (i + 4 < t.size() && x > t[i + 2]) ++i;

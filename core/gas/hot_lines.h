@@ -32,8 +32,8 @@ struct HotLineKnots {
 
 [[nodiscard]] const HotLineKnots& hot_line_knots();
 
-// Eight rows of a band's table and their weights, whose sum is 1000 ln of the absorption: cubic in ln
-// temperature, linear in ln pressure.
+// Eight rows of a band's table and their weights, whose sum is 1000 ln of the absorption: cubic in
+// ln temperature, linear in ln pressure.
 //   temperature_k, pressure_pa  as check_gas asks
 struct HotLinePlace {
   std::array<std::size_t, 8> row{};  // pressure * temperatures + temperature

@@ -12,7 +12,7 @@ namespace {
 constexpr double kOmega1 = 1354.91, kOmega2 = 673, kOmega3 = 2396.49;
 constexpr double kOmega12 = 0.5 * (0.5 * kOmega1 + kOmega2);
 constexpr double kB = kCo2RotationCm1, kA = kCo2RotationChangeCm1;
-constexpr double kLinesPerCm1 = 1 / (4 * kB);    // of a band without hot ones
+constexpr double kLinesPerCm1 = 1 / (4 * kB);  // of a band without hot ones
 
 // Bands that end on v3 + 1 from all levels below, each a P and an R branch of smeared-out lines.
 //   strength      of the band at 300 K                                   [cm-2 atm-1]

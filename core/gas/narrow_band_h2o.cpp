@@ -14,8 +14,7 @@ void h2o_bands(std::span<const double> wavenumber_cm1, double temperature_k,
     const double strength = h2o_strengths().at(wavenumber_cm1[i], temperature_k);
     out[i] = {};
     if (strength > 0)
-      out[i] = {strength,
-                std::exp(0.7941 * std::sin(0.0036 * wavenumber_cm1[i] - 8.043)) * growth};
+      out[i] = {strength, std::exp(0.7941 * std::sin(0.0036 * wavenumber_cm1[i] - 8.043)) * growth};
   }
 }
 

@@ -21,17 +21,17 @@ struct Place {
 };
 double dot(Place a, Place b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-// Squares of the distances of a place from straight pieces from `at` to `at + along`, whose lengths'
-// squares are known: many at once, the same bits whatever the vectors' width.
+// Squares of the distances of a place from straight pieces from `at` to `at + along`, whose
+// lengths' squares are known: many at once, the same bits whatever the vectors' width.
 struct Pieces {
   const double *x, *y, *z, *dx, *dy, *dz, *square;
 };
 IRSIG_CLONES void distances2(std::size_t n, const Pieces& of, Place p, double* out) {
 #pragma GCC ivdep
   for (std::size_t i = 0; i < n; ++i) {
-    const double t = ((p.x - of.x[i]) * of.dx[i] + (p.y - of.y[i]) * of.dy[i] +
-                      (p.z - of.z[i]) * of.dz[i]) /
-                     of.square[i];
+    const double t =
+        ((p.x - of.x[i]) * of.dx[i] + (p.y - of.y[i]) * of.dy[i] + (p.z - of.z[i]) * of.dz[i]) /
+        of.square[i];
     const double above = t < 0 ? 0.0 : t, u = above > 1 ? 1.0 : above;
     const double x = p.x - (of.x[i] + u * of.dx[i]), y = p.y - (of.y[i] + u * of.dy[i]),
                  z = p.z - (of.z[i] + u * of.dz[i]);
@@ -174,7 +174,7 @@ absl::StatusOr<GeneratedPlume> generate_funnel_plume(const FunnelPlume& plume) {
   GeneratedPlume out;
   out.downwind = air.wind_m_s > 0 ? normalized(wind) : Vec<Body>{1, 0, 0};
   AxisOfPlume axis(*stations, out.downwind, plume.exit, plume.air_temperature_k,
-                         0.5 * plume.voxel_m);
+                   0.5 * plume.voxel_m);
   const absl::StatusOr<Blocks> blocks = reached_blocks(axis, plume.voxel_m);
   if (!blocks.ok()) return blocks.status();
   GeneratedVolume volume(plume.voxel_m, plume.air_pressure_pa,

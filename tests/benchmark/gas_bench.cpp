@@ -1,9 +1,10 @@
 // CPU time of hot gas: spectra of a funnel's columns over 3-5 and 8-12 um, on one core.
 //   gas_bench [rays across, 12]
-// Prints CSV: first the funnel's generation and the march of its rays at the steps of views; then for
-// steps of temperature that make short and long columns: microseconds of a column that is prepared
-// and seen at its near end, and seen behind air once it is prepared, each beside the formulas one by
-// one (tests/physics/plain_gas) in the same run, with the ratio; and of the air itself, once.
+// Prints CSV: first the funnel's generation and the march of its rays at the steps of views; then
+// for steps of temperature that make short and long columns: microseconds of a column that is
+// prepared and seen at its near end, and seen behind air once it is prepared, each beside the
+// formulas one by one (tests/physics/plain_gas) in the same run, with the ratio; and of the air
+// itself, once.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -72,7 +73,8 @@ void report(double step, const std::vector<GasColumn>& columns, const GasWavelen
       for (const CoarseStep& pair : coarser(column)) coarse.push_back(pair.segment);
       for (const GasColumn* one : {&column, static_cast<const GasColumn*>(&coarse)})
         for (const GasBands& range : wavelengths.ranges())
-          sum += behind ? plain::gas_through_air(layers_of(*one), amounts, range)->spectrum.radiance_w_m2_sr_um[0]
+          sum += behind ? plain::gas_through_air(layers_of(*one), amounts, range)
+                              ->spectrum.radiance_w_m2_sr_um[0]
                         : plain::gas_spectrum(layers_of(*one), range)->radiance_w_m2_sr_um[0];
     }
   };
@@ -90,7 +92,8 @@ void report(double step, const std::vector<GasColumn>& columns, const GasWavelen
   if (!air.ok()) return;
   const double plain_alone_s = least_s(3, [&] { plain(false); }),
                plain_behind_s = least_s(3, [&] { plain(true); }), alone_s = least_s(5, prepare),
-               air_s = least_s(5, [&] { sum += AirBeforeColumns::make(amounts, wavelengths).ok(); }),
+               air_s =
+                   least_s(5, [&] { sum += AirBeforeColumns::make(amounts, wavelengths).ok(); }),
                behind_s = least_s(5, [&] {
                  for (const HotColumn& one : hot) sum += one.behind(*air).emitted_w_m2_sr_um[0];
                });
@@ -123,17 +126,21 @@ int run(int across) {
   const double march_s = least_s(5, [&] {
     counts = {};
     met = 0;
-    for (const PlumeRay& ray : rays) met += march(**field, ray, view_steps(), &counts).empty() ? 0 : 1;
+    for (const PlumeRay& ray : rays)
+      met += march(**field, ray, view_steps(), &counts).empty() ? 0 : 1;
   });
   std::printf("generate_s,march_us_per_ray,march_ns_per_cell\n%.4f,%.2f,%.1f\n", generate_s,
-              1e6 * march_s / static_cast<double>(met), 1e9 * march_s / static_cast<double>(counts.cells));
+              1e6 * march_s / static_cast<double>(met),
+              1e9 * march_s / static_cast<double>(counts.cells));
   std::vector<double> um;
   for (std::size_t b = kGasBandCount; b-- > 0;)
-    if (const double x = gas_band_lambda_um(b); (x > 3 && x < 5) || (x > 8 && x < 12)) um.push_back(x);
+    if (const double x = gas_band_lambda_um(b); (x > 3 && x < 5) || (x > 8 && x < 12))
+      um.push_back(x);
   const auto wavelengths = GasWavelengths::make(um);
   if (!wavelengths.ok()) return 1;
   const AbsorberAmounts amounts =
-      Atmosphere::make({afgl_profile(AfglProfile::kMidlatitudeSummer), {}})->amounts(level_path(10, 5000));
+      Atmosphere::make({afgl_profile(AfglProfile::kMidlatitudeSummer), {}})
+          ->amounts(level_path(10, 5000));
 
   std::printf(
       "temperature_step,columns,layers_per_column,near_end_us,formulas_us,ratio,behind_air_us,"

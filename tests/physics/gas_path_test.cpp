@@ -2,13 +2,14 @@
 // Expected: spectra of the formulas one by one, to 1e-10 of the value (and 1e-11 of transmittance),
 // for paths thin and thick, cold and hot, in all bands, alone and behind dry, humid, short and long
 // air. Source: tests/physics/plain_gas.
+#include "core/gas/gas_path.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "core/atmosphere/atmosphere.h"
-#include "core/gas/gas_path.h"
 #include "core/gas/gas_spectrum.h"
 #include "tests/physics/plain_gas/plain_gas.h"
 
@@ -69,7 +70,8 @@ TEST(GasPath, ThroughAir) {
   AtmosphereSpec spec{afgl_profile(AfglProfile::kTropical), {}, 425, 0, 0};
   const Atmosphere air = *Atmosphere::make(spec);
   std::vector<AbsorberAmounts> amounts = {AbsorberAmounts()};
-  for (const double range_m : {1e-3, 100.0, 5e3, 1e5}) amounts.push_back(air.amounts(level_path(10, range_m)));
+  for (const double range_m : {1e-3, 100.0, 5e3, 1e5})
+    amounts.push_back(air.amounts(level_path(10, range_m)));
   for (const AbsorberAmounts& of : amounts)
     for (const std::vector<GasLayer>& path : paths()) {
       const auto is = gas_through_air(path, of), should = plain::gas_through_air(path, of);
@@ -79,7 +81,9 @@ TEST(GasPath, ThroughAir) {
         ASSERT_NEAR(is->air_transmittance[b], should->air_transmittance[b], 1e-12);
         ASSERT_NEAR(is->water_correlation_error_w_m2_sr_um[b],
                     should->water_correlation_error_w_m2_sr_um[b],
-                    1e-9 * should->water_correlation_error_w_m2_sr_um[b] + 1e-11 * should->spectrum.radiance_w_m2_sr_um[b] + 1e-270) << b;
+                    1e-9 * should->water_correlation_error_w_m2_sr_um[b] +
+                        1e-11 * should->spectrum.radiance_w_m2_sr_um[b] + 1e-270)
+            << b;
       }
     }
   std::printf("largest difference %.2g\n", worst);
@@ -88,7 +92,9 @@ TEST(GasPath, ThroughAir) {
 // A range of bands is a part of all.
 TEST(GasPath, Ranges) {
   const std::vector<std::vector<GasLayer>> all = paths();
-  const AbsorberAmounts air = Atmosphere::make({afgl_profile(AfglProfile::kTropical), {}, 425, 0, 0})->amounts(level_path(10, 1000));
+  const AbsorberAmounts air =
+      Atmosphere::make({afgl_profile(AfglProfile::kTropical), {}, 425, 0, 0})
+          ->amounts(level_path(10, 1000));
   for (std::size_t n = 7; n < all.size(); n += 9) {
     const auto whole = gas_through_air(all[n], air);
     for (const GasBands bands : {GasBands{60, 61}, GasBands{199, 245}, GasBands{300, 335}}) {

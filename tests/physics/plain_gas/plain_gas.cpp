@@ -1,4 +1,3 @@
-#include "tests/physics/plain_gas/co2_band.h"
 #include "tests/physics/plain_gas/plain_gas.h"
 
 #include <algorithm>
@@ -10,14 +9,15 @@
 #include "absl/strings/str_format.h"
 #include "core/atmosphere/gas_terms.h"
 #include "core/base/check.h"
-#include "tests/physics/plain_gas/curve_of_growth.h"
 #include "core/gas/hot_lines.h"
-#include "tests/physics/plain_gas/line_path.h"
 #include "core/gas/narrow_band.h"
 #include "core/gas/narrow_band_tables.h"
 #include "core/gas/soot.h"
-#include "tests/physics/plain_gas/water_through_air.h"
 #include "core/spectral/planck.h"
+#include "tests/physics/plain_gas/co2_band.h"
+#include "tests/physics/plain_gas/curve_of_growth.h"
+#include "tests/physics/plain_gas/line_path.h"
+#include "tests/physics/plain_gas/water_through_air.h"
 
 namespace irsig::plain {
 namespace {
