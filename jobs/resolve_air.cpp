@@ -153,8 +153,9 @@ void check_wind(const schema::Air& air, const schema::Surroundings& surroundings
 }
 
 // Of a season whose weather bends a funnel's plume.
-void require_wind(const SectionCheck& check) {
-  check.require({"wind_speed_m_s"}, "expected the wind: it bends the funnel's plume (0: calm)");
+void require_wind(const SectionCheck& check, const Findings& findings) {
+  if (!findings.any_at(check.path("wind_speed_m_s")))
+    check.require({"wind_speed_m_s"}, "expected the wind: it bends the funnel's plume (0: calm)");
   check.require({"wind_from_deg"},
                 "expected where the wind comes from, clockwise from north: it bends the funnel's "
                 "plume");
@@ -180,7 +181,7 @@ void check_weather_of_season(const schema::Sweep& sweep, const schema::Season& s
   if (check.has("cloud_cover") && !sweep.has_heat())
     check.error("cloud_cover", "does not apply without [heat]");
   if (has_funnel_plume(sweep)) {
-    if (!season.has_weather_file()) require_wind(check);
+    if (!season.has_weather_file()) require_wind(check, findings);
   } else if (check.has("wind_from_deg") && !sweep.has_heat()) {
     check.error("wind_from_deg", "does not apply without [heat] or a funnel's [plume]");
   }
@@ -251,7 +252,7 @@ void check_season_air(const schema::Sweep& sweep, int season_index,
                                     "air_temperature_k"};
   if (model == "homogeneous" && has_funnel_plume(sweep)) {
     of_any_air.insert(of_any_air.end(), {"wind_speed_m_s", "wind_from_deg"});
-    require_wind(check);
+    require_wind(check, findings);
   }
   if (model == "vacuum" || model == "homogeneous")
     check.only(of_any_air, absl::StrCat("to air.model \"", model, "\""));
