@@ -137,7 +137,7 @@ class GasMeasurement {
   std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
                                std::uint64_t stage, std::uint32_t reflections) {
     SourceGeometry geometry = sources_.geometry();
-    geometry.medium = HotGas{std::move(gas)};
+    geometry.medium = HotGasMedium{std::move(gas)};
     PathSettings settings = path_settings(request_.accuracy, plan_.effects,
                                           view_seed(scene_, request_) + kGasStage + stage, samples);
     settings.max_reflections = reflections;

@@ -73,10 +73,10 @@ class GasOnRays {
 // What primary rays cross before they meet anything. Clear air around the target takes nothing from
 // them and adds nothing; what stands between target and sensor is not here but in ViewEnvironment.
 struct ClearMedium {};
-struct HotGas {
+struct HotGasMedium {
   std::shared_ptr<const GasOnRays> rays;
 };
-using Medium = std::variant<ClearMedium, HotGas>;
+using Medium = std::variant<ClearMedium, HotGasMedium>;
 
 struct SunDirection {
   Vec<Body> direction;  // unit vector towards the sun's centre

@@ -26,7 +26,7 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       layout_(target.part.size(), sources_),
       view_(view),
       hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
-  if (const auto* gas = std::get_if<HotGas>(&sources_.medium)) gas_ = gas->rays.get();
+  if (const auto* gas = std::get_if<HotGasMedium>(&sources_.medium)) gas_ = gas->rays.get();
   any_glint_ = sources_.glitters();
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();

@@ -87,9 +87,9 @@ struct PathWeights {
   double truncated_m2 = 0;  // = beyond_m2[2]
   // The same after each number of reflections 0 .. N.
   std::vector<double> beyond_order_m2;
-  // Through hot gas (HotGas): the sums of its measures. Other rays then count nowhere, and first
-  // "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1) and
-  // beyond (classes .. 2 classes - 1).
+  // Through hot gas (HotGasMedium): the sums of its measures. Other rays then count nowhere, and
+  // first "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1)
+  // and beyond (classes .. 2 classes - 1).
   std::vector<double> gas_m2;
 };
 
