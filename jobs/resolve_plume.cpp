@@ -161,7 +161,8 @@ void check_funnel(const schema::Sweep& sweep, const SectionCheck& check, Finding
 
 // Bands that the gas's tables have; stored spectra are means over step_um.
 void check_bands(const schema::Sweep& sweep, Findings& findings) {
-  const double least_um = gas_band_lambda_um(kGasBandCount - 1), most_um = gas_band_lambda_um(0);
+  const double least_um = 1e4 / (kGasFirstCm1 + kGasBandWidthCm1 * kGasBandCount),
+               most_um = 1e4 / kGasFirstCm1;
   for (int b = 0; b < sweep.band_size(); ++b) {
     const schema::Band& band = sweep.band(b);
     if (!band.has_lambda_min_um() || !band.has_lambda_max_um()) continue;
