@@ -46,7 +46,7 @@ class Plumes(unittest.TestCase):
     def rows(self, db):
         connection = sqlite3.connect(self.path / db)
         connection.row_factory = sqlite3.Row
-        rows = connection.execute("SELECT * FROM signature ORDER BY signature_id").fetchall()
+        rows = connection.execute("SELECT s.* FROM signature s JOIN signature_view v USING (signature_id) ORDER BY v.row").fetchall()
         connection.close()
         return rows
 
