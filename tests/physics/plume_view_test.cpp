@@ -223,6 +223,36 @@ TEST(PlumeView, OfASpectralTargetItsOwnSpectrumIsTaken) {
   EXPECT_GT(taken, 0.1 * row.plume_emitted_w_sr);
 }
 
+// Before a black wall as hot as itself gas of any thickness cannot be seen: each ray loses what it
+// gains.
+TEST(PlumeView, BeforeAWallOfItsTemperatureGasIsInvisible) {
+  const auto simulator = disk(3);
+  UniformPlume spec;
+  spec.kind = "sphere";
+  spec.radius_m = 1;
+  spec.temperature_k = kGasK;
+  spec.co2 = 0.07;
+  spec.h2o = 0.06;
+  spec.soot = 1e-7;
+  spec.voxel_m = 0.2;
+  auto made = generate_uniform_plume(spec);
+  ASSERT_TRUE(made.ok()) << made.status();
+  made->grids.position_m = {5, 0, 0};
+  const auto field = plume_of(made->volume, made->grids);
+  ASSERT_TRUE(field.ok()) << field.status();
+  ViewRequest r = request(*simulator, 0, 0, 1e4, {kGasK});
+  r.condition[0].gas = *field;
+  r.accuracy.samples_per_replicate = 1024;
+  const auto view = simulator->simulate(r);
+  ASSERT_TRUE(view.ok()) << view.status();
+  for (const SignatureResult& row : view->row) {
+    EXPECT_GT(row.plume_emitted_w_sr, 0);
+    EXPECT_LT(row.plume_bound_w_sr, 0.25 * row.plume_emitted_w_sr);
+    EXPECT_LT(std::abs(row.plume_w_sr.value),
+              std::min(row.plume_bound_w_sr, 0.12 * row.plume_emitted_w_sr));
+  }
+}
+
 // Other random numbers scatter as they say.
 TEST(PlumeView, SeedsScatterAsTheyState) {
   const auto simulator = disk(0.5);
@@ -349,6 +379,7 @@ TEST(PlumeView, AFunnelsPlumeIsTheSumOfItsRays) {
     EXPECT_NEAR(row.apparent_plume_emitted_w_sr, there[b],
                 3 * error * there[b] / here[b] + lattice * there[b]);
     EXPECT_LT(error, 0.01 * here[b]);
+    EXPECT_GE(row.numerical_error_w_sr, 0.999 * error);  // of the row: the gas's is in it
   }
 }
 
