@@ -174,7 +174,7 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
       request.exchange = false;
     else if (effect == Effect::kHeatDiffuseSun)
       request.diffuse_sun = false;
-    else
+    else if (!effect || !is_of_plume(*effect))
       return absl::InvalidArgumentError(
           absl::StrCat("effects.without: \"", name, "\" is no effect of computed temperatures"));
   }

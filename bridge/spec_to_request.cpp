@@ -60,6 +60,14 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
           absl::StrCat("effects.only: \"", name, "\" is no effect that can be left out"));
     choice.only.push_back(*effect);
   }
+  for (const std::string& name : effects.without()) {
+    const auto effect = effect_named(name);
+    if (effect && is_of_plume(*effect))
+      choice.without_plume.push_back(*effect);
+    else if (!effect || !is_of_heat(*effect))
+      return absl::InvalidArgumentError(
+          absl::StrCat("effects.without: \"", name, "\" is no effect that it can leave out"));
+  }
   return choice;
 }
 

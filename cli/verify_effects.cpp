@@ -84,11 +84,13 @@ absl::Status verify_bounds(const std::vector<MatrixCell>& cells, MatrixOptions o
   options.reference_paths = 0;
   std::string failures;
   std::printf("%s", effect_bounds_header().c_str());
-  for (const EffectInfo& info : effect_table()) {
-    if (!info.switchable) continue;
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    const EffectInfo& info = info_of(static_cast<Effect>(e));
+    if (!info.switchable || is_of_heat(info.effect)) continue;
     options.without = info.effect;
     std::vector<CheckedCell> checked;
     for (const MatrixCell& cell : cells) {
+      if (is_of_plume(info.effect) && !cell.has_gas()) continue;
       auto result = check_cell(cell, options, thread_cpu_s);
       if (absl::IsFailedPrecondition(result.status())) {
         // The program refuses: no finite bound is known, so that there is none to compare with.

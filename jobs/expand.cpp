@@ -6,6 +6,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "core/effects/effects.h"
 
 namespace irsig {
 namespace {
@@ -197,7 +198,9 @@ std::string encoding_for_heat(schema::ResolvedSweep sweep, int run) {
   asked.clear_band();
   asked.clear_accuracy();
   schema::Effects of_heat;
-  *of_heat.mutable_without() = asked.effects().without();
+  for (const std::string& name : asked.effects().without())
+    if (const auto effect = effect_named(name); effect && is_of_heat(*effect))
+      of_heat.add_without(name);
   asked.clear_effects();
   if (of_heat.without_size() > 0) *asked.mutable_effects() = of_heat;
   asked.clear_output();

@@ -11,17 +11,22 @@
 namespace irsig {
 namespace {
 
-// Those of rows, or those of temperatures.
-std::vector<std::string> switchable_names(bool of_heat) {
+// Of the effects that `without` lists, all others being listed by `only`.
+bool is_of_without(Effect effect) { return is_of_heat(effect) || is_of_plume(effect); }
+
+// Those of `without`, or those of `only`.
+std::vector<std::string> switchable_names(bool of_without) {
   std::vector<std::string> names;
   const auto add = [&](const auto& table) {
     for (const EffectInfo& effect : table)
       if (effect.switchable) names.emplace_back(effect.name);
   };
-  if (of_heat)
+  if (of_without) {
     add(heat_effect_table());
-  else
+    add(plume_effect_table());
+  } else {
     add(effect_table());
+  }
   return names;
 }
 
@@ -30,9 +35,9 @@ bool is_mode(const std::string& mode) {
   return std::find(kModes.begin(), kModes.end(), mode) != kModes.end();
 }
 
-// One name of a list, of rows or of temperatures.
+// One name of a list.
 void check_name(const google::protobuf::RepeatedPtrField<std::string>& names, int i,
-                const char* list, bool of_heat, const SectionCheck& check) {
+                const char* list, bool of_without, const SectionCheck& check) {
   const std::string& name = names[i];
   const std::string key = absl::StrCat(list, "[", i, "]");
   if (std::find(names.begin(), names.begin() + i, name) != names.begin() + i) {
@@ -42,18 +47,20 @@ void check_name(const google::protobuf::RepeatedPtrField<std::string>& names, in
   const auto effect = effect_named(name);
   if (!effect) {
     check.error_at(key, absl::StrCat("= \"", name, "\" is no effect that can be left out, ",
-                                     suggestion(name, switchable_names(of_heat))));
-  } else if (!of_heat && is_of_heat(*effect)) {
-    check.error_at(key, absl::StrCat("= \"", name, "\" is an effect of computed temperatures, ",
-                                     "which is on unless effects.without names it"));
-  } else if (of_heat && !is_of_heat(*effect)) {
+                                     suggestion(name, switchable_names(of_without))));
+  } else if (!of_without && is_of_without(*effect)) {
+    check.error_at(key, absl::StrCat("= \"", name, "\" is an effect of ",
+                                     is_of_heat(*effect) ? "computed temperatures" : "hot gas",
+                                     ", which is on unless effects.without names it"));
+  } else if (of_without && !is_of_without(*effect)) {
     check.error_at(key,
-                   absl::StrCat("= \"", name, "\" is no effect of computed temperatures, expected ",
-                                "one of ", quoted_list(switchable_names(true)),
+                   absl::StrCat("= \"", name, "\" is no effect of computed temperatures or of hot ",
+                                "gas, expected one of ", quoted_list(switchable_names(true)),
                                 "; the others are left out by mode = \"only\""));
   } else if (!info_of(*effect).switchable) {
-    check.error_at(key, absl::StrCat("= \"", name, "\" cannot be left out by itself, ",
-                                     "expected one of ", quoted_list(switchable_names(of_heat))));
+    check.error_at(
+        key, absl::StrCat("= \"", name, "\" cannot be left out by itself, ", "expected one of ",
+                          quoted_list(switchable_names(of_without))));
   }
 }
 
@@ -76,8 +83,14 @@ void check_effects(const SweepFile& file, Findings& findings) {
     check.error("only", absl::StrCat("is missing, expected the effects that are on, of ",
                                      quoted_list(switchable_names(false))));
   if (has_list && !only && known) check.error("only", "does not apply without mode = \"only\"");
-  if (effects.without_size() > 0 && !file.sweep.has_heat())
-    check.error("without", "does not apply without [heat]: it leaves out effects of temperatures");
+  for (int i = 0; i < effects.without_size(); ++i) {
+    const auto effect = effect_named(effects.without(i));
+    const std::string key = absl::StrCat("without[", i, "]");
+    if (effect && is_of_heat(*effect) && !file.sweep.has_heat())
+      check.error_at(key, "does not apply without [heat]: it is an effect of temperatures");
+    if (effect && is_of_plume(*effect) && !file.sweep.has_plume())
+      check.error_at(key, "does not apply without [plume]: it is an effect of hot gas");
+  }
   check_effect_names(effects, findings);
 }
 

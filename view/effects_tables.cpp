@@ -42,8 +42,9 @@ double ratio_of_first(const EffectsSummary& s) {
 
 std::string off_names(const EffectsSummary& s) {
   std::vector<std::string> names;
-  for (const EffectInfo& info : effect_table()) {
-    const std::size_t rows = s.off[static_cast<std::size_t>(info.effect)];
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    const EffectInfo& info = info_of(static_cast<Effect>(e));
+    const std::size_t rows = s.off[e];
     if (rows == 0) continue;
     names.push_back(rows == s.rows ? std::string(info.name)
                                    : fmt::format("{} ({}/{})", info.name, rows, s.rows));
@@ -127,8 +128,9 @@ std::string effects_failures(const std::string& where, const CheckedView& view) 
 std::string effects_off(const EffectsSummary& s) {
   std::string out = fmt::format("left out, of {} rows:", s.rows);
   bool any = false;
-  for (const EffectInfo& info : effect_table()) {
-    const std::size_t rows = s.off[static_cast<std::size_t>(info.effect)];
+  for (std::size_t e = 0; e < kEffectCount; ++e) {
+    const EffectInfo& info = info_of(static_cast<Effect>(e));
+    const std::size_t rows = s.off[e];
     if (rows == 0) continue;
     out += fmt::format(" {} {}", info.name, rows);
     any = true;
@@ -165,7 +167,9 @@ std::string effects_matrix_summary(std::span<const MatrixCell> cells,
   line("all", [](const MatrixCell&, const CheckedCell&) { return true; });
   line("reflections dropped in every row",
        [](const MatrixCell&, const CheckedCell& c) { return c.summary.drops_reflections; });
-  line("hard cases", [](const MatrixCell& c, const CheckedCell&) { return c.level.empty(); });
+  line("hard cases",
+       [](const MatrixCell& c, const CheckedCell&) { return c.level.empty() && !c.has_gas(); });
+  line("hot gas", [](const MatrixCell& c, const CheckedCell&) { return c.has_gas(); });
   for (std::size_t f = 0; f < kMatrixFactors.size(); ++f) {
     std::vector<std::string> levels;
     for (const MatrixCell& c : cells)

@@ -97,7 +97,11 @@ namespace irsig {
   NUMBER(apparent_plume_bound_w_sr, kBound, "W/sr", 14, "the same of apparent_intensity_w_sr") \
   NUMBER(contrast_plume_bound_w_sr, kBound, "W/sr", 14, "the same of contrast_intensity_w_sr") \
   NUMBER(plume_model_error_w_sr, kModelError, "W/sr", 14,                                      \
-         "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")
+         "one sigma of hot water behind the air's, part of apparent_model_error_w_sr")         \
+  VALUE(plume_on_hull_w_sr, plume_on_hull_stderr_w_sr, "W/sr", 15,                             \
+        "of plume_w_sr: hot gas that the target reflects, less what gas takes of its light")   \
+  VALUE(apparent_plume_on_hull_w_sr, apparent_plume_on_hull_stderr_w_sr, "W/sr", 15,           \
+        "the same of apparent_plume_w_sr and contrast_plume_w_sr")
 
 // Of rows whose sweep says how well its inputs are known; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \

@@ -103,13 +103,36 @@ const std::array<EffectInfo, kHeatEffects>& heat_effect_table() {
   return table;
 }
 
+const std::array<EffectInfo, kPlumeEffects>& plume_effect_table() {
+  static constexpr std::array<EffectInfo, kPlumeEffects> table{{
+      {Effect::kPlume, "plume",
+       "hot gas: what it sends, less what it takes of the light of target and background",
+       "mid-wave, most of all at 4.2-4.6 um", "a measurement with few rays, and 4 standard errors",
+       "rays of its own and some 50 spectra for each condition", true},
+      {Effect::kPlumeOnHull, "plume_on_hull",
+       "what the target reflects of hot gas, less what the gas takes of other light that the "
+       "target "
+       "reflects",
+       "bright or shiny surfaces near the gas", "as plume",
+       "reflected rays of its own and some 50 spectra for each condition", true},
+      {Effect::kHotLineCorrelation, "hot_line_correlation",
+       "that hot gas sends on the lines on which cold air takes; off: what it sends x the air's "
+       "transmittance",
+       "4.2-4.6 um at any range, elsewhere wherever the air's lines are strong",
+       "both, with the same columns", "nothing", true},
+  }};
+  return table;
+}
+
 const EffectInfo& info_of(Effect effect) {
   const auto index = static_cast<std::size_t>(effect);
-  return is_of_heat(effect) ? heat_effect_table()[index - kEffects] : effect_table()[index];
+  if (is_of_heat(effect)) return heat_effect_table()[index - kEffects];
+  if (is_of_plume(effect)) return plume_effect_table()[index - kEffects - kHeatEffects];
+  return effect_table()[index];
 }
 
 std::optional<Effect> effect_named(std::string_view name) {
-  for (std::size_t i = 0; i < kEffects + kHeatEffects; ++i)
+  for (std::size_t i = 0; i < kEffectCount; ++i)
     if (const EffectInfo& e = info_of(static_cast<Effect>(i)); e.name == name) return e.effect;
   return std::nullopt;
 }
@@ -146,6 +169,8 @@ std::string_view name_of(EffectReason reason) {
       return "unbounded";
     case EffectReason::kForced:
       return "forced";
+    case EffectReason::kNotAsked:
+      return "not_asked";
   }
   return "?";
 }

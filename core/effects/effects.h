@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -34,9 +35,14 @@ enum class Effect : std::uint8_t {
   // Of computed temperatures: decided for a whole sweep by its author, not for a row by its bound.
   kHeatExchange,
   kHeatDiffuseSun,
+  // Of hot gas: in ledgers of rows that have some.
+  kPlume,
+  kPlumeOnHull,
+  kHotLineCorrelation,
 };
-inline constexpr std::size_t kEffects = 19;  // of rows: those that a ledger has
-inline constexpr std::size_t kHeatEffects = 2;
+inline constexpr std::size_t kEffects = 19;  // of rows: those that every ledger has
+inline constexpr std::size_t kHeatEffects = 2, kPlumeEffects = 3;
+inline constexpr std::size_t kEffectCount = kEffects + kHeatEffects + kPlumeEffects;
 
 struct EffectInfo {
   Effect effect;
@@ -57,10 +63,15 @@ inline constexpr double kRaySeconds = 3e-7;
 [[nodiscard]] const std::array<EffectInfo, kEffects>& effect_table();
 // Of computed temperatures; what leaving them out changes is bounded in kelvin.
 [[nodiscard]] const std::array<EffectInfo, kHeatEffects>& heat_effect_table();
+[[nodiscard]] const std::array<EffectInfo, kPlumeEffects>& plume_effect_table();
 [[nodiscard]] constexpr bool is_of_heat(Effect effect) {
-  return static_cast<std::size_t>(effect) >= kEffects;
+  return effect == Effect::kHeatExchange || effect == Effect::kHeatDiffuseSun;
 }
-[[nodiscard]] const EffectInfo& info_of(Effect effect);  // of either table
+[[nodiscard]] constexpr bool is_of_plume(Effect effect) {
+  return effect == Effect::kPlume || effect == Effect::kPlumeOnHull ||
+         effect == Effect::kHotLineCorrelation;
+}
+[[nodiscard]] const EffectInfo& info_of(Effect effect);  // of any table
 [[nodiscard]] std::optional<Effect> effect_named(std::string_view name);
 
 // All that ends with the last reflection.
@@ -74,6 +85,11 @@ struct EffectChoice {
   enum class Mode : std::uint8_t { kAuto, kAll, kOnly };
   Mode mode = Mode::kAll;
   std::vector<Effect> only;  // kOnly: of the switchable effects these are on, all others off
+  std::vector<Effect> without_plume = {};  // of hot gas, in any mode: these are off
+
+  [[nodiscard]] bool without(Effect of_plume) const {
+    return std::find(without_plume.begin(), without_plume.end(), of_plume) != without_plume.end();
+  }
 };
 
 enum class EffectState : std::uint8_t {
@@ -91,6 +107,7 @@ enum class EffectReason : std::uint8_t {
   kNotWorth,     // on: so little else could be left out that it would not pay for finding out
   kUnbounded,    // on: no finite bound is known
   kForced,       // the user's word
+  kNotAsked,     // on: left out only by the user's word
 };
 [[nodiscard]] std::string_view name_of(EffectState state);
 [[nodiscard]] std::string_view name_of(EffectReason reason);

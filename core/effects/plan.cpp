@@ -139,6 +139,10 @@ void EffectPlanner::leave_out_surroundings() {
       condition[index_of(e)] = true;
 }
 
+std::vector<EffectPlanner::Room> EffectPlanner::room() const {
+  return choice_.mode == EffectChoice::Mode::kAuto ? room_ : std::vector<Room>();
+}
+
 bool EffectPlanner::take_room(const std::vector<RowBounds::Bound>& bounds) {
   bool all = choice_.mode == EffectChoice::Mode::kAuto;
   for (std::size_t row = 0; row < rows_.size(); ++row)

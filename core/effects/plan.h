@@ -51,14 +51,17 @@ class EffectPlanner {
   [[nodiscard]] bool reflections() const;
   // [row]: the sum of the bounds of what is left out. All reflections together count once.
   [[nodiscard]] std::vector<RowBounds::Bound> omitted() const;
+  struct Room {  // what omissions may still take
+    double source = 0, aperture = 0;
+    bool operator==(const Room&) const = default;
+  };
+  // [row]; empty: nothing may be left out.
+  [[nodiscard]] std::vector<Room> room() const;
+  [[nodiscard]] static bool fits(const RowBounds::Bound& bound, const Room& room);
   // [row][effect]: shares and times still open (NaN).
   [[nodiscard]] std::vector<std::vector<LedgerEntry>> ledger() const;
 
  private:
-  struct Room {  // what omissions may still take
-    double source, aperture;
-  };
-  [[nodiscard]] static bool fits(const RowBounds::Bound& bound, const Room& room);
   static void take(const RowBounds::Bound& bound, Room& room);
   void leave_out_surroundings();
   [[nodiscard]] RowBounds::Bound all_reflected(std::size_t row) const;

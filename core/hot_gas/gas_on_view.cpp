@@ -55,7 +55,8 @@ std::optional<GasOnRays::Crossing> GasOnView::cross(Vec<Body> from, Vec<Body> di
   if (column.empty()) return std::nullopt;
   tests_.test(column, measure);
   const auto [like, factor] = this->like(measure);
-  return Crossing{like, factor, 0.5 * (column.front().start_m + column.back().end_m)};
+  return Crossing{like, factor, 0.5 * (column.front().start_m + column.back().end_m),
+                  factor * like_[like].mean};
 }
 
 }  // namespace irsig

@@ -5,6 +5,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/accuracy/replicates.h"
+#include "core/effects/plan.h"
 #include "core/signature/prepared_scene.h"
 #include "core/signature/prepared_view.h"
 #include "core/signature/request.h"
@@ -23,16 +24,25 @@ struct GasRow {
   // At the target; at the sensor: of the target behind the gas, and of what stands behind both.
   Change source, apparent, contrast;
   double emitted_w_sr = 0, apparent_emitted_w_sr = 0;  // sent alone
-  double model_error_w_sr = 0;                         // one sigma, of `apparent` and `contrast`
+  // Of all this, what the target reflects of the gas, less what the gas takes of its other light.
+  Estimate on_hull, apparent_on_hull;  // [W/sr]
+  // What `apparent` would be off if cold and hot lines were taken as independent. [W/sr]
+  double lines_w_sr = 0;
+  // Effects of hot gas (core/effects), and what of them is left out.
+  std::vector<LedgerEntry> ledger;
+  RowBounds::Bound omitted;
+  double model_error_w_sr = 0;  // one sigma, of `apparent` and `contrast`
   std::uint64_t rays = 0;
 };
 
 // Rows of the request's selected conditions x bands, as Pass has them; nullopt: no hot gas under
 // that condition. Empty: under none.
 //
-// Rays of their own are aimed at the gas, and their paths go on to what is behind it: independent
-// of those of the target's own light, so that both add up with their errors. How many follows from
-// how test gases scatter (core/hot_gas), not from what is selected. (docs/methods/plume.md)
+// Rays of their own are aimed at the gas, and their paths go on to what is behind it; others are
+// reflected by the target before they meet it. Independent of those of the target's own light, so
+// that all add up with their errors. How many follows from how test gases scatter (core/hot_gas),
+// not from what is selected. What the target reflects of the gas is left out where it fits into the
+// room that the plan has for that. (docs/methods/plume.md)
 //   view  with the light of the selected conditions
 // INVALID_ARGUMENT: gas at the sensor; gas that its tables have not; air whose amounts are not
 // known (imported), since gas behind it is not a product of band means.

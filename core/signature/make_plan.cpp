@@ -295,7 +295,7 @@ absl::Status check_forced(const std::vector<RowBounds>& rows, const EffectPlanne
 }
 
 // After the first number of reflections at which what is still under way hardly matters.
-void leave_out_late_reflections(Pass& pilot, const EffectPlanner& planner, ViewPlan& plan) {
+void leave_out_late_reflections(Pass& pilot, EffectPlanner& planner, ViewPlan& plan) {
   for (std::uint32_t n = 1; n < plan.effects.max_reflections; ++n) {
     std::vector<RowBounds::Bound> bounds;
     for (std::size_t row = 0; row < pilot.rows(); ++row) {
@@ -305,6 +305,7 @@ void leave_out_late_reflections(Pass& pilot, const EffectPlanner& planner, ViewP
     }
     EffectPlanner trial = planner;
     if (!trial.take_room(bounds)) continue;
+    planner = std::move(trial);
     plan.effects.max_reflections = n;
     pilot.cut_reflections(n);
     return;
@@ -461,6 +462,7 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     if (automatic && plan.effects.parts) leave_out_late_reflections(pilot, planner, plan);
     wanted = for_goal(scene, request, plan, *view, pilot, all, kFirstPilotSamples, plan.pilot_rays);
   }
+  if (automatic) plan.room = planner.room();
   plan.samples_per_replicate = wanted.samples;
   if (wanted.aimed != nullptr) {
     plan.bright = wanted.aimed->bright;

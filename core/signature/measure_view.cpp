@@ -142,10 +142,11 @@ void add(const SpectralEstimate& more, SpectralEstimate& to) {
     to.stderr_[k] = std::hypot(to.stderr_[k], more.stderr_[k]);
   }
 }
-void add(const GasRow::Change& change, Measured& to) {
+void add(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
   to.value += change.in_band.value;
   to.stderr_ = std::hypot(to.stderr_, change.in_band.stderr_);
   to.of(BoundOf::kPlume) += change.bound_w_sr;
+  to.of(BoundOf::kOmitted) += omitted_w_sr;
 }
 
 // What hot gas changes; of random numbers of its own.
@@ -160,6 +161,9 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   r.apparent_plume_bound_w_sr = gas.apparent.bound_w_sr;
   r.contrast_plume_bound_w_sr = gas.contrast.bound_w_sr;
   r.plume_model_error_w_sr = gas.model_error_w_sr;
+  r.plume_on_hull_w_sr = gas.on_hull;
+  r.apparent_plume_on_hull_w_sr = gas.apparent_on_hull;
+  r.effect.insert(r.effect.end(), gas.ledger.begin(), gas.ledger.end());
   r.plume_spectral = gas.source.spectral;
   r.apparent_plume_spectral = gas.apparent.spectral;
   r.contrast_plume_spectral = gas.contrast.spectral;
@@ -211,9 +215,9 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
 
   auto [source, apparent, contrast] = pass.measured(row);
   if (gas != nullptr) {
-    add(gas->source, source);
-    add(gas->apparent, apparent);
-    add(gas->contrast, contrast);
+    add(gas->source, gas->omitted.source, source);
+    add(gas->apparent, gas->omitted.apparent, apparent);
+    add(gas->contrast, gas->omitted.contrast, contrast);
   }
   r.depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);

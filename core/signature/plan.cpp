@@ -41,6 +41,9 @@ std::string to_string(const ViewPlan& plan) {
     absl::StrAppendFormat(&out, "row %d: omitted %.17g, apparent %.17g, contrast %.17g W/sr\n", row,
                           plan.omitted[row].source, plan.omitted[row].apparent,
                           plan.omitted[row].contrast);
+  for (std::size_t row = 0; row < plan.room.size(); ++row)
+    absl::StrAppendFormat(&out, "row %d: room for omissions %.17g, at the sensor %.17g W/sr\n", row,
+                          plan.room[row].source, plan.room[row].aperture);
   for (std::size_t row = 0; row < plan.ledger.size(); ++row)
     for (const LedgerEntry& entry : plan.ledger[row])
       absl::StrAppendFormat(&out, "row %d: %s %s (%s), bounds %.17g, %.17g, %.17g W/sr\n", row,

@@ -18,8 +18,10 @@ struct ViewPlan {
   std::uint64_t pilot_rays = 0;
   EffectSet effects;
   // All that follows: [condition x band of the scene].
-  std::vector<double> absolute_floor_w_m2_sr;    // what AccuracySpec::absolute_error_k is worth
-  std::vector<RowBounds::Bound> omitted;         // reflections after max_reflections are not in it
+  std::vector<double> absolute_floor_w_m2_sr;  // what AccuracySpec::absolute_error_k is worth
+  std::vector<RowBounds::Bound> omitted;       // reflections after max_reflections are not in it
+  // What may still be left out, of what hot gas does. Empty: nothing by itself.
+  std::vector<EffectPlanner::Room> room;
   std::vector<std::vector<LedgerEntry>> ledger;  // [..][kEffects]
   BrightFacets bright;                           // what rays of their own are aimed at
 

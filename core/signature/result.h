@@ -16,7 +16,8 @@ namespace irsig {
 // dioxide at 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun
 // in them, added up in the bands of the air, scattered sunlight rounded to float; what of the sun
 // was not met, bounded for facets that face one way together.
-inline constexpr int kPhysicsVersion = 10;
+// 11: what the target reflects of hot gas.
+inline constexpr int kPhysicsVersion = 11;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {

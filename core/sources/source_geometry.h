@@ -47,7 +47,7 @@ struct Ground : Plane {};  // mirrors nothing; the target stands on it as it flo
 using Boundary = std::variant<NoBoundary, Sea, Ground>;
 [[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
 
-// Hot gas as primary rays of a view meet it. A ray is traced once and shaded under any condition:
+// Hot gas as rays of a view meet it. A ray is traced once and shaded under any condition:
 // what it meets is kept in measures, which are added up over rays, and what the gas takes of the
 // light behind it in classes of gas that are alike.
 class GasOnRays {
@@ -61,6 +61,7 @@ class GasOnRays {
   struct Crossing {
     std::uint32_t like = 0;
     double factor = 0, at_m = 0;
+    double seen = 0;  // how much the gas shows, in any unit: what means over rays are weighted with
   };
   // Of a ray that ends at end_m; nullopt: it meets no gas.
   //   from, direction  relative to the target's centre; a unit vector
@@ -70,13 +71,18 @@ class GasOnRays {
                                                       std::span<double> measure) const = 0;
 };
 
-// What primary rays cross before they meet anything. Clear air around the target takes nothing from
+// What rays cross before they meet anything. Clear air around the target takes nothing from
 // them and adds nothing; what stands between target and sensor is not here but in ViewEnvironment.
 struct ClearMedium {};
+// Between target and sensor, or behind the target: of primary rays.
 struct HotGasMedium {
   std::shared_ptr<const GasOnRays> rays;
 };
-using Medium = std::variant<ClearMedium, HotGasMedium>;
+// Around the target: of reflected rays and those that are aimed at lights.
+struct HotGasAround {
+  std::shared_ptr<const GasOnRays> rays;
+};
+using Medium = std::variant<ClearMedium, HotGasMedium, HotGasAround>;
 
 struct SunDirection {
   Vec<Body> direction;  // unit vector towards the sun's centre

@@ -92,9 +92,10 @@ absl::StatusOr<std::vector<CheckedRow>> compare_rows(const ViewResult& chosen,
     row.condition = r.condition;
     row.band = r.band;
     row.reflections = r.reflections;
-    if (r.effect.size() != kEffects)
+    if (r.effect.size() != kEffects + (r.has_plume ? kPlumeEffects : 0))
       return absl::InternalError("a row does not have its ledger of effects");
-    for (std::size_t e = 0; e < kEffects; ++e) row.effect[e] = r.effect[e].state;
+    row.effect.fill(EffectState::kAbsent);
+    for (const LedgerEntry& e : r.effect) row.effect[static_cast<std::size_t>(e.effect)] = e.state;
     for (std::size_t q = 0; q < kCompared; ++q) {
       auto value = compare(r, all.row[i], static_cast<Compared>(q));
       if (!value.ok()) return value.status();
@@ -206,7 +207,7 @@ EffectsSummary summary_of(std::span<const CheckedView> views) {
     for (const CheckedRow& row : view.row) {
       ++out.rows;
       out.drops_reflections &= row.drops_reflections();
-      for (std::size_t e = 0; e < kEffects; ++e)
+      for (std::size_t e = 0; e < kEffectCount; ++e)
         out.off[e] += row.effect[e] == EffectState::kOff ? 1 : 0;
       for (const ComparedValue& v : row.value) {
         ++out.values;

@@ -50,8 +50,8 @@ struct ComparedValue {
 struct CheckedRow {
   std::uint32_t condition = 0, band = 0;
   std::array<ComparedValue, kCompared> value;
-  std::array<EffectState, kEffects> effect{};  // of the chosen run, in the table's order
-  std::uint32_t reflections = 0;               // the most that its paths were given
+  std::array<EffectState, kEffectCount> effect{};  // of the chosen run, by their numbers
+  std::uint32_t reflections = 0;                   // the most that its paths were given
 
   [[nodiscard]] bool is_off(Effect effect) const;
   // Some reflected light or all further reflections are left out.
@@ -89,7 +89,7 @@ struct EffectsSummary {
   std::size_t views = 0, rows = 0, values = 0;  // values: rows x quantities
   std::size_t out_of_bound = 0;                 // values
   double largest_of_allowed = 0;
-  std::array<std::size_t, kEffects> off{};                 // rows that each effect was left out in
+  std::array<std::size_t, kEffectCount> off{};             // rows that each effect was left out in
   std::size_t referenced = 0, beyond_2 = 0, beyond_5 = 0;  // values, numerical errors
   double largest_of_numerical_error = 0;
   double chosen_s = 0, all_s = 0, chosen_first_s = 0, all_first_s = 0;  // sums

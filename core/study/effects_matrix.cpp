@@ -75,6 +75,9 @@ absl::StatusOr<std::vector<MatrixCell>> matrix_cells(bool small) {
   for (std::size_t i = 0; i < factorial->size(); i += small ? kStride : 1)
     out.push_back(std::move((*factorial)[i]));
   for (MatrixCell& cell : *hard) out.push_back(std::move(cell));
+  auto gas = plume_cells();
+  if (!gas.ok()) return gas.status();
+  for (std::size_t i = 0; i < gas->size(); i += small ? 10 : 1) out.push_back(std::move((*gas)[i]));
   if (small)
     for (MatrixCell& cell : out)
       cell.viewpoint.resize(std::min<std::size_t>(cell.viewpoint.size(), 2));
@@ -114,7 +117,9 @@ absl::StatusOr<CheckedCell> check_cell(const MatrixCell& cell, const MatrixOptio
   request.accuracy.relative_error = options.relative_error;
   request.accuracy.absolute_error_k = 0.05;  // as a sweep that does not say otherwise
   request.effects.mode = EffectChoice::Mode::kAuto;
-  if (options.without) {
+  if (options.without && is_of_plume(*options.without)) {
+    request.effects.without_plume = {*options.without};
+  } else if (options.without) {
     request.effects.mode = EffectChoice::Mode::kOnly;
     for (const EffectInfo& info : effect_table())
       if (info.switchable && info.effect != *options.without)

@@ -16,13 +16,15 @@ namespace irsig {
 // and one band each, so that an effect is off whenever that row can do without it.
 struct MatrixCell {
   std::string name;
-  // Levels of the factorial's factors, in the order of kMatrixFactors; empty: a hard case.
+  // Levels of the factorial's factors, in the order of kMatrixFactors; empty: a hard case, or one
+  // with hot gas.
   std::vector<std::string> level;
   std::string why;  // a hard case: what makes it one
   SceneSpec scene;
   std::vector<Viewpoint> viewpoint;
   ConditionSpec condition;
   WeatherSpec weather;
+  [[nodiscard]] bool has_gas() const { return condition.gas != nullptr; }
   double target_height_m = 4;
   std::uint32_t max_reflections = 16;
 };
@@ -39,7 +41,12 @@ inline constexpr std::array<const char*, 7> kMatrixFactors = {
 // before the sky, ...
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> hard_cells();
 
-// All of the above; small: the hard cells and six of the factorial's, two viewpoints each.
+// Gas of 700 and 1200 K above a matt and a mirror-like deck, MWIR and LWIR, through 0.1, 5 and 50
+// km of air: 24 cells of three viewpoints.
+[[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> plume_cells();
+
+// All of the above; small: the hard cells, six of the factorial's and three with hot gas, two
+// viewpoints each.
 [[nodiscard]] absl::StatusOr<std::vector<MatrixCell>> matrix_cells(bool small);
 
 struct MatrixOptions {

@@ -153,7 +153,7 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
 // The first facet of a path: what it is counted under, and what stands behind it.
 IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& hit) const {
   PathState& s = ray.state;
-  if (gas_ == nullptr) s.first = hit.part;
+  if (gas_ == nullptr) s.first = hit.part + (gas_around_ != nullptr ? gas_around_->classes() : 0);
   ++work.counts->target_paths;
   work.area[s.replicate] += static_cast<double>(s.weight);
   if (!sources_.behind) return;

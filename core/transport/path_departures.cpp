@@ -300,6 +300,23 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
   }
 }
 
+// The state of a path as light has it that comes along a ray aimed at it.
+//   end  of the ray, in units of its direction
+PathState PathTracer::behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
+                                        double end) const {
+  PathState s = batch.state[i];
+  if (gas_around_ == nullptr || s.first < gas_around_->classes()) return s;
+  const RayPacket& packet = batch.packet_of(i);
+  const std::uint32_t lane = RayBatch::lane_of(i);
+  const auto crossing =
+      find_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+                      {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end);
+  if (!crossing) return s;
+  s.first = crossing->like;
+  s.weight *= static_cast<float>(crossing->factor);
+  return s;
+}
+
 template <bool kSpectral>
 void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
   for (std::uint32_t j = 0; j < work.shadow.size(); ++j) {
@@ -314,7 +331,8 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
     work.counts->sun_rays += batch.size;
     for (std::uint32_t i = 0; i < batch.size; ++i) {
       if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
-      const PathState& s = batch.state[i];
+      const PathState s =
+          behind_gas_around(work, batch, i, std::numeric_limits<double>::infinity());
       add<kSpectral>(
           work, s, order + 1, layout_.sun(j), s.weight,
           batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
@@ -329,7 +347,7 @@ void PathTracer::trace_shadows(Work& work, std::uint32_t order) const {
   work.counts->hot_rays += batch.size;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     if (batch.packet_of(i).tfar[RayBatch::lane_of(i)] < 0) continue;
-    const PathState& s = batch.state[i];
+    const PathState s = behind_gas_around(work, batch, i, 1);
     add<kSpectral>(work, s, order + 1, work.hot_source[i], s.weight,
                    batch.spectrum.data() + static_cast<std::size_t>(i) * (kSpectral ? nodes_ : 0));
   }

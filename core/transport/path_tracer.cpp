@@ -27,6 +27,7 @@ PathTracer::PathTracer(const Target& target, std::span<const Material> materials
       view_(view),
       hot_(settings.hot_lights ? HotLights(target) : HotLights()) {
   if (const auto* gas = std::get_if<HotGasMedium>(&sources_.medium)) gas_ = gas->rays.get();
+  if (const auto* gas = std::get_if<HotGasAround>(&sources_.medium)) gas_around_ = gas->rays.get();
   any_glint_ = sources_.glitters();
   for (const Material& m : materials_) spectral_ |= !m.grey();
   if (spectral_) nodes_ = materials_.front().nodes();
@@ -109,6 +110,10 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     if (keep_last) w.last = none;
     w.beyond_order_m2.assign(orders, 0.0);
     if (gas_ != nullptr) w.gas_m2.assign(gas_->measures(), 0.0);
+    if (gas_around_ == nullptr) continue;
+    w.gas_m2.assign(static_cast<std::size_t>(parts_) * gas_around_->measures(), 0.0);
+    w.gas_nodes_m2.assign(spectral_ ? parts_ * nodes_ : 0, 0.0);
+    w.gas_seen_m2.assign(parts_, 0.0);
   }
   work.weight.assign(settings_.replicates * work.orders, none);
   work.last.assign(keep_last ? settings_.replicates : 0, none);
@@ -120,9 +125,11 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
     work.area.assign(settings_.replicates, 0.0);
     work.behind_area.assign(settings_.replicates, 0.0);
     work.beyond.assign(settings_.replicates * orders, 0.0);
-    if (gas_ != nullptr) {
-      work.gas.assign(static_cast<std::size_t>(settings_.replicates) * gas_->measures(), 0.0);
-      work.gas_measure.resize(gas_->measures());
+    if (const GasOnRays* gas = gas_ != nullptr ? gas_ : gas_around_) {
+      work.gas_measure.resize(gas->measures());
+      work.gas.assign(settings_.replicates * out.front().gas_m2.size(), 0.0);
+      work.gas_nodes.assign(settings_.replicates * out.front().gas_nodes_m2.size(), 0.0);
+      work.gas_seen.assign(settings_.replicates * out.front().gas_seen_m2.size(), 0.0);
     }
     if (spectral_)
       trace_stratum<true>(work, s);
@@ -141,8 +148,12 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       out[r].behind_area_m2 += normalise * work.behind_area[r];
       for (std::size_t k = 0; k < orders; ++k)
         out[r].beyond_order_m2[k] += normalise * work.beyond[r * orders + k];
-      for (std::size_t m = 0; m < out[r].gas_m2.size(); ++m)
-        out[r].gas_m2[m] += normalise * work.gas[r * out[r].gas_m2.size() + m];
+      const auto add_gas = [&](const std::vector<double>& from, std::vector<double>& to) {
+        for (std::size_t m = 0; m < to.size(); ++m) to[m] += normalise * from[r * to.size() + m];
+      };
+      add_gas(work.gas, out[r].gas_m2);
+      add_gas(work.gas_nodes, out[r].gas_nodes_m2);
+      add_gas(work.gas_seen, out[r].gas_seen_m2);
     }
   }
   const std::size_t spacing = beyond_spacing(settings_.max_reflections);
@@ -306,6 +317,58 @@ void PathTracer::cross_gas(Work& work) const {
   batch.size = kept;
 }
 
+// The gas that a ray crosses on its way to `end`, in units of its direction; nothing lies beyond
+// sea or ground.
+std::optional<GasOnRays::Crossing> PathTracer::find_gas_around(Work& work, Float3 from,
+                                                               Float3 direction, double end) const {
+  const Vec<Body> d{direction.x, direction.y, direction.z};
+  const double per_unit_m = length(d), z = from.z;
+  double end_m = end * per_unit_m;
+  if (plane_ && d.z > 0)
+    end_m = std::min(end_m, std::max(0.0, (plane_->z_m - z) * per_unit_m / d.z));
+  return gas_around_->cross({from.x, from.y, z}, normalized(d), end_m, work.gas_measure);
+}
+
+// Counts the gas on reflected rays that have met what they meet; what they bring from behind it is
+// counted under its class from here on.
+template <bool kSpectral>
+void PathTracer::cross_gas_around(Work& work) const {
+  RayBatch& batch = work.batch;
+  const std::size_t measures = gas_around_->measures();
+  for (std::uint32_t i = 0; i < batch.size; ++i) {
+    PathState& s = batch.state[i];
+    if (s.first < gas_around_->classes()) continue;
+    const RayPacket& packet = batch.packet_of(i);
+    const std::uint32_t lane = RayBatch::lane_of(i);
+    const double end = packet.triangle[lane] == RayPacket::kMiss
+                           ? std::numeric_limits<double>::infinity()
+                           : static_cast<double>(packet.tfar[lane]);
+    const auto crossing =
+        find_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+                        {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end);
+    if (!crossing) continue;
+    const std::size_t entry =
+        static_cast<std::size_t>(s.replicate) * parts_ + (s.first - gas_around_->classes());
+    const auto weight = static_cast<double>(s.weight);
+    double mean = weight;
+    if constexpr (kSpectral) {
+      const float* spectrum = batch.spectrum.data() + static_cast<std::size_t>(i) * nodes_;
+      double sum = 0;
+      for (std::size_t k = 0; k < nodes_; ++k) {
+        const double carried = weight * static_cast<double>(spectrum[k]);
+        work.gas_nodes[entry * nodes_ + k] += crossing->seen * carried;
+        sum += carried;
+      }
+      mean = sum / static_cast<double>(nodes_);
+    }
+    work.gas_seen[entry] += crossing->seen * mean;
+    double* sum = work.gas.data() + entry * measures;
+    for (std::size_t m = 0; m < measures; ++m) sum[m] += mean * work.gas_measure[m];
+    s.first = crossing->like;
+    s.weight *= static_cast<float>(crossing->factor);
+  }
+}
+
 // Follows the primary rays of work.batch to their ends and leaves it empty.
 template <bool kSpectral>
 void PathTracer::trace_batch(Work& work) const {
@@ -321,6 +384,7 @@ void PathTracer::trace_batch(Work& work) const {
     }
     if (order > 0) work.counts->reflected_rays += work.batch.size;
     if (order == 0 && gas_ != nullptr) cross_gas(work);
+    if (order > 0 && gas_around_ != nullptr) cross_gas_around<kSpectral>(work);
     work.next.size = 0;
     arrive<kSpectral>(work, order);
     if (any_glint_) trace_glint<kSpectral>(work, order);

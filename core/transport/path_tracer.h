@@ -90,7 +90,14 @@ struct PathWeights {
   // Through hot gas (HotGasMedium): the sums of its measures. Other rays then count nowhere, and
   // first "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1)
   // and beyond (classes .. 2 classes - 1).
+  // Gas around the target (HotGasAround): the sums of the measures of gas that is reflected by each
+  // part seen first, [part][measure], and first "parts" are, by its class, light that came through
+  // it (0 .. classes - 1), and all other paths by their parts (behind these). What a path meets
+  // beyond the first gas emits nothing.
   std::vector<double> gas_m2;
+  // Gas around the target: what `weight` is of one number for a path, this is of what it carries at
+  // each node; both weighted with how much the gas shows. [part][node]; [part]
+  std::vector<double> gas_nodes_m2, gas_seen_m2;
 };
 
 [[nodiscard]] constexpr std::uint32_t beyond_spacing(std::uint32_t max_reflections) {
@@ -146,7 +153,9 @@ class PathTracer {
   // First parts in a table of weights: with PathSettings::background one more than parts; behind
   // gas see PathWeights::gas_m2.
   [[nodiscard]] std::uint32_t firsts() const {
-    return gas_ != nullptr ? 2 * gas_->classes() : parts_ + (settings_.background ? 1 : 0);
+    if (gas_ != nullptr) return 2 * gas_->classes();
+    return parts_ + (gas_around_ != nullptr ? gas_around_->classes() : 0) +
+           (settings_.background ? 1 : 0);
   }
 
   // Traces all replicates, side by side: rays of different replicates that are aimed at the same
@@ -164,6 +173,13 @@ class PathTracer {
   void trace_batch(Work& work) const;
   void aim_batch(Work& work, const CoverageMask& mask) const;
   void cross_gas(Work& work) const;
+  template <bool kSpectral>
+  void cross_gas_around(Work& work) const;
+  [[nodiscard]] std::optional<GasOnRays::Crossing> find_gas_around(Work& work, Float3 from,
+                                                                   Float3 direction,
+                                                                   double end) const;
+  [[nodiscard]] PathState behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
+                                            double end) const;
   // Where the rays of work.batch end: its stages, in their order.
   template <bool kSpectral>
   void arrive(Work& work, std::uint32_t order) const;
@@ -205,8 +221,8 @@ class PathTracer {
   const Target& target_;
   std::span<const Material> materials_;
   SourceGeometry sources_;
-  std::optional<Plane> plane_;      // of sea or ground
-  const GasOnRays* gas_ = nullptr;  // of sources_.medium
+  std::optional<Plane> plane_;                              // of sea or ground
+  const GasOnRays *gas_ = nullptr, *gas_around_ = nullptr;  // of sources_.medium
   PathSettings settings_;
   std::uint32_t parts_;
   SourceLayout layout_;

@@ -100,16 +100,17 @@ struct PathTracer::Work {
   double* image;
   PathCounts* counts;
   std::vector<Sun> sun;
-  std::uint32_t capacity = 0;         // primary rays of a batch
-  std::uint32_t most = 0;             // after splitting
-  std::uint32_t orders = 1;           // tables of weights of one replicate
-  std::vector<SourceWeights> weight;  // [replicate][order], of the current stratum
-  std::vector<SourceWeights> last;    // [replicate]: those of the last order alone
-  std::vector<double> area;           // [replicate]
-  std::vector<double> behind_area;    // [replicate]
-  std::vector<double> beyond;         // [replicate][order]: PathWeights::beyond_order_m2
-  std::vector<double> gas;            // [replicate][measure]: PathWeights::gas_m2
-  std::vector<double> gas_measure;    // [measure]
+  std::uint32_t capacity = 0;               // primary rays of a batch
+  std::uint32_t most = 0;                   // after splitting
+  std::uint32_t orders = 1;                 // tables of weights of one replicate
+  std::vector<SourceWeights> weight;        // [replicate][order], of the current stratum
+  std::vector<SourceWeights> last;          // [replicate]: those of the last order alone
+  std::vector<double> area;                 // [replicate]
+  std::vector<double> behind_area;          // [replicate]
+  std::vector<double> beyond;               // [replicate][order]: PathWeights::beyond_order_m2
+  std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
+  std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names
+  std::vector<double> gas_measure;          // [measure]
   float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]

@@ -57,7 +57,10 @@ absl::StatusOr<LedgerNames> ledger_names(Database& database) {
   if (!reason.ok()) return reason.status();
   auto bounded_with = numbers_of_names(database, sql::effects_without_own_bound);
   if (!bounded_with.ok()) return bounded_with.status();
-  return LedgerNames{*std::move(effect), *std::move(reason), *std::move(bounded_with)};
+  auto of_hot_gas = numbers_of_names(database, sql::effects_of_hot_gas);
+  if (!of_hot_gas.ok()) return of_hot_gas.status();
+  return LedgerNames{*std::move(effect), *std::move(reason), *std::move(bounded_with),
+                     *std::move(of_hot_gas)};
 }
 
 absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
@@ -70,7 +73,11 @@ absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& na
       return wrong(at, absl::StrCat("is there twice: ", row.effect(i).effect()));
   }
   for (const auto& [name, number] : names.effect) {
-    if (!seen.contains(name)) return wrong(path + ".effect", absl::StrCat("lacks ", name));
+    const bool expected = row.has_plume_w_sr() || !names.of_hot_gas.contains(name);
+    if (expected && !seen.contains(name))
+      return wrong(path + ".effect", absl::StrCat("lacks ", name));
+    if (!expected && seen.contains(name))
+      return wrong(path + ".effect", absl::StrCat("has ", name, ", but the row has no hot gas"));
   }
   if (!row.has_energy()) {
     if (row.projected_area_m2().value() == 0) return absl::OkStatus();

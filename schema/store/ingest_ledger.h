@@ -15,12 +15,14 @@ namespace irsig {
 struct LedgerNames {
   std::map<std::string, std::int64_t> effect, reason;
   std::map<std::string, std::int64_t> bounded_with;  // effects whose bound is in that of another
+  std::map<std::string, std::int64_t> of_hot_gas;    // effects of rows that have some
 };
 [[nodiscard]] absl::StatusOr<LedgerNames> ledger_names(Database& database);
 
-// INVALID_ARGUMENT, naming the field, unless every effect that is known here is in the ledger once,
-// with a state and a reason that are known; what was left out has its bounds, unless another effect
-// has them or the user forced it. Energy is missing only where nothing of the target is seen.
+// INVALID_ARGUMENT, naming the field, unless every effect that is known here is in the ledger once
+// (those of hot gas where the row has some), with a state and a reason that are known; what was
+// left out has its bounds, unless another effect has them or the user forced it. Energy is missing
+// only where nothing of the target is seen.
 [[nodiscard]] absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& names,
                                         const std::string& path);
 

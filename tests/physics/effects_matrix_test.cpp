@@ -176,6 +176,31 @@ TEST(EffectsCheck, AutomaticIsInsideItsBoundsAndNearTheReference) {
   }
 }
 
+// Hot gas: what each of its effects changes is inside the bound of leaving it out, and much of it.
+TEST(EffectsCheck, WhatHotGasDoesIsBounded) {
+  const struct {
+    const char* cell;
+    Effect without;
+    Compared of;
+    double least;  // of what is allowed
+  } cases[] = {
+      {"plume 700 K mwir matt 5 km", Effect::kPlume, Compared::kApparent, 0.5},
+      {"plume 1200 K mwir mirror 0.1 km", Effect::kPlumeOnHull, Compared::kSource, 0.5},
+      {"plume 700 K lwir mirror 0.1 km", Effect::kPlumeOnHull, Compared::kSource, 0.3},
+      {"plume 1200 K mwir matt 5 km", Effect::kHotLineCorrelation, Compared::kApparent, 0.5}};
+  for (const auto& c : cases) {
+    MatrixOptions options;
+    options.reference_paths = 0;
+    options.without = c.without;
+    const auto checked = check_cell(seen_first_only(cell_named(c.cell)), options, no_clock);
+    ASSERT_TRUE(checked.ok()) << c.cell << checked.status();
+    const CheckedRow& row = checked->view[0].row[0];
+    EXPECT_TRUE(row.is_off(c.without)) << c.cell;
+    for (const ComparedValue& v : row.value) EXPECT_LE(v.of_allowed(), 1) << c.cell;
+    EXPECT_GE(row.value[static_cast<std::size_t>(c.of)].of_allowed(), c.least) << c.cell;
+  }
+}
+
 // Nothing is left out where nothing was asked: the same run twice, to the last bit.
 TEST(EffectsCheck, AllAgainstAllIsZero) {
   const MatrixCell cell = seen_first_only(cell_named("day mwir mirror cavity cold sea 5 km"));

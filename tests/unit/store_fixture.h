@@ -335,6 +335,8 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   return text;
 }
 
+inline constexpr const char* kNewestFormat = "15";
+
 // Takes from a database what later versions of the format added; a row keeps what version 2 or 4
 // stored.
 inline std::string without_what_came_after(int version) {

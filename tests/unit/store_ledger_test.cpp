@@ -76,8 +76,13 @@ TEST_F(StoreLedger, KnowsTheNamesOfTheCore) {
   for (std::size_t i = 0; i < kEffects; ++i)
     EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT name FROM effect WHERE effect = ", i + 1)),
               effect_table()[i].name);
-  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM effect"), absl::StrCat(kEffects));
-  const auto last = static_cast<int>(EffectReason::kForced);
+  for (std::size_t i = 0; i < kPlumeEffects; ++i)
+    EXPECT_EQ(sqlite_text(
+                  path_, absl::StrCat("SELECT name FROM effect WHERE effect = ", kEffects + i + 1)),
+              plume_effect_table()[i].name);
+  EXPECT_EQ(sqlite_text(path_, "SELECT count(*) FROM effect"),
+            absl::StrCat(kEffects + kPlumeEffects));
+  const auto last = static_cast<int>(EffectReason::kNotAsked);
   for (int reason = 0; reason <= last; ++reason)
     EXPECT_EQ(sqlite_text(path_, absl::StrCat("SELECT name FROM effect_reason WHERE reason = ",
                                               reason + 1)),
@@ -150,7 +155,7 @@ TEST_F(StoreLedger, AFileOfVersion4HasNone) {
   const auto before = StoreReader::open(path_).value()->find({}).value();
   ASSERT_EQ(back_to_version_4(path_), "older");
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "14");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
   EXPECT_EQ(sqlite_text(path_, "PRAGMA integrity_check"), "ok");
   auto reader = StoreReader::open(path_).value();
   const auto after = reader->find({}).value();

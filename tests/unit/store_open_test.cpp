@@ -43,7 +43,7 @@ TEST_F(StoreOpen, OnePlainFileStaysAtTheEnd) {
   ASSERT_NO_FATAL_FAILURE(write());
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
   EXPECT_EQ(sqlite_text(path_, "PRAGMA journal_mode"), "delete");
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "14");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
   EXPECT_EQ(sqlite_text(path_,
                         "SELECT count(*) FROM job_view WHERE kind = 'view' AND state = 'done'"
                         " AND viewpoint_index IS NOT NULL AND unmet_needs = 0"),
@@ -224,7 +224,7 @@ TEST_F(StoreOpen, AFileOfVersion2IsMigrated) {
   const absl::Status refused = StoreReader::open(path_).status();
   EXPECT_NE(refused.message().find("has the older format version 2"), absl::string_view::npos);
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "14");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
   EXPECT_EQ(sqlite_text(path_,
                         "SELECT count(*) FROM job_view WHERE kind = 'view' AND state = 'done'"
                         " AND viewpoint_index IS NOT NULL AND unmet_needs = 0"),

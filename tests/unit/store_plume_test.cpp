@@ -1,6 +1,7 @@
 // Hot gas of a row: stored as it came, all of it or nothing, in the digest of rows that have it.
 #include <cmath>
 
+#include "core/effects/effects.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {
@@ -20,6 +21,17 @@ void add_plume(schema::SignatureRow& row) {
   row.set_apparent_plume_bound_w_sr(next += 1);
   row.set_contrast_plume_bound_w_sr(next += 1);
   row.set_plume_model_error_w_sr(next += 1);
+  for (schema::Estimate* e :
+       {row.mutable_plume_on_hull_w_sr(), row.mutable_apparent_plume_on_hull_w_sr()}) {
+    e->set_value(-0.5);
+    e->set_stderr(0.0625);
+  }
+  for (const EffectInfo& effect : plume_effect_table()) {
+    schema::EffectEntry& entry = *row.add_effect();
+    entry.set_effect(std::string(effect.name));
+    entry.set_state(schema::EFFECT_STATE_ON);
+    entry.set_reason("not_asked");
+  }
   schema::Spectrum& spectrum = *row.mutable_spectrum();
   for (int f = 0; f < spectrum.GetDescriptor()->field_count(); ++f) {
     const auto* field = spectrum.GetDescriptor()->field(f);
@@ -64,6 +76,9 @@ TEST_F(StorePlume, ComesBackAsItCame) {
     EXPECT_EQ(s.contrast_plume_stderr_w_sr, 0.125);
     EXPECT_EQ(s.plume_emitted_w_sr, 2.75);
     EXPECT_EQ(s.plume_model_error_w_sr, 7.75);
+    EXPECT_EQ(s.plume_on_hull_w_sr, -0.5);
+    EXPECT_EQ(s.apparent_plume_on_hull_stderr_w_sr, 0.0625);
+    EXPECT_EQ(reader->ledger(s.signature_id).value().effect.size(), kEffects + kPlumeEffects);
     const auto spectrum = reader->spectrum(s.signature_id).value();
     EXPECT_EQ(spectrum.plume_w_sr_um_size(), spectrum.lambda_um_size());
     EXPECT_EQ(spectrum.plume_w_sr_um(0), 8.25F);
@@ -107,6 +122,9 @@ TEST_F(StorePlume, PiecesOfItAreRefused) {
   refused([](auto& row) { row.clear_apparent_plume_w_sr(); }, "apparent_plume_w_sr");
   refused([](auto& row) { row.clear_plume_bound_w_sr(); }, "plume_bound_w_sr");
   refused([](auto& row) { row.clear_plume_w_sr(); }, "apparent_plume_w_sr");
+  refused([](auto& row) { row.clear_plume_on_hull_w_sr(); }, "plume_on_hull_w_sr");
+  refused([](auto& row) { row.mutable_effect()->RemoveLast(); },
+          "effect lacks hot_line_correlation");
   refused([](auto& row) { row.set_plume_bound_w_sr(-1); }, "plume_bound_w_sr is negative");
   refused([](auto& row) { row.mutable_spectrum()->clear_contrast_plume_w_sr_um(); },
           "spectrum.contrast_plume_w_sr_um has 0 values");

@@ -207,7 +207,7 @@ TEST_F(StoreProfile, AnOlderFileIsMigrated) {
       "older");
   EXPECT_FALSE(StoreReader::open(path_).ok());
   ASSERT_OK(StoreWriter::open(path_).value()->finish());
-  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), "14");
+  EXPECT_EQ(sqlite_text(path_, "PRAGMA user_version"), kNewestFormat);
   EXPECT_TRUE(stored().empty());
   EXPECT_FALSE(StoreReader::open(path_).value()->find({})->empty());
 }

@@ -170,7 +170,7 @@ TEST(SweepDocs, TheSmallestFileResolvesAndTheOtherBlocksParse) {
 
 TEST(SweepDocs, NameEveryEffectThatCanBeLeftOutAndNoOther) {
   const std::string page = text_of(std::filesystem::path(IRSIG_SOURCE_DIR) / "docs/sweep-file.md");
-  for (std::size_t i = 0; i < kEffects + kHeatEffects; ++i) {
+  for (std::size_t i = 0; i < kEffectCount; ++i) {
     const EffectInfo& effect = info_of(static_cast<Effect>(i));
     const auto text = [](std::string_view view) { return std::string(view); };
     const std::string line = "\n- `" + text(effect.name) + "`: " + text(effect.what) +
