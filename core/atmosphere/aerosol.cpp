@@ -174,38 +174,69 @@ double boundary_extinction_per_km(std::size_t row, double visibility_km) {
                                         table[i + 1][row]));
 }
 
-double level_extinction_per_km(const AerosolSpec& spec, std::size_t row, double visibility_km) {
-  const HeightTable& t = height_table();
-  const double z = t.height_km[row];
-  if (z <= kBoundaryLayerKm) return boundary_extinction_per_km(row, visibility_km);
-  if (z <= kTropopauseKm) {
-    const auto& clear = t.extinction_per_km[spec.summer_troposphere ? kSummer50 : kWinter50];
-    const auto& hazy = t.extinction_per_km[spec.summer_troposphere ? kSummer23 : kWinter23];
-    return std::max(1e-6,
-                    between_classes(std::max(visibility_km, 23.0), 50, clear[row], 23, hazy[row]));
-  }
-  if (z <= kStratopauseKm) {
-    return t.extinction_per_km[spec.summer_troposphere ? kStratosphereSummer : kStratosphereWinter]
-                              [row];
-  }
-  return t.extinction_per_km[kUpper][row];
+// Heights have their particles by the level of the table below which they are.
+enum class Region { kBoundaryLayer, kTroposphere, kStratosphere, kUpperAir };
+
+Region region_of_level(double height_km) {
+  if (height_km <= kBoundaryLayerKm) return Region::kBoundaryLayer;
+  if (height_km <= kTropopauseKm) return Region::kTroposphere;
+  return height_km <= kStratopauseKm ? Region::kStratosphere : Region::kUpperAir;
 }
 
-// Extinction at 0.55 um, exponential between the levels.
-double extinction_per_km(const AerosolSpec& spec, double height_km, double visibility_km) {
+double level_extinction_per_km(const AerosolSpec& spec, std::size_t row, double visibility_km) {
+  const auto& table = height_table().extinction_per_km;
+  switch (region_of_level(height_table().height_km[row])) {
+    case Region::kBoundaryLayer:
+      return boundary_extinction_per_km(row, visibility_km);
+    case Region::kTroposphere: {
+      const auto& clear = table[spec.summer_troposphere ? kSummer50 : kWinter50];
+      const auto& hazy = table[spec.summer_troposphere ? kSummer23 : kWinter23];
+      return std::max(
+          1e-6, between_classes(std::max(visibility_km, 23.0), 50, clear[row], 23, hazy[row]));
+    }
+    case Region::kStratosphere:
+      return table[spec.summer_troposphere ? kStratosphereSummer : kStratosphereWinter][row];
+    case Region::kUpperAir:
+      return table[kUpper][row];
+  }
+  return 0;
+}
+
+// The particles of one region at one height, by their extinction at 0.55 um.
+struct Share {
+  Region region;
+  double per_km;
+};
+
+// Between two levels of one region, or of the same particles, the extinction is exponential; from
+// one region to the next each one's particles fade linearly to nothing at the other's level.
+// So LOWTRAN7 has it, whose amounts of the other region's particles are 0 at either level.
+std::array<Share, 2> shares_at(const AerosolSpec& spec, double height_km, double visibility_km) {
   const HeightTable& t = height_table();
-  if (height_km >= t.height_km.back()) return 0;
+  if (height_km >= t.height_km.back()) return {};
   const TablePosition at = locate(t.height_km, std::max(height_km, 0.0));
   const double low = level_extinction_per_km(spec, at.index, visibility_km);
   const double high = level_extinction_per_km(spec, at.index + 1, visibility_km);
-  return low * std::pow(high / low, at.fraction);
+  const Region below = region_of_level(t.height_km[at.index]);
+  const Region above = region_of_level(t.height_km[at.index + 1]);
+  const bool same =
+      below == above || (spec.kind == AerosolKind::kTropospheric && above == Region::kTroposphere);
+  if (same) return {{{below, low * std::pow(high / low, at.fraction)}, {above, 0}}};
+  return {{{below, low * (1 - at.fraction)}, {above, high * at.fraction}}};
 }
 
-const ModelOptics& model_of(AerosolKind kind, double height_km) {
+const ModelOptics& model_of(AerosolKind kind, Region region) {
   static const std::map<std::string_view, ModelOptics> models = read_models();
-  if (height_km > kStratopauseKm) return models.at("meteoric");
-  if (height_km > kTropopauseKm) return models.at("stratospheric");
-  if (height_km > kBoundaryLayerKm) return models.at("tropospheric");
+  switch (region) {
+    case Region::kTroposphere:
+      return models.at("tropospheric");
+    case Region::kStratosphere:
+      return models.at("stratospheric");
+    case Region::kUpperAir:
+      return models.at("meteoric");
+    case Region::kBoundaryLayer:
+      break;
+  }
   switch (kind) {
     case AerosolKind::kUrban:
       return models.at("urban");
@@ -259,23 +290,38 @@ double navy_visible_per_km(const NavyMix& mix) {
   return sum;
 }
 
-double visibility_km_of(double extinction_km) {
-  return 3.912 / (extinction_km + kMolecularExtinctionPerKm);
+// The Navy model's amount, where no visibility is stated.
+bool by_wind(const AerosolSpec& spec) {
+  return spec.kind == AerosolKind::kNavyMaritime && spec.visibility_m == 0;
 }
 
-// What the height table is asked with; and what the Navy model's cross sections are scaled by.
-struct ScaledVisibility {
-  double visibility_km, navy_scale;
+// What the height table is asked with.
+double visibility_km(const AerosolSpec& spec, double surface_humidity_percent) {
+  if (!by_wind(spec)) return 1e-3 * spec.visibility_m;
+  return 3.912 / (navy_visible_per_km(navy_mix(spec, surface_humidity_percent)) +
+                  kMolecularExtinctionPerKm);
+}
+
+// Relative to the extinction at 0.55 um.
+struct RelativeOptics {
+  AirSpectrum extinction = AirSpectrum(kAirBandCount, 0.0);
+  AirSpectrum absorption = AirSpectrum(kAirBandCount, 0.0);
 };
-ScaledVisibility scaled_visibility(const AerosolSpec& spec, double surface_humidity_percent) {
-  ScaledVisibility out{1e-3 * spec.visibility_m, 1};
-  if (spec.kind != AerosolKind::kNavyMaritime) return out;
-  const double surface_km = navy_visible_per_km(navy_mix(spec, surface_humidity_percent));
-  if (spec.visibility_m == 0)
-    out.visibility_km = visibility_km_of(surface_km);
-  else
-    out.navy_scale =
-        std::max(0.0, 3.912 / out.visibility_km - kMolecularExtinctionPerKm) / surface_km;
+
+RelativeOptics navy_optics(const AerosolSpec& spec, double humidity_percent,
+                           const BandChoice& bands) {
+  RelativeOptics out;
+  const NavyMix mix = navy_mix(spec, humidity_percent);
+  const double visible_per_km = navy_visible_per_km(mix);
+  AirSpectrum of_mode(kAirBandCount, 0.0);
+  for (std::size_t m = 0; m < 3; ++m) {
+    const double amount = mix.per_km[m] / visible_per_km;
+    for (const auto& [curves, sum] : {std::pair{&navy_modes()[m].ln_extinction, &out.extinction},
+                                      std::pair{&navy_modes()[m].ln_absorption, &out.absorption}}) {
+      exp_of_curves(*curves, mix.at[m], bands, of_mode);
+      for (std::size_t b = 0; b < kAirBandCount; ++b) (*sum)[b] += amount * of_mode[b];
+    }
+  }
   return out;
 }
 
@@ -283,24 +329,22 @@ ScaledVisibility scaled_visibility(const AerosolSpec& spec, double surface_humid
 
 double aerosol_depth_550(const AerosolSpec& spec, double surface_humidity_percent) {
   if (spec.kind == AerosolKind::kNone) return 0;
-  // The Navy model's lowest 2 km have the extinction that its visibility means.
-  const auto [visibility_km, navy_scale] = scaled_visibility(spec, surface_humidity_percent);
+  const double visible_km = visibility_km(spec, surface_humidity_percent);
   constexpr double kStepKm = 0.05, kTopKm = 100;
   double depth = 0;
-  for (double z = 0.5 * kStepKm; z < kTopKm; z += kStepKm)
-    depth += kStepKm * extinction_per_km(spec, z, visibility_km);
+  for (double z = 0.5 * kStepKm; z < kTopKm; z += kStepKm) {
+    for (const Share& share : shares_at(spec, z, visible_km)) depth += kStepKm * share.per_km;
+  }
   return depth;
 }
 
 absl::Status check_aerosol(const AerosolSpec& spec) {
   if (spec.kind == AerosolKind::kNone) return absl::OkStatus();
-  const bool navy = spec.kind == AerosolKind::kNavyMaritime;
-  const bool by_wind = navy && spec.visibility_m == 0;
-  if (!by_wind && !(spec.visibility_m >= 100 && spec.visibility_m <= 100e3)) {
+  if (!by_wind(spec) && !(spec.visibility_m >= 100 && spec.visibility_m <= 100e3)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("visibility_m %g: expected 100 to 100000", spec.visibility_m));
   }
-  if (!navy) return absl::OkStatus();
+  if (spec.kind != AerosolKind::kNavyMaritime) return absl::OkStatus();
   if (!(spec.air_mass >= 1 && spec.air_mass <= 10)) {
     return absl::InvalidArgumentError(
         absl::StrFormat("air_mass %g: expected 1 to 10", spec.air_mass));
@@ -320,41 +364,33 @@ AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
   AerosolOptics out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0),
                     AirSpectrum(kAirBandCount, 0.0)};
   if (spec.kind == AerosolKind::kNone) return out;
-  const double height_km = 1e-3 * height_m;
-  const bool navy = spec.kind == AerosolKind::kNavyMaritime;
-  const auto [visibility_km, navy_scale] = scaled_visibility(spec, surface_humidity_percent);
-
-  const ModelOptics& model = model_of(spec.kind, height_km);
-  const TablePosition at = humidity_position(model.humidity_percent, relative_humidity_percent);
-  const auto [from, to] = at_position(model.asymmetry, at);
-  for (const BandChoice::Range& r : bands.ranges()) {
-    for (std::size_t b = r.first; b < r.last; ++b) {
-      out.asymmetry[b] = from[b] + at.fraction * (to[b] - from[b]);
+  for (const Share& share :
+       shares_at(spec, 1e-3 * height_m, visibility_km(spec, surface_humidity_percent))) {
+    if (share.per_km <= 0) continue;
+    const double per_m = 1e-3 * share.per_km;
+    const ModelOptics& model = model_of(spec.kind, share.region);
+    const bool navy =
+        spec.kind == AerosolKind::kNavyMaritime && share.region == Region::kBoundaryLayer;
+    const TablePosition at = humidity_position(
+        model.humidity_percent, navy ? surface_humidity_percent : relative_humidity_percent);
+    RelativeOptics optics;
+    if (navy) {
+      optics = navy_optics(spec, surface_humidity_percent, bands);
+    } else {
+      exp_of_curves(model.ln_extinction, at, bands, optics.extinction);
+      exp_of_curves(model.ln_absorption, at, bands, optics.absorption);
     }
-  }
-  // Extinction first, then what of it is scattered.
-  AirSpectrum &absorption = out.absorption_per_m, &extinction = out.scattering_per_m;
-  double per_m = 1e-3 * navy_scale;
-  if (navy && height_km <= kBoundaryLayerKm) {
-    const NavyMix mix = navy_mix(spec, relative_humidity_percent);
-    AirSpectrum of_mode(kAirBandCount, 0.0);
-    for (std::size_t m = 0; m < 3; ++m) {
-      for (const auto& [curves, sum] : {std::pair{&navy_modes()[m].ln_extinction, &extinction},
-                                        std::pair{&navy_modes()[m].ln_absorption, &absorption}}) {
-        exp_of_curves(*curves, mix.at[m], bands, of_mode);
-        for (std::size_t b = 0; b < kAirBandCount; ++b) (*sum)[b] += mix.per_km[m] * of_mode[b];
+    const auto [from, to] = at_position(model.asymmetry, at);
+    for (const BandChoice::Range& r : bands.ranges()) {
+      for (std::size_t b = r.first; b < r.last; ++b) {
+        const double absorbed = std::min(optics.extinction[b], optics.absorption[b]);
+        const double scattered = per_m * (optics.extinction[b] - absorbed);
+        out.absorption_per_m[b] += per_m * absorbed;
+        out.scattering_per_m[b] += scattered;
+        const double g = from[b] + at.fraction * (to[b] - from[b]);
+        const double all = out.scattering_per_m[b];
+        out.asymmetry[b] += (g - out.asymmetry[b]) * (all > 0 ? scattered / all : 1);
       }
-    }
-  } else {
-    per_m = 1e-3 * extinction_per_km(spec, height_km, visibility_km);
-    exp_of_curves(model.ln_extinction, at, bands, extinction);
-    exp_of_curves(model.ln_absorption, at, bands, absorption);
-  }
-  for (const BandChoice::Range& r : bands.ranges()) {
-    for (std::size_t b = r.first; b < r.last; ++b) {
-      const double absorbed = std::min(extinction[b], absorption[b]);
-      absorption[b] = per_m * absorbed;
-      extinction[b] = per_m * (extinction[b] - absorbed);
     }
   }
   return out;

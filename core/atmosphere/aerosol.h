@@ -18,8 +18,9 @@ enum class AerosolKind {
   kRadiationFog
 };
 
-// The particles of the lowest 2 km; above them always the tropospheric model to 10 km, the
-// background stratospheric to 30 km and meteoric dust.              [shettle1979, gathman1983]
+// The particles of the lowest 2 km; from 3 to 10 km always those of the tropospheric model, from 11
+// to 30 km the background stratosphere's, from 35 km meteoric dust. Between two of them both are
+// there, each the less the nearer the other.                        [shettle1979, gathman1983]
 struct AerosolSpec {
   AerosolKind kind = AerosolKind::kNone;
 
@@ -54,7 +55,7 @@ struct AerosolOptics {
 // at 0.55 um against height and visibility. Humidities above 99 % (Navy model: 98 %) are taken as
 // that.
 //   relative_humidity_percent  of the air at that height
-//   surface_humidity_percent   at the surface: the Navy model's visibility refers to it
+//   surface_humidity_percent   at the surface, on which alone the Navy model depends
 //   bands                      0 in others
 // Accuracy: LOWTRAN7's tables as they are; against its runs docs/validation.md.
 [[nodiscard]] AerosolOptics aerosol_optics(const AerosolSpec& spec, double height_m,
