@@ -60,7 +60,21 @@ inline constexpr double kThermosphereM = 90e3;
 // third (docs/validation.md, "Atmosphere").
 inline constexpr double kAerosolRelativeError = 0.3;
 
-// One sigma of the model (docs/methods/atmosphere.md), not of the numerics, for all a path holds.
+// One sigma of a path's optical depth by the gas table, in parts of the depth: of lines below and
+// above 2990 cm-1 (where ten bands share one entry of the source) and of continua. The likeliest
+// for MODTRAN's paths, left out one by one: tests/physics/atmosphere_model_error_test.cpp.
+inline constexpr double kLineDepthError = 0.125;
+inline constexpr double kCoarseLineDepthError = 0.38;
+inline constexpr double kCoarseLinesFromCm1 = 2990;
+inline constexpr double kContinuumDepthError = 0.0165;
+// What passes of a dark path is not known better than this.
+inline constexpr double kDarkError = 1e-5;
+// Of what air emits, 0.03 K: rms of the bands of the same paths in which nothing passes.
+inline constexpr double kEmissionError = 0.0015;
+
+// One sigma of the model (docs/methods/atmosphere.md), not of the numerics, for all a path holds:
+// the depth's, in squares over its parts, as half of what the transmittance changes from one sigma
+// above to one below.
 //   scattered     sunlight and surroundings in the path's radiance
 //   surroundings  their mean radiance, if it has a part in it: light that is scattered more than
 //                 once lies between it and the air's own, so that the error is their difference

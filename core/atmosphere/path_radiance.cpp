@@ -266,25 +266,44 @@ PathRadiance PathSums::result() {
   return std::move(out_);
 }
 
+namespace {
+
+double transmittance_error(const AbsorberAmounts& amounts, double t, std::size_t band) {
+  if (t >= 1) return 0;
+  if (t <= 0) return kDarkError;
+  double continua = 0, aerosol = 0;
+  for (std::size_t g = 0; g < kGreyAbsorberCount; ++g) {
+    const auto absorber = static_cast<GreyAbsorber>(g);
+    const bool particles = absorber == GreyAbsorber::kAerosolAbsorption ||
+                           absorber == GreyAbsorber::kAerosolScattering;
+    (particles ? aerosol : continua) += amounts.grey(absorber)[band];
+  }
+  const double depth = -std::log(t);
+  const double lines = std::max(0.0, depth - continua - aerosol);
+  const bool coarse = air_band_centre_cm1(band) > kCoarseLinesFromCm1;
+  const double error =
+      std::hypot((coarse ? kCoarseLineDepthError : kLineDepthError) * lines,
+                 kContinuumDepthError * continua, kAerosolRelativeError * aerosol) /
+      depth;
+  const double half =
+      0.5 * (std::exp(-depth * std::exp(-error)) - std::exp(-depth * std::exp(error)));
+  return std::hypot(half, kDarkError * (1 - t));
+}
+
+}  // namespace
+
 ModelError model_error(const AbsorberAmounts& amounts, const AirSpectrum& transmittance,
                        const AirSpectrum& scattered, double warmest_k, const BandChoice& bands,
                        const AirSpectrum* surroundings) {
-  // rms difference per 10 cm-1 band from MODTRAN, largest at half transmittance
-  // (docs/validation.md, "Atmosphere").
-  constexpr double kGasError = 0.025;
   const AirSpectrum scattering = scattering_optical_depth(amounts);
-  const AirSpectrum& absorption = amounts.grey(GreyAbsorber::kAerosolAbsorption);
   ModelError out{AirSpectrum(kAirBandCount, 0.0), AirSpectrum(kAirBandCount, 0.0)};
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (!chosen(bands, b)) continue;
-    const double t = transmittance[b];
-    const double gas = kGasError * std::min(1.0, 4 * t * (1 - t) + (t > 0 && t < 1 ? 0.05 : 0.0));
-    const double aerosol = kAerosolRelativeError * t * (scattering[b] + absorption[b]);
-    const double sigma = std::hypot(gas, std::min(aerosol, 1.0));
-    out.transmittance[b] = sigma;
+    const double sigma = out.transmittance[b] = transmittance_error(amounts, transmittance[b], b);
     if (warmest_k <= 0) continue;
     const double planck = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), warmest_k);
-    double error = sigma * planck + kAerosolRelativeError * scattered[b];
+    double error = std::hypot(sigma, kEmissionError * (1 - transmittance[b])) * planck +
+                   kAerosolRelativeError * scattered[b];
     if (scattering[b] > 0.3) {
       error += surroundings
                    ? std::abs(planck - (*surroundings)[b]) * (1 - std::exp(-scattering[b]))
