@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <utility>
 
 #include "core/atmosphere/lane_math.h"
 #include "core/base/clones.h"
@@ -57,14 +58,16 @@ IRSIG_CLONES void add_to_lines(const GasTable& table, std::size_t group, double 
                                double warmth, double kg_m2, double* scaled, double* plain) {
   constexpr std::size_t kLanes = GasTable::kLanes;
   const std::size_t first = kLanes * group;
-  const double *a = &table.exponent[first], *b = &table.linear[first], *c = &table.quadratic[first];
-  double *u = scaled + first, *v = plain + first;
+  for (const auto& [scaling, amounts] :
+       {std::pair{&table.scaled, scaled}, std::pair{&table.plain, plain}}) {
+    const double *a = &scaling->exponent[first], *b = &scaling->linear[first],
+                 *c = &scaling->quadratic[first];
+    double* u = amounts + first;
 #pragma GCC ivdep
-  for (std::size_t j = 0; j < kLanes; ++j) {
-    const double warm = 1 + b[j] * warmth + c[j] * warmth * warmth;
-    const double amount = kg_m2 * (warm > 0 ? warm : 0.0);
-    v[j] += amount;
-    u[j] += amount * exp_lane(ln_pressure * a[j]);
+    for (std::size_t j = 0; j < kLanes; ++j) {
+      const double warm = 1 + b[j] * warmth + c[j] * warmth * warmth;
+      u[j] += kg_m2 * (warm > 0 ? warm : 0.0) * exp_lane(ln_pressure * a[j]);
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/embedded.h"
@@ -119,7 +120,7 @@ class TableReader {
     reference.pressure_pa = number(take_word(words));
     reference.temperature_k = number(take_word(words));
     reference.doppler_pa = number(take_word(words));
-    for (double& x : line.scaling) x = number(take_word(words));
+    for (double& x : line.scaled) x = number(take_word(words));
     const auto terms = static_cast<std::size_t>(number(take_word(words)));
     double sum = 0;
     for (std::size_t i = 0; i < terms; ++i) {
@@ -129,7 +130,15 @@ class TableReader {
     }
     // As exact a 1 as doubles allow: transmittance is 1 at zero range.
     for (double& w : line.weight) w /= sum;
-    IRSIG_CHECK(take_word(words).empty());
+    // The plain amount's own scaling, where it has one.
+    line.plain = {0, line.scaled[1], line.scaled[2]};
+    if (std::string_view word = take_word(words); !word.empty()) {
+      for (double& x : line.plain) {
+        x = number(word);
+        word = take_word(words);
+      }
+      IRSIG_CHECK(word.empty());
+    }
     const std::uint16_t index = reference_of(reference);
     if (line_.size() == GasTable::kLanes || (!line_.empty() && index != reference_)) finish_group();
     reference_ = index;
@@ -140,13 +149,16 @@ class TableReader {
     if (line_.empty()) return;
     table_.group.push_back({static_cast<std::uint16_t>(gas_), reference_});
     for (std::size_t j = 0; j < GasTable::kLanes; ++j) {
-      const Line none{static_cast<std::uint16_t>(kAirBandCount), {}, {}, {}, {}};
+      const Line none{static_cast<std::uint16_t>(kAirBandCount), {}, {}, {}, {}, {}};
       const Line& l = j < line_.size() ? line_[j] : none;
       table_.entry.push_back({l.band, static_cast<std::uint32_t>(table_.weight.size()),
                               static_cast<std::uint32_t>(l.weight.size())});
-      table_.exponent.push_back(l.scaling[0]);
-      table_.linear.push_back(l.scaling[1]);
-      table_.quadratic.push_back(l.scaling[2]);
+      for (const auto& [to, from] :
+           {std::pair{&table_.scaled, &l.scaled}, std::pair{&table_.plain, &l.plain}}) {
+        to->exponent.push_back((*from)[0]);
+        to->linear.push_back((*from)[1]);
+        to->quadratic.push_back((*from)[2]);
+      }
       for (std::size_t i = 0; i < l.weight.size(); ++i) {
         table_.k_scaled_m2_kg.push_back(l.k_scaled[i]);
         table_.k_plain_m2_kg.push_back(l.k_plain[i]);
@@ -168,7 +180,7 @@ class TableReader {
   // An entry of the group that is being read.
   struct Line {
     std::uint16_t band = 0;
-    std::array<double, 3> scaling{};
+    std::array<double, 3> scaled{}, plain{};
     std::vector<double> k_scaled, k_plain, weight;
   };
 

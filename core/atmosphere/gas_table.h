@@ -19,8 +19,8 @@ struct GasTable {
   struct Reference {
     double pressure_pa, doppler_pa, temperature_k;
   };
-  // plain = amount (1 + b (T/T0 - 1) + c (T/T0 - 1)^2); scaled = plain ((p + doppler) / (p0 +
-  // doppler))^a; depth of a term = k_scaled scaled + k_plain plain
+  // amounts: ((p + doppler) / (p0 + doppler))^a (1 + b (T/T0 - 1) + c (T/T0 - 1)^2), the scaled and
+  // the plain one with a, b, c of their own; depth of a term = k_scaled scaled + k_plain plain
   struct Group {
     std::uint16_t gas, reference;
   };
@@ -36,8 +36,11 @@ struct GasTable {
 
   std::vector<Reference> reference;
   std::vector<Group> group;
-  std::vector<Entry> entry;                                   // [kLanes group + lane]
-  std::vector<double> exponent, linear, quadratic;            // per entry: a, b, c
+  std::vector<Entry> entry;  // [kLanes group + lane]
+  struct Scaling {
+    std::vector<double> exponent, linear, quadratic;  // per entry: a, b, c
+  };
+  Scaling scaled, plain;
   std::vector<double> k_scaled_m2_kg, k_plain_m2_kg, weight;  // per term
   double molar_mass_kg_mol[kGasCount] = {};
   std::size_t gas_begin[kGasCount + 1] = {};  // groups of a gas

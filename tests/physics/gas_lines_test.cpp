@@ -39,8 +39,8 @@ const std::vector<double>& absorption(double temperature_k, double pressure_pa) 
   return k;
 }
 
-Atmosphere air() {
-  AtmosphereSpec spec{afgl_profile(AfglProfile::kUsStandard1976), {}, kCo2Ppmv, 0, 0};
+Atmosphere air(AfglProfile profile = AfglProfile::kUsStandard1976) {
+  AtmosphereSpec spec{afgl_profile(profile), {}, kCo2Ppmv, 0, 0};
   spec.aerosol.kind = AerosolKind::kNone;
   return *Atmosphere::make(spec);
 }
@@ -123,8 +123,8 @@ TEST(GasLines, HotCarbonDioxideThroughColdAir) {
 }
 
 // Slant paths up to a sensor: cold lines there are narrower, and order their wavenumbers otherwise.
-// Asked for: 2 %. A miss for cool thin columns: all terms of a band have one change with
-// temperature, and the strongest of them, where such gas is brightest, change most.
+// Asked for: 2 %. A miss by thin columns of 400 K from 20 km up, 2.6 %: with each term's own
+// absorption in each layer it would be 1.8 %, too bright.
 TEST(GasLines, ThroughAirThatThins) {
   const Atmosphere atmosphere = air();
   for (const double height_m : {5000.0, 20000.0}) {
@@ -142,14 +142,37 @@ TEST(GasLines, ThroughAirThatThins) {
     }
     for (const double t : {400.0, 700.0, 1200.0}) {
       for (const double cm_atm : {1.0, 10.0}) {
-        expect_within(radiances({{t, cm_atm}}, depth, amounts),
-                      t < 500   ? 0.13
-                      : t < 900 ? 0.08
-                                : 0.02,
+        expect_within(radiances({{t, cm_atm}}, depth, amounts), t < 500 ? 0.035 : 0.02,
                       "to " + testing::PrintToString(height_m) +
                           " m: " + testing::PrintToString(t) + " K, " +
                           testing::PrintToString(cm_atm) + " cm atm");
       }
+    }
+  }
+}
+
+// Level paths in air of other temperatures and pressures than that in which wavenumbers are sorted.
+// Misses of 2 % by gas of 400 K: 4 % in the cold, 2 % in the tropics. With one change with
+// temperature for all terms of a band they were 16, 17 and 11 %.
+TEST(GasLines, ThroughColdWarmAndThinAir) {
+  struct Case {
+    AfglProfile profile;
+    double height_m, range_m, bound;
+  };
+  for (const Case& c : {Case{AfglProfile::kSubarcticWinter, 0, 1000, 0.05},
+                        {AfglProfile::kSubarcticWinter, 0, 5000, 0.05},
+                        {AfglProfile::kUsStandard1976, 5000, 10000, 0.05},
+                        {AfglProfile::kTropical, 0, 5000, 0.05}}) {
+    const Atmosphere atmosphere = air(c.profile);
+    const AirLevel level = air_at(atmosphere.profile(), c.height_m);
+    const AbsorberAmounts amounts = atmosphere.amounts(level_path(c.height_m, c.range_m));
+    std::vector<double> depth = absorption(level.temperature_k, level.pressure_pa);
+    for (double& d : depth) d *= kCo2Ppmv * 1e-6 * c.range_m * 100;
+    for (const double t : {400.0, 700.0, 1200.0}) {
+      expect_within(radiances({{t, 1}}, depth, amounts), t < 500 ? c.bound : 0.5 * c.bound,
+                    std::string(name_of(c.profile)) + " " + testing::PrintToString(c.height_m) +
+                        " m, " + testing::PrintToString(c.range_m) +
+                        " m: " + testing::PrintToString(t) + " K");
     }
   }
 }

@@ -1,34 +1,47 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 namespace irsig {
 
-// What a band of a gas lets through in one state of the air, line by line.
-struct BandSample {
-  double pressure_atm, temperature_k, importance;
-  std::vector<double> amount, transmittance;  // amounts in the unit of 1 / k
+// How a part of the absorption changes from 1 atm and a reference temperature T0:
+//   p^a (1 + b x + c x^2),   x = T / T0 - 1
+struct AirScaling {
+  double a = 0, b = 0, c = 0;
+  [[nodiscard]] double at(double pressure_atm, double x) const;
 };
 
-// The air's form of a band (core/atmosphere/data/README.md) about 1 atm and a temperature:
-//   depth of a term = k (alpha p^a + 1 - alpha) (1 + b x + c x^2) u,   x = T / T0 - 1
+// The air's form of a band (core/atmosphere/data/README.md):
+//   depth of term i = k_i (share_i first + (1 - share_i) second) u
 struct ColdFit {
-  std::vector<double> alpha;
-  double a = 1, b = 0, c = 0;
+  std::vector<double> share;
+  AirScaling first, second;
 };
 
-// The absorption of each term at another pressure, over that at 1 atm.
-struct TermSample {
-  double pressure_atm, importance;
-  std::vector<double> ratio;
+// Gases whose light the band is fitted to let through as line by line: of 400 and 700 K.
+inline constexpr std::size_t kThroughColdAir = 2;
+
+// A band in one state of the air, line by line.
+struct ColdState {
+  double pressure_atm, temperature_k, importance;
+  std::vector<double> ratio;                  // per term: absorption over k
+  std::vector<double> amount, transmittance;  // amounts in the unit of 1 / k
+  // Of what thin hot gas sends, the part that comes through; per amount.
+  std::array<std::vector<double>, kThroughColdAir> hot_through;
 };
 
-// alpha by least squares from what the terms' own wavenumbers do with pressure, a, b and c from the
-// samples' transmittances T: least squares of (T - T_fit) / (T + 0.1), the parabola positive from
-// 170 to 330 K. k and alpha stay what they are at the wavenumbers of the term: freed, they fit
-// transmittances better and what comes through of hot lines worse (8 % instead of 1 % at 400 K).
-[[nodiscard]] ColdFit fit_cold_band(const std::vector<double>& k, const std::vector<double>& weight,
-                                    double reference_k, const std::vector<TermSample>& by_pressure,
-                                    const std::vector<BandSample>& samples);
+// Least squares over the states of what the terms do
+//   (ratio_fit / ratio - 1) / 7,  (T_fit - T) / (T + 0.1),  (through_fit - through) / (through +
+//   0.02)
+// both scalings positive from 170 to 330 K. Terms stay what they are at their own wavenumbers: k is
+// the reference's, shares follow from the ratios. One scaling of temperature for all terms lets
+// 0.8 of what comes through of gas of 400 K pass near the band's head, where weak terms change with
+// temperature otherwise than strong ones.
+//   hot_share  of each term, of what thin hot gas sends in the band
+[[nodiscard]] ColdFit fit_cold_band(
+    const std::vector<double>& k, const std::vector<double>& weight, double reference_k,
+    const std::array<std::vector<double>, kThroughColdAir>& hot_share,
+    const std::vector<ColdState>& states);
 
 }  // namespace irsig

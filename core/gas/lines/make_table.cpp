@@ -3,6 +3,7 @@
 // of the same lines, so that what is hot and what is cold share their wavenumbers. A few minutes;
 // with "-" for HOT the air alone, seconds.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -69,14 +70,14 @@ std::map<int, ColdBand> cold_bands(const Plan& plan) {
     double pressure_atm, temperature_k, importance;
   };
   // The standard atmosphere's own, warmer and colder days, and above 8 km what is thin there.
-  constexpr State kStates[] = {{1, 288.15, 2},   {1, 305, 0.5}, {1, 260, 0.5},   {1, 235, 0.2},
+  constexpr State kStates[] = {{1, 288.15, 2},   {1, 305, 0.5}, {1, 260, 1},     {1, 235, 0.4},
                                {0.85, 280, 2},   {0.7, 268, 2}, {0.7, 288, 0.5}, {0.7, 250, 0.5},
                                {0.54, 256, 2},   {0.4, 243, 1}, {0.3, 229, 0.7}, {0.15, 217, 0.3},
                                {0.05, 217, 0.15}};
   const std::vector<double> reference = absorption(plan, kColdK, 1);
-  constexpr double kPressures[] = {0.85, 0.7, 0.54, 0.4, 0.3, 0.15, 0.05};
-  std::vector<std::vector<double>> in_state, at_pressure;
-  for (const double p : kPressures) at_pressure.push_back(absorption(plan, kColdK, p));
+  const std::array<std::vector<double>, kThroughColdAir> hot = {absorption(plan, 400, 1),
+                                                                absorption(plan, 700, 1)};
+  std::vector<std::vector<double>> in_state;
   for (const State& s : kStates)
     in_state.push_back(absorption(plan, s.temperature_k, s.pressure_atm));
   std::map<int, ColdBand> out;
@@ -84,43 +85,60 @@ std::map<int, ColdBand> cold_bands(const Plan& plan) {
     const auto first = static_cast<std::size_t>((low - plan.first_cm1) / kBandCm1) * kPoints;
     ColdBand band{terms_by_ratio(&reference[first], first, kPoints, 16), ""};
     std::vector<double> k;
+    std::array<std::vector<double>, kThroughColdAir> hot_share;
+    std::array<double, kThroughColdAir> sent{};
+    for (std::size_t h = 0; h < hot.size(); ++h) {
+      for (std::size_t i = 0; i < kPoints; ++i) sent[h] += hot[h][first + i];
+    }
     for (const auto& point : band.terms.point) {
       k.push_back(effective(reference, point, reference[point[point.size() / 2]]));
+      for (std::size_t h = 0; h < hot.size(); ++h) {
+        double sum = 0;
+        for (const std::uint32_t p : point) sum += hot[h][p];
+        hot_share[h].push_back(sum / sent[h]);
+      }
     }
     double mean = 0;
     for (std::size_t i = 0; i < kPoints; ++i) mean += reference[first + i] / kPoints;
-    std::vector<BandSample> samples;
+    std::vector<ColdState> states;
     for (std::size_t j = 0; j < std::size(kStates); ++j) {
-      BandSample& s = samples.emplace_back(BandSample{
-          kStates[j].pressure_atm, kStates[j].temperature_k, kStates[j].importance, {}, {}});
+      ColdState& s = states.emplace_back(ColdState{kStates[j].pressure_atm,
+                                                   kStates[j].temperature_k,
+                                                   kStates[j].importance,
+                                                   {},
+                                                   {},
+                                                   {},
+                                                   {}});
+      for (std::size_t i = 0; i < k.size(); ++i) {
+        const auto& point = band.terms.point[i];
+        s.ratio.push_back(effective(in_state[j], point, reference[point[point.size() / 2]]) / k[i]);
+      }
       for (const double depth : {0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0}) {
         const double amount = depth / mean;
         double t = 0;
-        for (std::size_t i = 0; i < kPoints; ++i)
-          t += std::exp(-in_state[j][first + i] * amount) / kPoints;
+        std::array<double, kThroughColdAir> through{};
+        for (std::size_t i = 0; i < kPoints; ++i) {
+          const double passed = std::exp(-in_state[j][first + i] * amount);
+          t += passed / kPoints;
+          for (std::size_t h = 0; h < hot.size(); ++h)
+            through[h] += hot[h][first + i] * passed / sent[h];
+        }
         s.amount.push_back(amount);
         s.transmittance.push_back(t);
+        for (std::size_t h = 0; h < hot.size(); ++h) s.hot_through[h].push_back(through[h]);
       }
     }
-    std::vector<TermSample> by_pressure;
-    for (std::size_t j = 0; j < std::size(kPressures); ++j) {
-      TermSample& s = by_pressure.emplace_back(TermSample{kPressures[j], kPressures[j], {}});
-      for (std::size_t i = 0; i < k.size(); ++i) {
-        const auto& point = band.terms.point[i];
-        s.ratio.push_back(effective(at_pressure[j], point, reference[point[point.size() / 2]]) /
-                          k[i]);
-      }
-    }
-    const ColdFit fit = fit_cold_band(k, band.terms.weight, kColdK, by_pressure, samples);
+    const ColdFit fit = fit_cold_band(k, band.terms.weight, kColdK, hot_share, states);
     std::ostringstream entry;
     entry.precision(6);
-    entry << static_cast<int>(low) << " 101325 " << kColdK << " 0 " << fit.a << ' ' << fit.b << ' '
-          << fit.c << ' ' << k.size();
+    entry << static_cast<int>(low) << " 101325 " << kColdK << " 0 " << fit.first.a << ' '
+          << fit.first.b << ' ' << fit.first.c << ' ' << k.size();
     for (std::size_t i = 0; i < k.size(); ++i) {
       const double m2_kg = k[i] / (plan.shape.molar_mass_g * 1e-3);
-      entry << ' ' << m2_kg * fit.alpha[i] << ' ' << m2_kg * (1 - fit.alpha[i]) << ' '
+      entry << ' ' << m2_kg * fit.share[i] << ' ' << m2_kg * (1 - fit.share[i]) << ' '
             << band.terms.weight[i];
     }
+    entry << ' ' << fit.second.a << ' ' << fit.second.b << ' ' << fit.second.c;
     band.entry = entry.str();
     out[static_cast<int>(low)] = std::move(band);
   }
