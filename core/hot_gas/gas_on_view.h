@@ -1,7 +1,7 @@
 #pragma once
 
+#include <array>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "core/hot_gas/column_tests.h"
@@ -20,8 +20,9 @@ class GasSurvey final : public GasOnRays {
       : field_(std::move(field)), centre_(centre), steps_(view_steps()) {}
   [[nodiscard]] std::uint32_t measures() const override { return 0; }
   [[nodiscard]] std::uint32_t classes() const override { return 0; }
-  [[nodiscard]] std::optional<Crossing> cross(Vec<Body> from, Vec<Body> direction, double end_m,
-                                              std::span<double> measure) const override;
+  [[nodiscard]] std::optional<double> cross(Vec<Body> from, Vec<Body> direction, double end_m,
+                                            std::span<double> measure,
+                                            std::span<float> share) const override;
   [[nodiscard]] const std::vector<GasColumn>& columns() const { return columns_; }
 
  private:
@@ -31,33 +32,40 @@ class GasSurvey final : public GasOnRays {
   mutable std::vector<GasColumn> columns_;
 };
 
-// Hot gas as a view's rays measure it, by test gases; what is behind it is told apart by which of a
-// few columns takes most nearly the same of it.
+// Hot gas as a view's rays measure it, by test gases; what it takes of the light behind it as a sum
+// of what a few columns take, its classes.
 class GasOnView final : public GasOnRays {
  public:
-  //   like  tests of those columns: none empty
+  using Absorbed = std::array<double, ColumnTests::kGases>;
+  //   most     the largest that any column absorbs of each test gas
+  //   classes  tests of those columns: none empty, at most kMostClasses
   GasOnView(std::shared_ptr<const PlumeField> field, Vec<Body> centre, const ColumnTests& tests,
-            const std::vector<std::vector<double>>& like);
+            const Absorbed& most, const std::vector<std::vector<double>>& classes);
+  static constexpr std::size_t kMostClasses = 8;
   [[nodiscard]] std::uint32_t measures() const override { return ColumnTests::kCount; }
   [[nodiscard]] std::uint32_t classes() const override {
-    return static_cast<std::uint32_t>(like_.size());
+    return static_cast<std::uint32_t>(classes_.size());
   }
-  [[nodiscard]] std::optional<Crossing> cross(Vec<Body> from, Vec<Body> direction, double end_m,
-                                              std::span<double> measure) const override;
-  // The class of a column, and by what its absorption is that of the class: from its tests.
-  [[nodiscard]] std::pair<std::uint32_t, double> like(std::span<const double> tests) const;
+  [[nodiscard]] std::optional<double> cross(Vec<Body> from, Vec<Body> direction, double end_m,
+                                            std::span<double> measure,
+                                            std::span<float> share) const override;
+  // Of a column, from its tests: the sum of classes that takes most nearly the same of all test
+  // gases, each relative to the largest, in least squares. unlike:
+  // the root of the mean square of what is left.
+  struct Shares {
+    std::array<double, kMostClasses> of_class{};
+    double unlike = 0;
+  };
+  [[nodiscard]] Shares shares(std::span<const double> tests) const;
 
  private:
   std::shared_ptr<const PlumeField> field_;
   Vec<Body> centre_;  // of the target
   SegmentSteps steps_;
   ColumnTests tests_;
-  struct Absorption {
-    std::array<double, ColumnTests::kGases> of_gas;
-    double mean;
-  };
-  [[nodiscard]] static Absorption absorption(std::span<const double> tests);
-  std::vector<Absorption> like_;
+  Absorbed scale_{};                // 1 / most
+  std::vector<Absorbed> classes_;   // times scale_
+  std::vector<Absorbed> share_of_;  // [class] Its share: the sum of this x what a column absorbs
 };
 
 }  // namespace irsig

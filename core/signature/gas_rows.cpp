@@ -31,8 +31,8 @@ constexpr PilotSamples kSightPilots{32, 32, 64}, kHullPilots{64, 32, 128};
 // Of the error that is asked for, what the gas's own samples may take.
 constexpr double kShareOfGoal = 0.5;
 // Columns that stand for all: so near to what the tests of all rays are, and at most so many; and
-// classes of gas, so many or all that are less alike.
-constexpr double kTolerance = 1e-3, kAlike = 0.02;
+// classes of gas, so many, or until every column is so nearly a sum of them.
+constexpr double kTolerance = 1e-3, kAlike = 1e-3;
 // What may be left of steps that were extrapolated, of the extrapolation.
 constexpr double kOfSteps = 0.25;
 constexpr std::size_t kNodes = 24, kClasses = 6;
@@ -64,10 +64,11 @@ BoxedSight sight_of(const PlumeField& field) {
 class GasMeasurement {
  public:
   enum class Where : std::uint8_t { kInSight, kOnHull };
-  // view: of the target itself.
+  // view: of the target itself. condition: those of the selected ones that have this field
   GasMeasurement(Where where, const PreparedScene& scene, const ViewRequest& request,
                  const ViewPlan& plan, const PreparedView& view, const ViewSources& sources,
-                 const GasWavelengths& wavelengths, std::shared_ptr<const PlumeField> field)
+                 const GasWavelengths& wavelengths, const PictureFrame& pictures,
+                 std::shared_ptr<const PlumeField> field, std::vector<std::size_t> condition)
       : on_hull_(where == Where::kOnHull),
         pilots_(on_hull_ ? kHullPilots : kSightPilots),
         scene_(scene),
@@ -75,7 +76,9 @@ class GasMeasurement {
         plan_(plan),
         sources_(sources),
         wavelengths_(wavelengths),
+        pictures_(pictures),
         field_(std::move(field)),
+        condition_(std::move(condition)),
         aimed_(on_hull_ ? view.aimed : nullptr) {}
 
   // Chooses what stands for all rays, and knows the pilot's. False: the gas is not met at all.
@@ -103,14 +106,17 @@ class GasMeasurement {
     if (auto status = choose_nodes(survey->columns(), tested, sum_of(pilot)); !status.ok())
       return status;
     samples_ = pilots_.second;
+    const std::vector<double> sums = sum_of(pilot);
     keep(std::move(pilot));
+    if (!on_hull_) image_plan_ = plan_images(sums);
     return true;
   }
   // With as many rays as the accuracy asks for. sent_w_sr: what else the gas sends in each band of
   // the scene, which the error may be a share of.
   void measure(const std::vector<double>& sent_w_sr) {
     samples_ = samples(sent_w_sr);
-    keep(run(gas_, samples_, 2, reflections(false)));
+    image_.assign(image_plan_.size(), 0.0);
+    keep(run(gas_, samples_, 2, reflections(false), image_plan_, image_));
   }
 
   [[nodiscard]] std::uint64_t rays() const { return counts_.rays; }
@@ -131,7 +137,9 @@ class GasMeasurement {
     return out;
   }
 
-  absl::StatusOr<std::vector<GasRow>> rows(const ConditionSources& light) const {
+  // which: of its conditions
+  absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) const {
+    const ConditionSources& light = sources_.wanted(condition_[which]);
     const ViewEnvironment& environment = light.environment();
     if (environment.air == nullptr && request_.environment != nullptr)
       return absl::InvalidArgumentError(
@@ -168,6 +176,12 @@ class GasMeasurement {
     std::vector<GasRow> out;
     for (const std::uint32_t b : request_.selected_band)
       out.push_back(row_of(light, sensor, of_classes, of_replicates, b));
+    if (image_.empty()) return out;
+    const std::size_t pixels =
+        static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px;
+    for (std::size_t b = 0; b < out.size(); ++b)
+      for (std::size_t i = 0; i < pixels; ++i)
+        out[b].picture_w_sr.push_back(image_[i * image_plan_.padded + which * out.size() + b]);
     return out;
   }
 
@@ -190,6 +204,12 @@ class GasMeasurement {
 
   std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
                                std::uint64_t stage, std::uint32_t reflections) {
+    std::vector<double> none;
+    return run(std::move(gas), samples, stage, reflections, {}, none);
+  }
+  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
+                               std::uint64_t stage, std::uint32_t reflections,
+                               const ImagePlan& images, std::vector<double>& image) {
     SourceGeometry geometry = sources_.geometry();
     if (on_hull_)
       geometry.medium = HotGasAround{std::move(gas)};
@@ -206,8 +226,42 @@ class GasMeasurement {
     }
     const PathTracer tracer(scene_.target, scene_.carried_material(), *aimed_, std::move(geometry),
                             settings);
-    std::vector<double> none;
-    return tracer.trace({}, none, counts_);
+    return tracer.trace(images, image, counts_);
+  }
+
+  // Pictures of the rows' source radiance: of what a ray's gas sends as much as its test gases say,
+  // so that all rays of the pilot send what the nodes do; of what is behind it less what its
+  // classes take.
+  //   sums  of the pilot's tests, which the nodes' weights are of
+  [[nodiscard]] ImagePlan plan_images(const std::vector<double>& sums) const {
+    const std::size_t bands = request_.selected_band.size(), classes = class_here_.size();
+    ImagePlan plan = blank_pictures(pictures_, aimed_->frame, condition_.size() * bands, classes,
+                                    layout_, scene_.path_basis());
+    if (plan.empty()) return plan;
+    plan.gas.assign(plan.images * gas_->measures(), 0.0);
+    for (std::size_t b = 0; b < bands; ++b) {
+      const BandOnAxis band = scene_.axis.band(request_.selected_band[b]);
+      std::vector<double> sent = as_tests(request_.selected_band[b]);
+      if (const double all = ordered_dot(sent.data(), sums.data(), sent.size()); all > 0) {
+        const double scale = sent_by({&nodes_[0].here, &nodes_[1].here}, band).in_band / all;
+        for (double& s : sent) s *= scale;
+      }
+      for (std::size_t c = 0; c < condition_.size(); ++c)
+        std::copy(
+            sent.begin(), sent.end(),
+            plan.gas.begin() + static_cast<std::ptrdiff_t>((c * bands + b) * gas_->measures()));
+      std::vector<double> taken(band.grid.band_weight.size());
+      for (std::size_t k = 0; k < classes; ++k) {
+        for (std::size_t i = 0; i < taken.size(); ++i)
+          taken[i] = -band.grid.band_weight[i] * class_here_[k].absorbed[band.first_node + i];
+        for (std::size_t c = 0; c < condition_.size(); ++c) {
+          const ConditionSources& light = sources_.wanted(condition_[c]);
+          show_sources(source_table(light, scene_.path_basis(), band.first_node, taken), light,
+                       layout_, scene_.path_basis(), c * bands + b, k, plan);
+        }
+      }
+    }
+    return plan;
   }
 
   static ColumnTests tests_for(const std::vector<GasColumn>& columns) {
@@ -297,37 +351,34 @@ class GasMeasurement {
     return absl::OkStatus();
   }
 
-  // One after another the column that is least like any before it.
+  // One after another the column that is least a sum of those before it.
   absl::Status choose_classes(const std::vector<GasColumn>& columns,
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests) {
-    std::vector<std::vector<double>> like;
+    std::vector<std::vector<double>> classes;
     std::vector<GasColumn> of_class;
     std::size_t next = 0;
-    const auto absorbed = [&](std::size_t c) { return ColumnTests::absorbed(tested[c]); };
     const auto size = [&](std::size_t c) {
-      const auto a = absorbed(c);
+      const auto a = ColumnTests::absorbed(tested[c]);
       return ordered_dot(a.data(), a.data(), a.size());
     };
-    for (std::size_t c = 0; c < columns.size(); ++c)
+    GasOnView::Absorbed most{};
+    for (std::size_t c = 0; c < columns.size(); ++c) {
       if (size(c) > size(next)) next = c;
+      const auto absorbed = ColumnTests::absorbed(tested[c]);
+      for (std::size_t g = 0; g < most.size(); ++g) most[g] = std::max(most[g], absorbed[g]);
+    }
     double unlike = 1;
-    while (like.size() < kClasses && unlike > kAlike) {
-      like.push_back(tested[next]);
+    while (classes.size() < kClasses && unlike > kAlike) {
+      classes.push_back(tested[next]);
       of_class.push_back(columns[next]);
-      gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, like);
+      gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, most, classes);
       unlike = 0;
-      for (std::size_t c = 0; c < columns.size(); ++c) {
-        const auto [which, factor] = gas_->like(tested[c]);
-        const auto own = absorbed(c), other = ColumnTests::absorbed(like[which]);
-        double off = 0;
-        for (std::size_t g = 0; g < own.size(); ++g)
-          off += (own[g] - factor * other[g]) * (own[g] - factor * other[g]);
-        if (const double relative = std::sqrt(off / size(c)); relative > unlike) {
-          unlike = relative;
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        if (const double of_column = gas_->shares(tested[c]).unlike; of_column > unlike) {
+          unlike = of_column;
           next = c;
         }
-      }
     }
     return prepare(of_class, class_column_, class_here_);
   }
@@ -350,6 +401,7 @@ class GasMeasurement {
         if (!(weight[c] > 0)) continue;
         chosen.push_back(columns[place[c]]);
         nodes.tests.push_back(of_set[c]);
+        nodes.weight.push_back(weight[c]);
       }
       if (auto status = prepare(chosen, nodes.column, nodes.here); !status.ok()) return status;
     }
@@ -428,9 +480,12 @@ class GasMeasurement {
       for (std::size_t m = 0; m < nodes.column.size(); ++m) {
         const double w = mean_of(nodes.weight[m], band),
                      taken = in_band(nodes.here[m].absorbed, band);
-        const auto [like, factor] = gas_->like(nodes.tests[m]);
+        const GasOnView::Shares shares = gas_->shares(nodes.tests[m]);
+        double by_classes = 0;
+        for (std::size_t k = 0; k < class_here_.size(); ++k)
+          by_classes += shares.of_class[k] * in_band(class_here_[k].absorbed, band);
         absorbed += w * taken;
-        off += w * std::abs(factor * in_band(class_here_[like].absorbed, band) - taken);
+        off += w * std::abs(by_classes - taken);
       }
       class_error_[b] = absorbed > 0 ? off / absorbed : 0;
     }
@@ -642,7 +697,9 @@ class GasMeasurement {
   const ViewPlan& plan_;
   const ViewSources& sources_;
   const GasWavelengths& wavelengths_;
+  const PictureFrame& pictures_;
   std::shared_ptr<const PlumeField> field_;
+  std::vector<std::size_t> condition_;
   std::shared_ptr<const AimedView> aimed_;
   std::array<Nodes, 2> nodes_;
   std::vector<std::vector<double>> reflected_;  // [group][wavelength]
@@ -654,6 +711,8 @@ class GasMeasurement {
   std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
   std::uint64_t samples_ = 0;             // of each replicate, of weights_
   PathCounts counts_;
+  ImagePlan image_plan_;
+  std::vector<double> image_;
   SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());
 };
 
@@ -714,15 +773,18 @@ class GasOfField {
  public:
   GasOfField(const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
              const PreparedView& view, const ViewSources& sources,
-             const GasWavelengths& wavelengths, const std::shared_ptr<const PlumeField>& field)
+             const GasWavelengths& wavelengths, const PictureFrame& pictures,
+             const std::shared_ptr<const PlumeField>& field,
+             const std::vector<std::size_t>& condition)
       : scene_(scene),
         request_(request),
         plan_(plan),
         field_(field),
+        condition_(condition),
         in_sight_(GasMeasurement::Where::kInSight, scene, request, plan, view, sources, wavelengths,
-                  field),
+                  pictures, field, condition),
         on_hull_(GasMeasurement::Where::kOnHull, scene, request, plan, view, sources, wavelengths,
-                 field) {}
+                 pictures, field, condition) {}
 
   absl::Status trace() {
     auto seen = in_sight_.find();
@@ -735,9 +797,10 @@ class GasOfField {
     return absl::OkStatus();
   }
 
-  // [selected band]
-  absl::StatusOr<std::vector<GasRow>> rows(std::uint32_t condition, const ConditionSources& light) {
-    auto seen = rows_of(seen_ ? &in_sight_ : nullptr, light);
+  // [selected band] which: of its conditions
+  absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) {
+    const std::uint32_t condition = request_.selected_condition[condition_[which]];
+    auto seen = rows_of(seen_ ? &in_sight_ : nullptr, which);
     if (!seen.ok()) return seen.status();
     // Of few rays, and of as many as are wanted; made when they are asked for.
     std::optional<std::vector<GasRow>> few, all;
@@ -750,7 +813,7 @@ class GasOfField {
           room ? plan_.room[condition * scene_.axis.bands() + band] : EffectPlanner::Room{};
       bool off = forced || !met_;
       if (met_ && (forced || (room && on_hull_.sent_w_sr()[band] <= of_row.source))) {
-        if (auto status = make(on_hull_, light, few); !status.ok()) return status;
+        if (auto status = make(on_hull_, which, few); !status.ok()) return status;
         left_out = limit_of((*few)[i]);
         off = forced || EffectPlanner::fits(left_out, of_row);
       }
@@ -761,7 +824,7 @@ class GasOfField {
           full_.emplace(on_hull_);
           full_->measure(seen_ ? in_sight_.sent_w_sr() : std::vector<double>());
         }
-        if (auto status = make(*full_, light, all); !status.ok()) return status;
+        if (auto status = make(*full_, which, all); !status.ok()) return status;
         most = limit_of((*all)[i]);
         seconds = static_cast<double>((*all)[i].rays) * kRaySeconds;
         add_on_hull((*all)[i], row);
@@ -819,17 +882,16 @@ class GasOfField {
     return out;
   }
   // Null: gas that is hidden by the target.
-  absl::StatusOr<std::vector<GasRow>> rows_of(const GasMeasurement* gas,
-                                              const ConditionSources& light) const {
-    if (gas != nullptr) return gas->rows(light);
+  absl::StatusOr<std::vector<GasRow>> rows_of(const GasMeasurement* gas, std::size_t which) const {
+    if (gas != nullptr) return gas->rows(which);
     std::vector<GasRow> out;
     for (const std::uint32_t b : request_.selected_band) out.push_back(nothing_of(bins(b)));
     return out;
   }
-  static absl::Status make(const GasMeasurement& gas, const ConditionSources& light,
+  static absl::Status make(const GasMeasurement& gas, std::size_t which,
                            std::optional<std::vector<GasRow>>& rows) {
     if (rows) return absl::OkStatus();
-    auto made = gas.rows(light);
+    auto made = gas.rows(which);
     if (!made.ok()) return made.status();
     rows = *std::move(made);
     return absl::OkStatus();
@@ -850,6 +912,7 @@ class GasOfField {
   const ViewRequest& request_;
   const ViewPlan& plan_;
   std::shared_ptr<const PlumeField> field_;
+  std::vector<std::size_t> condition_;
   bool without_ = request_.effects.without(Effect::kPlume);
   bool seen_ = false, met_ = false;
   GasMeasurement in_sight_, on_hull_;
@@ -860,7 +923,7 @@ class GasOfField {
 
 absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
     const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
-    std::shared_ptr<const PreparedView> view) {
+    std::shared_ptr<const PreparedView> view, const PictureFrame& pictures) {
   std::vector<std::shared_ptr<const PlumeField>> fields;
   for (const std::uint32_t c : request.selected_condition)
     if (const auto& field = request.condition[c].gas; field != nullptr)
@@ -878,14 +941,16 @@ absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
                              .emitters = request.emitters},
                             plan.effects, {view, &view->environments}, scene.axis.node_um());
   for (const std::shared_ptr<const PlumeField>& field : fields) {
-    GasOfField gas(scene, request, plan, *view, sources, *wavelengths, field);
+    std::vector<std::size_t> having;
+    for (std::size_t i = 0; i < request.selected_condition.size(); ++i)
+      if (request.condition[request.selected_condition[i]].gas == field) having.push_back(i);
+    GasOfField gas(scene, request, plan, *view, sources, *wavelengths, pictures, field, having);
     if (auto status = gas.trace(); !status.ok()) return status;
-    for (std::size_t i = 0; i < request.selected_condition.size(); ++i) {
-      const std::uint32_t condition = request.selected_condition[i];
-      if (request.condition[condition].gas != field) continue;
-      auto rows = gas.rows(condition, sources.wanted(i));
+    for (std::size_t which = 0; which < having.size(); ++which) {
+      const std::size_t first = having[which] * bands;
+      auto rows = gas.rows(which);
       if (!rows.ok()) return rows.status();
-      for (std::size_t b = 0; b < bands; ++b) out[i * bands + b] = std::move((*rows)[b]);
+      for (std::size_t b = 0; b < bands; ++b) out[first + b] = std::move((*rows)[b]);
     }
   }
   return out;

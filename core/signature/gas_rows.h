@@ -10,6 +10,7 @@
 #include "core/signature/prepared_view.h"
 #include "core/signature/request.h"
 #include "core/signature/result.h"
+#include "core/signature/view_pictures.h"
 
 namespace irsig {
 
@@ -33,6 +34,9 @@ struct GasRow {
   RowBounds::Bound omitted;
   double model_error_w_sr = 0;  // one sigma, of `apparent` and `contrast`
   std::uint64_t rays = 0;
+  // [pixel of the frame] Of the source radiance, as Pass::image() has it. Empty: no pictures, or
+  // no gas in sight.
+  std::vector<double> picture_w_sr;
 };
 
 // Rows of the request's selected conditions x bands, as Pass has them; nullopt: no hot gas under
@@ -43,11 +47,12 @@ struct GasRow {
 // that all add up with their errors. How many follows from how test gases scatter (core/hot_gas),
 // not from what is selected. What the target reflects of the gas is left out where it fits into the
 // room that the plan has for that. (docs/methods/plume.md)
-//   view  with the light of the selected conditions
+//   view      with the light of the selected conditions
+//   pictures  of the view; what the target reflects of the gas is not in them
 // INVALID_ARGUMENT: gas at the sensor; gas that its tables have not; air whose amounts are not
 // known (imported), since gas behind it is not a product of band means.
 [[nodiscard]] absl::StatusOr<std::vector<std::optional<GasRow>>> gas_rows(
     const PreparedScene& scene, const ViewRequest& request, const ViewPlan& plan,
-    std::shared_ptr<const PreparedView> view);
+    std::shared_ptr<const PreparedView> view, const PictureFrame& pictures);
 
 }  // namespace irsig

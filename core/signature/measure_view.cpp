@@ -6,6 +6,7 @@
 #include "core/signature/gas_rows.h"
 #include "core/signature/make_plan.h"
 #include "core/signature/pass.h"
+#include "core/signature/view_pictures.h"
 
 namespace irsig {
 namespace {
@@ -265,25 +266,29 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   return r;
 }
 
-// The pictures' sizes, and of each row its picture.
-void add_pictures(const Pass& pass, const ViewRequest& request, ViewResult& out) {
+// The pictures' sizes, and of each row its picture: the target's, and what hot gas changes of it.
+void add_pictures(const Pass& pass, const PictureFrame& frame,
+                  const std::vector<std::optional<GasRow>>& gas, const ViewRequest& request,
+                  ViewResult& out) {
   const ImagePlan& image = pass.image_plan();
-  out.image_width_px = image.width_px;
-  out.image_height_px = image.height_px;
+  out.image_width_px = frame.width_px;
+  out.image_height_px = frame.height_px;
+  if (image.empty()) return;
   // Solid angle of a pixel times range^2, on the image plane's axis; the paths' own Jacobian is in
   // their weights.
-  const double pixel_m = image.width_px > 0 ? pass.frame().width_m / image.width_px : 0;
-  const double pixel_area_m2 =
-      image.width_px > 0 ? pixel_m * pass.frame().height_m / image.height_px : 0;
-  out.pixel_rad = pixel_m / pass.frame().plane_m;
-  if (image.empty()) return;
-  const double plane_scale = std::pow(request.viewpoint.range_m / pass.frame().plane_m, 2);
+  const double pixel_m = frame.rectangle.width_m / frame.width_px;
+  const double pixel_area_m2 = pixel_m * frame.rectangle.height_m / frame.height_px;
+  out.pixel_rad = pixel_m / frame.plane_m;
+  const double plane_scale = std::pow(request.viewpoint.range_m / frame.plane_m, 2);
   const double scale = 1.0 / (request.accuracy.replicates * pixel_area_m2 * plane_scale);
-  const std::size_t pixels = static_cast<std::size_t>(image.width_px) * image.height_px;
+  const std::size_t pixels = static_cast<std::size_t>(frame.width_px) * frame.height_px;
   for (std::size_t row = 0; row < out.row.size(); ++row)
-    for (std::size_t i = 0; i < pixels; ++i)
-      out.row[row].image_w_m2_sr.push_back(
-          static_cast<float>(scale * pass.image()[i * image.padded + row]));
+    for (std::size_t i = 0; i < pixels; ++i) {
+      double sum = pass.image()[i * image.padded + row];
+      if (!gas.empty() && gas[row] && !gas[row]->picture_w_sr.empty())
+        sum += gas[row]->picture_w_sr[i];
+      out.row[row].image_w_m2_sr.push_back(static_cast<float>(scale * sum));
+    }
 }
 
 }  // namespace
@@ -312,13 +317,13 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   if (auto status = check_request(scene, request); !status.ok()) return status;
   auto view = prepared_for(scene, request, plan, std::move(prepared));
   if (!view.ok()) return view.status();
-  const auto gas = gas_rows(scene, request, plan, *view);
+  const PictureFrame pictures = picture_frame(scene.target, (*view)->aimed->frame, request);
+  const auto gas = gas_rows(scene, request, plan, *view, pictures);
   if (!gas.ok()) return gas.status();
   const std::uint64_t seed = view_seed(scene, request);
   Pass pass(scene, request, plan, *std::move(view),
             {request.selected_condition, request.selected_band}, seed);
-  pass.run(plan.samples_per_replicate, kStoredStage,
-           request.thumbnail_px > 0 ? Pass::Kind::kStoredWithPictures : Pass::Kind::kStored, paths);
+  pass.run(plan.samples_per_replicate, kStoredStage, Pass::Kind::kStored, pictures, paths);
 
   ViewResult out;
   out.samples = pass.counts().samples;
@@ -337,7 +342,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
                              gas->empty() || !(*gas)[row] ? nullptr : &*(*gas)[row]));
   for (const std::optional<GasRow>& of_row : *gas)
     if (of_row) out.rays = std::max(out.rays, pass.counts().rays + plan.pilot_rays + of_row->rays);
-  add_pictures(pass, request, out);
+  add_pictures(pass, pictures, *gas, request, out);
   return out;
 }
 

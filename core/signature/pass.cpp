@@ -25,7 +25,6 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
     : scene_(scene),
       accuracy_(request.accuracy),
       allowed_reflections_(request.max_reflections),
-      thumbnail_px_(request.thumbnail_px),
       plan_(plan),
       view_(std::move(view)),
       rows_(std::move(rows)),
@@ -99,14 +98,12 @@ PathSettings path_settings(const AccuracySpec& accuracy, const EffectSet& effect
   return settings;
 }
 
-void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind,
+void Pass::run(std::uint64_t samples, std::uint64_t stage, Kind kind, const PictureFrame& pictures,
                std::vector<PathWeights>* kept) {
   const PathTracer tracer(scene_.target, scene_.carried_material(), *view_->aimed,
                           sources_.geometry(), settings(samples, stage));
-  image_plan_ = kind == Kind::kStoredWithPictures ? plan_images(tracer.layout()) : ImagePlan{};
-  image_.assign(
-      static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px * image_plan_.padded,
-      0.0);
+  image_plan_ = plan_images(pictures, tracer.layout());
+  image_.assign(image_plan_.size(), 0.0);
   counts_ = {};
   samples_ = samples;
   std::vector<PathWeights> weights = tracer.trace(image_plan_, image_, counts_);
@@ -455,57 +452,11 @@ double Pass::error_wanted(std::size_t row) const {
   return irsig::stderr_wanted(goal_w_sr(row), source.bias_bound() - source.of(BoundOf::kUnseen));
 }
 
-// Paths end on emitters, which are made up of lights.
-ImagePlan Pass::plan_images(const SourceLayout& paths) const {
-  const ViewFrame& frame = this->frame();
-  ImagePlan plan;
-  const double longest = std::max(frame.width_m, frame.height_m);
-  const auto side = [&](double s) {
-    return std::max<std::uint32_t>(
-        1, static_cast<std::uint32_t>(std::lround(s / longest * thumbnail_px_)));
-  };
-  plan.width_px = side(frame.width_m);
-  plan.height_px = side(frame.height_m);
-  plan.images = static_cast<std::uint32_t>(rows());
-  plan.padded = (plan.images + 7) / 8 * 8;
-  const bool spectral = scene_.path_basis() != nullptr;
-  const std::size_t nodes = scene_.carried_material().front().nodes();
-  const SourceRange all = paths.all();
-  plan.source.assign(all.size() * (spectral ? plan.images * nodes : plan.padded), 0.0f);
-  for (std::uint32_t k = 0; k < plan.images; ++k) {
-    const SourceTable& table = in_band_[k];
-    const ConditionSources& light = this->light(k);
-    const SourceLayout& lights = light.layout();
-    std::vector<double> row(table.columns);
-    const auto put = [&](SourceId id) {
-      if (spectral)
-        std::copy(row.begin(), row.end(),
-                  plan.source.begin() +
-                      static_cast<std::ptrdiff_t>((index_of(id) * plan.images + k) * nodes +
-                                                  table.first_column));
-      else
-        plan.source[index_of(id) * plan.padded + k] = static_cast<float>(row[0]);
-    };
-    const auto put_emitter = [&](std::uint32_t emitter, SourceId id, SourceId first_light) {
-      const ConditionSources::EmitterShare share = light.share_of(emitter);
-      std::fill(row.begin(), row.end(), 0.0);
-      for (std::uint32_t n = 0; n < share.count; ++n)
-        for (std::size_t c = 0; c < row.size(); ++c)
-          row[c] +=
-              share.weight[n] * table.row(SourceId{index_of(first_light) + share.first + n})[c];
-      put(id);
-    };
-    for (std::uint32_t e = 0; e < paths.emitters(); ++e) {
-      put_emitter(e, paths.seen(e), lights.seen(0));
-      put_emitter(e, paths.reflected(e), lights.reflected(0));
-    }
-    const std::uint32_t beyond = paths.all_emitted().last;
-    for (const SourceId id : SourceRange{beyond, paths.count()}) {
-      const SourceId of_light{index_of(id) - beyond + lights.all_emitted().last};
-      std::copy_n(table.row(of_light), table.columns, row.begin());
-      put(id);
-    }
-  }
+ImagePlan Pass::plan_images(const PictureFrame& pictures, const SourceLayout& paths) const {
+  ImagePlan plan =
+      blank_pictures(pictures, view_->aimed->frame, rows(), 1, paths, scene_.path_basis());
+  for (std::uint32_t k = 0; k < plan.images; ++k)
+    show_sources(in_band_[k], light(k), paths, scene_.path_basis(), k, 0, plan);
   return plan;
 }
 

@@ -14,6 +14,7 @@
 #include "core/signature/result.h"
 #include "core/signature/shading.h"
 #include "core/signature/unseen.h"
+#include "core/signature/view_pictures.h"
 #include "core/sources/view_sources.h"
 #include "core/transport/path_tracer.h"
 
@@ -46,9 +47,9 @@ class Pass {
   enum class Replicated : std::uint8_t { kSource, kApparent, kContrast };
 
   // Traces all replicates afresh. A pilot knows in-band numbers only.
-  enum class Kind { kPilot, kStored, kStoredWithPictures };
+  enum class Kind { kPilot, kStored };
   // kept: gets the paths' weights, if it is not null.
-  void run(std::uint64_t samples, std::uint64_t stage, Kind kind,
+  void run(std::uint64_t samples, std::uint64_t stage, Kind kind, const PictureFrame& pictures = {},
            std::vector<PathWeights>* kept = nullptr);
   // A pilot of one stratum alone: of what is seen in it.
   void run_stratum(std::uint32_t stratum, std::uint64_t samples, std::uint64_t stage);
@@ -68,7 +69,6 @@ class Pass {
     return sources_.wanted(row / rows_.band.size());
   }
   [[nodiscard]] const std::vector<double>& image() const { return image_; }
-  [[nodiscard]] const ViewFrame& frame() const { return view_->aimed->frame; }
   [[nodiscard]] const std::shared_ptr<const AimedView>& aimed() const { return view_->aimed; }
   [[nodiscard]] const ImagePlan& image_plan() const { return image_plan_; }
 
@@ -171,11 +171,12 @@ class Pass {
   [[nodiscard]] InBandLight::Radiance find_glitter_w_m2_sr(std::size_t row,
                                                            const LitSun& sun) const;
   [[nodiscard]] double find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const;
-  [[nodiscard]] ImagePlan plan_images(const SourceLayout& paths) const;
+  [[nodiscard]] ImagePlan plan_images(const PictureFrame& pictures,
+                                      const SourceLayout& paths) const;
 
   const PreparedScene& scene_;
   AccuracySpec accuracy_;
-  std::uint32_t allowed_reflections_, thumbnail_px_;
+  std::uint32_t allowed_reflections_;
   ViewPlan plan_;
   std::shared_ptr<const PreparedView> view_;
   Rows rows_;

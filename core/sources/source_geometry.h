@@ -49,26 +49,21 @@ using Boundary = std::variant<NoBoundary, Sea, Ground>;
 
 // Hot gas as rays of a view meet it. A ray is traced once and shaded under any condition:
 // what it meets is kept in measures, which are added up over rays, and what the gas takes of the
-// light behind it in classes of gas that are alike.
+// light behind it as shares of what a few classes of gas take.
 class GasOnRays {
  public:
   virtual ~GasOnRays() = default;
   [[nodiscard]] virtual std::uint32_t measures() const = 0;
   [[nodiscard]] virtual std::uint32_t classes() const = 0;
 
-  // What a ray's gas takes of the light behind it is `factor` times what that of class `like`
-  // takes. at_m: where on the ray the gas is.
-  struct Crossing {
-    std::uint32_t like = 0;
-    double factor = 0, at_m = 0;
-    double seen = 0;  // how much the gas shows, in any unit: what means over rays are weighted with
-  };
-  // Of a ray that ends at end_m; nullopt: it meets no gas.
+  // Of a ray that ends at end_m: where on it the gas is [m]; nullopt: it meets none.
   //   from, direction  relative to the target's centre; a unit vector
   //   measure          [measures()]
-  [[nodiscard]] virtual std::optional<Crossing> cross(Vec<Body> from, Vec<Body> direction,
-                                                      double end_m,
-                                                      std::span<double> measure) const = 0;
+  //   share            [classes()] What the ray's gas takes of the light behind it is what the
+  //                    classes take times these, of either sign.
+  [[nodiscard]] virtual std::optional<double> cross(Vec<Body> from, Vec<Body> direction,
+                                                    double end_m, std::span<double> measure,
+                                                    std::span<float> share) const = 0;
 };
 
 // What rays cross before they meet anything. Clear air around the target takes nothing from

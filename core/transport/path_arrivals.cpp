@@ -123,7 +123,7 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
   PathState& s = ray.state;
   const Float3 d = ray.direction;
   if (order == 0 && gas_ != nullptr) {
-    s.first += gas_->classes();
+    s.first |= 1;
     if (sources_.behind)
       add_behind(work, s, {d.x * s.inverse_length, d.y * s.inverse_length, d.z * s.inverse_length});
     return;
@@ -153,7 +153,7 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
 // The first facet of a path: what it is counted under, and what stands behind it.
 IRSIG_STAGE void PathTracer::begin_path(Work& work, const Ray& ray, const Hit& hit) const {
   PathState& s = ray.state;
-  if (gas_ == nullptr) s.first = hit.part + (gas_around_ != nullptr ? gas_around_->classes() : 0);
+  if (gas_ == nullptr) s.first = hit.part;
   ++work.counts->target_paths;
   work.area[s.replicate] += static_cast<double>(s.weight);
   if (!sources_.behind) return;
@@ -308,12 +308,14 @@ void PathTracer::trace_glint(Work& work, std::uint32_t order) const {
 void PathTracer::add_behind(Work& work, const PathState& path, Float3 direction) const {
   BehindNodes::Share share[2];
   const int count = sources_.behind->shares(direction.z, share);
-  for (int k = 0; k < count; ++k) {
-    double* out =
-        work.weight[path.replicate * work.orders].row(path.first, layout_.behind(share[k].node));
-    const auto weight = static_cast<double>(path.weight * share[k].weight);
-    for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
-  }
+  for_each_first(work, path, [&](std::uint32_t first, float part) {
+    for (int k = 0; k < count; ++k) {
+      double* out =
+          work.weight[path.replicate * work.orders].row(first, layout_.behind(share[k].node));
+      const auto weight = static_cast<double>(part * path.weight * share[k].weight);
+      for (std::size_t i = 0; i < nodes_; ++i) out[i] += weight;
+    }
+  });
 }
 
 // The segment to the sensor against the sphere of the Earth, from the point's height above the

@@ -305,15 +305,11 @@ void PathTracer::draw_directions(Work& work, std::uint32_t order) const {
 PathState PathTracer::behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
                                         double end) const {
   PathState s = batch.state[i];
-  if (gas_around_ == nullptr || s.first < gas_around_->classes()) return s;
+  if (gas_around_ == nullptr || s.first >= parts_) return s;
   const RayPacket& packet = batch.packet_of(i);
   const std::uint32_t lane = RayBatch::lane_of(i);
-  const auto crossing =
-      find_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
-                      {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end);
-  if (!crossing) return s;
-  s.first = crossing->like;
-  s.weight *= static_cast<float>(crossing->factor);
+  (void)meets_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+                         {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end, s);
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/ordered_dot.h"
 #include "core/transport/path_work.h"
 
 namespace irsig {
@@ -130,6 +131,7 @@ std::vector<PathWeights> PathTracer::trace(const ImagePlan& plan, std::vector<do
       work.gas.assign(settings_.replicates * out.front().gas_m2.size(), 0.0);
       work.gas_nodes.assign(settings_.replicates * out.front().gas_nodes_m2.size(), 0.0);
       work.gas_seen.assign(settings_.replicates * out.front().gas_seen_m2.size(), 0.0);
+      work.gas_share.resize(static_cast<std::size_t>(work.capacity) * gas->classes());
     }
     if (spectral_)
       trace_stratum<true>(work, s);
@@ -259,9 +261,10 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
   if (density != nullptr)
     for (std::uint32_t i = 0; i < list.size; ++i) work.ray_weight[i] *= work.density_factor[i];
   const ImagePlan& plan = *work.plan;
-  const auto pixels_x = static_cast<float>(plan.width_px / view_.frame.width_m),
-             pixels_y = static_cast<float>(plan.height_px / view_.frame.height_m);
-  const auto x0 = static_cast<float>(view_.frame.x0_m), y0 = static_cast<float>(view_.frame.y0_m);
+  const auto pixels_x = static_cast<float>(plan.width_px / plan.rectangle.width_m),
+             pixels_y = static_cast<float>(plan.height_px / plan.rectangle.height_m);
+  const auto x0 = static_cast<float>(plan.rectangle.x0_m),
+             y0 = static_cast<float>(plan.rectangle.y0_m);
   const bool pictures = !plan.empty();
   for (std::uint32_t i = 0; i < list.size; ++i) {
     std::uint32_t pixel = 0;
@@ -273,6 +276,11 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
           std::min(static_cast<std::uint32_t>(std::max((work.y_m[i] - y0) * pixels_y, 0.0f)),
                    plan.height_px - 1);
       pixel = (plan.height_px - 1 - py) * plan.width_px + px;
+      // All of the target is in the picture; gas may reach beyond.
+      const float x = (work.x_m[i] - x0) * pixels_x, y = (work.y_m[i] - y0) * pixels_y;
+      if (gas_ != nullptr && !(x >= 0 && x < static_cast<float>(plan.width_px) && y >= 0 &&
+                               y < static_cast<float>(plan.height_px)))
+        pixel = plan.width_px * plan.height_px;
     }
     work.batch.state[i] = {work.replicate_of_list[i], list.index[i], pixel, 0,
                            work.ray_weight[i],        1.0f,          1.0f,  work.inverse_length[i]};
@@ -283,7 +291,7 @@ void PathTracer::aim_batch(Work& work, const CoverageMask& mask) const {
 // Counts the gas on primary rays that have met what they meet; those without any end here.
 void PathTracer::cross_gas(Work& work) const {
   RayBatch& batch = work.batch;
-  const std::size_t measures = gas_->measures();
+  const std::size_t measures = gas_->measures(), classes = gas_->classes();
   std::uint32_t kept = 0;
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     const RayPacket& packet = batch.packet_of(i);
@@ -300,78 +308,91 @@ void PathTracer::cross_gas(Work& work) const {
                        : static_cast<double>(packet.tfar[lane]) / inverse_length;
     if (plane_ && direction.z > 0)
       end_m = std::min(end_m, std::max(0.0, (plane_->z_m - from.z) / direction.z));
-    const auto crossing = gas_->cross(from, direction, end_m, work.gas_measure);
-    if (!crossing) continue;
-    const auto along = static_cast<float>(crossing->at_m * inverse_length);
+    const std::span<float> share{work.gas_share.data() + kept * classes, classes};
+    const auto at_m = gas_->cross(from, direction, end_m, work.gas_measure, share);
+    if (!at_m) continue;
+    const auto along = static_cast<float>(*at_m * inverse_length);
     if (plane_ && plane_->earth_radius_m > 0 && view_.frame.sensor.z > plane_->z_m &&
         hidden_by_sea({org.x + along * d.x, org.y + along * d.y, org.z + along * d.z}, d,
                       s.inverse_length))
       continue;
+    const auto weight = static_cast<double>(s.weight);
     double* sum = work.gas.data() + s.replicate * measures;
-    for (std::size_t m = 0; m < measures; ++m)
-      sum[m] += static_cast<double>(s.weight) * work.gas_measure[m];
-    s.first = crossing->like;
-    s.weight *= static_cast<float>(crossing->factor);
+    for (std::size_t m = 0; m < measures; ++m) sum[m] += weight * work.gas_measure[m];
+    if (const ImagePlan& plan = *work.plan; !plan.empty()) {
+      double* image = work.image + static_cast<std::size_t>(s.pixel) * plan.padded;
+      for (std::uint32_t k = 0; k < plan.images; ++k)
+        image[k] += static_cast<double>(work.area_per_sample) * weight *
+                    ordered_dot(plan.gas.data() + k * measures, work.gas_measure.data(), measures);
+    }
+    s.first = 2 * kept;
     batch.move(i, kept++);
   }
   batch.size = kept;
 }
 
-// The gas that a ray crosses on its way to `end`, in units of its direction; nothing lies beyond
-// sea or ground.
-std::optional<GasOnRays::Crossing> PathTracer::find_gas_around(Work& work, Float3 from,
-                                                               Float3 direction, double end) const {
+// The gas that a ray of a path crosses on its way to `end`, in units of its direction; nothing lies
+// beyond sea or ground. Its shares are kept, and the path behind it is counted by them.
+bool PathTracer::meets_gas_around(Work& work, Float3 from, Float3 direction, double end,
+                                  PathState& path) const {
   const Vec<Body> d{direction.x, direction.y, direction.z};
   const double per_unit_m = length(d), z = from.z;
   double end_m = end * per_unit_m;
   if (plane_ && d.z > 0)
     end_m = std::min(end_m, std::max(0.0, (plane_->z_m - z) * per_unit_m / d.z));
-  return gas_around_->cross({from.x, from.y, z}, normalized(d), end_m, work.gas_measure);
+  const std::size_t classes = gas_around_->classes();
+  const std::size_t entry = work.gas_shares++;
+  work.gas_share.resize(std::max(work.gas_share.size(), work.gas_shares * classes));
+  if (!gas_around_->cross({from.x, from.y, z}, normalized(d), end_m, work.gas_measure,
+                          {work.gas_share.data() + entry * classes, classes})) {
+    --work.gas_shares;
+    return false;
+  }
+  path.first = parts_ + static_cast<std::uint32_t>(entry);
+  return true;
 }
 
-// Counts the gas on reflected rays that have met what they meet; what they bring from behind it is
-// counted under its class from here on.
+// Counts the gas on reflected rays that have met what they meet.
 template <bool kSpectral>
 void PathTracer::cross_gas_around(Work& work) const {
   RayBatch& batch = work.batch;
   const std::size_t measures = gas_around_->measures();
   for (std::uint32_t i = 0; i < batch.size; ++i) {
     PathState& s = batch.state[i];
-    if (s.first < gas_around_->classes()) continue;
+    if (s.first >= parts_) continue;
     const RayPacket& packet = batch.packet_of(i);
     const std::uint32_t lane = RayBatch::lane_of(i);
     const double end = packet.triangle[lane] == RayPacket::kMiss
                            ? std::numeric_limits<double>::infinity()
                            : static_cast<double>(packet.tfar[lane]);
-    const auto crossing =
-        find_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
-                        {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end);
-    if (!crossing) continue;
-    const std::size_t entry =
-        static_cast<std::size_t>(s.replicate) * parts_ + (s.first - gas_around_->classes());
+    const std::size_t entry = static_cast<std::size_t>(s.replicate) * parts_ + s.first;
+    if (!meets_gas_around(work, {packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+                          {packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]}, end, s))
+      continue;
     const auto weight = static_cast<double>(s.weight);
+    double seen = 0;
+    for (std::size_t m = 0; m < measures; ++m) seen += work.gas_measure[m];
     double mean = weight;
     if constexpr (kSpectral) {
       const float* spectrum = batch.spectrum.data() + static_cast<std::size_t>(i) * nodes_;
       double sum = 0;
       for (std::size_t k = 0; k < nodes_; ++k) {
         const double carried = weight * static_cast<double>(spectrum[k]);
-        work.gas_nodes[entry * nodes_ + k] += crossing->seen * carried;
+        work.gas_nodes[entry * nodes_ + k] += seen * carried;
         sum += carried;
       }
       mean = sum / static_cast<double>(nodes_);
     }
-    work.gas_seen[entry] += crossing->seen * mean;
+    work.gas_seen[entry] += seen * mean;
     double* sum = work.gas.data() + entry * measures;
     for (std::size_t m = 0; m < measures; ++m) sum[m] += mean * work.gas_measure[m];
-    s.first = crossing->like;
-    s.weight *= static_cast<float>(crossing->factor);
   }
 }
 
 // Follows the primary rays of work.batch to their ends and leaves it empty.
 template <bool kSpectral>
 void PathTracer::trace_batch(Work& work) const {
+  work.gas_shares = 0;
   work.counts->samples += work.batch.size;
   for (std::uint32_t order = 0; order <= settings_.max_reflections && work.batch.size > 0;
        ++order) {

@@ -32,14 +32,22 @@ inline constexpr float kFaintHot = 0.03f;
 inline constexpr float kNarrowRadii = 2.0f;
 
 // What the paths are accumulated into pictures with: `images` in-band pictures of width x height
-// pixels over the view's bounding rectangle. source[id * padded + i] is what a unit weight of a
-// source adds to picture i: an in-band radiance for grey materials. With spectral materials it is
-// source[(id * images + i) * nodes + node]: a weight at each node.
+// pixels over a rectangle of the view's image plane. source[id * padded + i] is what a unit weight
+// of a source adds to picture i: an in-band radiance for grey materials. With spectral materials it
+// is source[(id * images + i) * nodes + node]: a weight at each node. Behind hot gas this stands
+// for each class of it, one after another, and gas[i * measures + m] is what a unit of a measure
+// adds: an in-band radiance.
 struct ImagePlan {
   std::uint32_t width_px = 0, height_px = 0;
   std::uint32_t images = 0, padded = 0;  // padded: images rounded up to a multiple of 8
+  PlaneRectangle rectangle;
   std::vector<float> source;
+  std::vector<double> gas;
   bool empty() const { return images == 0 || width_px == 0; }
+  // Numbers of all pictures, [pixel][padded]: one pixel more than they have, for gas beyond them.
+  [[nodiscard]] std::size_t size() const {
+    return empty() ? 0 : (static_cast<std::size_t>(width_px) * height_px + 1) * padded;
+  }
 };
 
 struct PathSettings {
@@ -91,9 +99,8 @@ struct PathWeights {
   // first "parts" are, by the class of the gas, what is behind it of the target (0 .. classes - 1)
   // and beyond (classes .. 2 classes - 1).
   // Gas around the target (HotGasAround): the sums of the measures of gas that is reflected by each
-  // part seen first, [part][measure], and first "parts" are, by its class, light that came through
-  // it (0 .. classes - 1), and all other paths by their parts (behind these). What a path meets
-  // beyond the first gas emits nothing.
+  // part seen first, [part][measure], and first "parts" are its classes, of light that came through
+  // it; other paths count nowhere. What a path meets beyond the first gas emits nothing.
   std::vector<double> gas_m2;
   // Gas around the target: what `weight` is of one number for a path, this is of what it carries at
   // each node; both weighted with how much the gas shows. [part][node]; [part]
@@ -154,14 +161,13 @@ class PathTracer {
   // gas see PathWeights::gas_m2.
   [[nodiscard]] std::uint32_t firsts() const {
     if (gas_ != nullptr) return 2 * gas_->classes();
-    return parts_ + (gas_around_ != nullptr ? gas_around_->classes() : 0) +
-           (settings_.background ? 1 : 0);
+    if (gas_around_ != nullptr) return gas_around_->classes();
+    return parts_ + (settings_.background ? 1 : 0);
   }
 
   // Traces all replicates, side by side: rays of different replicates that are aimed at the same
-  // small piece of the image share a packet. image (if the plan is not empty) has width x height x
-  // padded doubles, to which radiance x solid angle x range^2 [W/sr], summed over replicates, is
-  // added.
+  // small piece of the image share a packet. image has plan.size() doubles, to which radiance x
+  // solid angle x range^2 [W/sr], summed over replicates, is added.
   std::vector<PathWeights> trace(const ImagePlan& plan, std::vector<double>& image,
                                  PathCounts& counts) const;
 
@@ -175,9 +181,8 @@ class PathTracer {
   void cross_gas(Work& work) const;
   template <bool kSpectral>
   void cross_gas_around(Work& work) const;
-  [[nodiscard]] std::optional<GasOnRays::Crossing> find_gas_around(Work& work, Float3 from,
-                                                                   Float3 direction,
-                                                                   double end) const;
+  [[nodiscard]] bool meets_gas_around(Work& work, Float3 from, Float3 direction, double end,
+                                      PathState& path) const;
   [[nodiscard]] PathState behind_gas_around(Work& work, RayBatch& batch, std::uint32_t i,
                                             double end) const;
   // Where the rays of work.batch end: its stages, in their order.
@@ -212,9 +217,14 @@ class PathTracer {
                 const float* spectrum) const;
   template <bool kSpectral>
   void trace_glint(Work& work, std::uint32_t order) const;
+  template <typename Visit>
+  void for_each_first(const Work& work, const PathState& path, Visit&& visit) const;
   template <bool kSpectral>
   void add(Work& work, const PathState& path, std::uint32_t order, SourceId source, float weight,
            const float* spectrum) const;
+  template <bool kSpectral>
+  void add_to(Work& work, const PathState& path, std::uint32_t first, std::uint32_t order,
+              SourceId source, float weight, const float* spectrum) const;
   template <bool kSpectral>
   void trace_shadows(Work& work, std::uint32_t order) const;
 

@@ -111,7 +111,11 @@ struct PathTracer::Work {
   std::vector<double> gas;                  // [replicate][..]: PathWeights::gas_m2
   std::vector<double> gas_nodes, gas_seen;  // [replicate][..]: of the same names
   std::vector<double> gas_measure;          // [measure]
-  float area_per_sample = 0;  // m2 on the image plane: the inverse of the stratum's sample density
+  // What gas takes of the light behind it: [primary ray of the batch][class]; of gas around the
+  // target [ray that has met some][class].
+  std::vector<float> gas_share;
+  std::size_t gas_shares = 0;  // of gas around the target: so many are kept
+  float area_per_sample = 0;   // m2 on the image plane: the inverse of the stratum's sample density
   std::vector<std::uint64_t> stratum_seed;  // [replicate]
   std::vector<SeedPair> seeds;              // [order < kSeedOrders][replicate][pair]
   std::vector<SeedPair> late_seeds;         // [replicate][pair], of one later order
@@ -138,23 +142,49 @@ struct PathTracer::Work {
   std::vector<std::uint32_t> chosen;
 };
 
+// visit(first part of the tables of weights, share of the path's weight)
+template <typename Visit>
+inline void PathTracer::for_each_first(const Work& work, const PathState& path,
+                                       Visit&& visit) const {
+  if (gas_ == nullptr && gas_around_ == nullptr) return visit(path.first, 1.0f);
+  // Around the target what has met no gas does not count.
+  if (gas_ == nullptr && path.first < parts_) return;
+  const std::uint32_t classes = (gas_ != nullptr ? gas_ : gas_around_)->classes();
+  const std::uint32_t ray = gas_ != nullptr ? path.first >> 1 : path.first - parts_,
+                      beyond = gas_ != nullptr ? (path.first & 1) * classes : 0;
+  const float* share = work.gas_share.data() + static_cast<std::size_t>(ray) * classes;
+  for (std::uint32_t k = 0; k < classes; ++k)
+    if (share[k] != 0) visit(beyond + k, share[k]);
+}
+
 template <bool kSpectral>
 inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t order, SourceId source,
                             float weight, const float* spectrum) const {
+  for_each_first(work, path, [&](std::uint32_t first, float share) {
+    add_to<kSpectral>(work, path, first, order, source, share * weight, spectrum);
+  });
+}
+
+template <bool kSpectral>
+inline void PathTracer::add_to(Work& work, const PathState& path, std::uint32_t first,
+                               std::uint32_t order, SourceId source, float weight,
+                               const float* spectrum) const {
   const ImagePlan& plan = *work.plan;
   double* out = work.weight[path.replicate * work.orders + (settings_.by_order ? order : 0)].row(
-      path.first, source);
+      first, source);
   const bool is_last = order == settings_.max_reflections && !work.last.empty();
   double* image =
       plan.empty() ? nullptr : work.image + static_cast<std::size_t>(path.pixel) * plan.padded;
+  const std::size_t place =
+      index_of(source) + (gas_ != nullptr ? static_cast<std::size_t>(first) * layout_.count() : 0);
   if constexpr (kSpectral) {
     for (std::size_t i = 0; i < nodes_; ++i) out[i] += static_cast<double>(weight * spectrum[i]);
     if (is_last) {
-      double* last = work.last[path.replicate].row(path.first, source);
+      double* last = work.last[path.replicate].row(first, source);
       for (std::size_t i = 0; i < nodes_; ++i) last[i] += static_cast<double>(weight * spectrum[i]);
     }
     if (image == nullptr) return;
-    const float* shown = plan.source.data() + index_of(source) * plan.images * nodes_;
+    const float* shown = plan.source.data() + place * plan.images * nodes_;
     for (std::uint32_t k = 0; k < plan.images; ++k, shown += nodes_) {
       float sum = 0;
       for (std::size_t i = 0; i < nodes_; ++i) sum += spectrum[i] * shown[i];
@@ -162,9 +192,9 @@ inline void PathTracer::add(Work& work, const PathState& path, std::uint32_t ord
     }
   } else {
     *out += static_cast<double>(weight);
-    if (is_last) *work.last[path.replicate].row(path.first, source) += static_cast<double>(weight);
+    if (is_last) *work.last[path.replicate].row(first, source) += static_cast<double>(weight);
     if (image == nullptr) return;
-    const float* shown = plan.source.data() + index_of(source) * plan.padded;
+    const float* shown = plan.source.data() + place * plan.padded;
     const float w = work.area_per_sample * weight;
     for (std::uint32_t k = 0; k < plan.padded; ++k) image[k] += static_cast<double>(w * shown[k]);
   }

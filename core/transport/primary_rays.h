@@ -16,14 +16,17 @@
 
 namespace irsig {
 
+// On a view's image plane; to the right and up from where its axis meets it.
+struct PlaneRectangle {
+  double x0_m = 0, y0_m = 0, width_m = 0, height_m = 0;
+};
+
 // The sensor's view of a target: a pinhole at the viewpoint, an image plane through the target's
 // bounding sphere, and where on that plane a stratum of the target can be seen at all.
-struct ViewFrame {
-  Vec<Body> sensor;              // relative to the target's centre
-  Vec<Body> forward, right, up;  // unit vectors; up is the direction of growing elevation
-  double plane_m = 0;            // distance from the sensor to the image plane
-  double x0_m = 0, y0_m = 0, width_m = 0,
-         height_m = 0;  // the target's bounding rectangle on that plane
+struct ViewFrame : PlaneRectangle {  // the target's bounding rectangle
+  Vec<Body> sensor;                  // relative to the target's centre
+  Vec<Body> forward, right, up;      // unit vectors; up is the direction of growing elevation
+  double plane_m = 0;                // distance from the sensor to the image plane
 };
 
 // Where primary rays of one stratum are aimed: uniformly over those cells of the bounding rectangle

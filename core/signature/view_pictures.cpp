@@ -1,0 +1,168 @@
+#include "core/signature/view_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "core/plume/plume_field.h"
+
+namespace irsig {
+namespace {
+
+constexpr double kShown = 0.99, kMostGrowth = 8;
+
+struct Span {
+  double low = 1e300, high = -1e300;
+  void add(const Span& s) {
+    low = std::min(low, s.low);
+    high = std::max(high, s.high);
+  }
+  [[nodiscard]] double length() const { return high - low; }
+};
+
+// Of what lies along one axis: the part between equal tails that holds `kept` of all.
+Span without_tails(const std::vector<Span>& place, const std::vector<double>& weight, double kept) {
+  constexpr std::size_t kBins = 4096;
+  Span all;
+  for (const Span& s : place) all.add(s);
+  if (!(all.length() > 0)) return all;
+  std::vector<double> ends_here(kBins, 0.0), begins_here(kBins, 0.0);
+  double sum = 0;
+  const auto bin = [&](double x) {
+    return std::min(static_cast<std::size_t>((x - all.low) / all.length() * kBins), kBins - 1);
+  };
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    begins_here[bin(place[i].low)] += weight[i];
+    ends_here[bin(place[i].high)] += weight[i];
+    sum += weight[i];
+  }
+  // Places that begin below the part or end above it are less than a tail.
+  const double tail = 0.5 * (1 - kept) * sum;
+  std::size_t first = 0, last = kBins;
+  for (double below = begins_here[0]; first + 1 < kBins && below <= tail;)
+    below += begins_here[++first];
+  for (double above = ends_here[kBins - 1]; last > first + 1 && above <= tail;)
+    above += ends_here[--last - 1];
+  const double width = all.length() / kBins;
+  return {all.low + width * static_cast<double>(first),
+          all.low + width * static_cast<double>(last)};
+}
+
+// Of one field on the image plane: across and up.
+std::array<Span, 2> shown_part(const PlumeField& field, const Target& target,
+                               const ViewFrame& frame) {
+  std::array<std::vector<Span>, 2> place;
+  std::array<std::vector<double>, 2> weight;  // [wavelength]
+  for (const PlumePoint& point : field.points()) {
+    const Vec<Body> q = point.at - target.centre - frame.sensor;
+    const double depth_m = dot(q, frame.forward);
+    if (!(depth_m > 0)) continue;  // gas at the sensor is refused elsewhere
+    const double scale = frame.plane_m / depth_m, reach = scale * point.reach_m;
+    const double at[] = {scale * dot(q, frame.right), scale * dot(q, frame.up)};
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      place[axis].push_back({at[axis] - reach, at[axis] + reach});
+    for (std::size_t l = 0; l < 2; ++l) weight[l].push_back(static_cast<double>(point.thin_w[l]));
+  }
+  std::array<Span, 2> out;
+  if (place[0].empty()) return out;
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    for (std::size_t l = 0; l < 2; ++l)
+      out[axis].add(without_tails(place[axis], weight[l], 1 - 0.5 * (1 - kShown)));
+  return out;
+}
+
+}  // namespace
+
+PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
+                           const ViewRequest& request) {
+  PictureFrame out;
+  if (request.thumbnail_px == 0) return out;
+  out.rectangle = frame;
+  out.plane_m = frame.plane_m;
+  std::set<const PlumeField*> fields;
+  for (const ConditionSpec& condition : request.condition)
+    if (condition.gas != nullptr) fields.insert(condition.gas.get());
+  if (!fields.empty()) {
+    const double beyond = 0.5 * (kMostGrowth - 1) * std::max(frame.width_m, frame.height_m);
+    std::array<Span, 2> all = {Span{frame.x0_m, frame.x0_m + frame.width_m},
+                               Span{frame.y0_m, frame.y0_m + frame.height_m}};
+    const std::array<Span, 2> own = all;
+    for (const PlumeField* field : fields) {
+      std::array<Span, 2> part = shown_part(*field, target, frame);
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        part[axis].low = std::max(part[axis].low, own[axis].low - beyond);
+        part[axis].high = std::min(part[axis].high, own[axis].high + beyond);
+      }
+      if (!(part[0].length() > 0 && part[1].length() > 0)) continue;  // too far away
+      for (std::size_t axis = 0; axis < 2; ++axis) all[axis].add(part[axis]);
+    }
+    out.rectangle = {all[0].low, all[1].low, all[0].length(), all[1].length()};
+  }
+  const double longest = std::max(out.rectangle.width_m, out.rectangle.height_m);
+  const auto side = [&](double s) {
+    return std::max<std::uint32_t>(
+        1, static_cast<std::uint32_t>(std::lround(s / longest * request.thumbnail_px)));
+  };
+  out.width_px = side(out.rectangle.width_m);
+  out.height_px = side(out.rectangle.height_m);
+  return out;
+}
+
+ImagePlan blank_pictures(const PictureFrame& frame, const ViewFrame& view, std::size_t images,
+                         std::size_t firsts, const SourceLayout& paths,
+                         const SpectralBasis* basis) {
+  ImagePlan plan;
+  if (frame.width_px == 0) return plan;
+  plan.width_px = frame.width_px;
+  plan.height_px = frame.height_px;
+  plan.images = static_cast<std::uint32_t>(images);
+  plan.padded = (plan.images + 7) / 8 * 8;
+  plan.rectangle = frame.rectangle;
+  if (view.plane_m != frame.plane_m)
+    for (double* length : {&plan.rectangle.x0_m, &plan.rectangle.y0_m, &plan.rectangle.width_m,
+                           &plan.rectangle.height_m})
+      *length *= view.plane_m / frame.plane_m;
+  plan.source.assign(
+      firsts * paths.count() * (basis != nullptr ? plan.images * basis->columns() : plan.padded),
+      0.0f);
+  return plan;
+}
+
+void show_sources(const SourceTable& table, const ConditionSources& light,
+                  const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                  std::size_t first, ImagePlan& plan) {
+  const SourceLayout& lights = light.layout();
+  std::vector<double> row(table.columns);
+  const auto put = [&](SourceId id) {
+    const std::size_t place = first * paths.count() + index_of(id);
+    if (basis != nullptr)
+      std::copy(row.begin(), row.end(),
+                plan.source.begin() +
+                    static_cast<std::ptrdiff_t>((place * plan.images + image) * basis->columns() +
+                                                table.first_column));
+    else
+      plan.source[place * plan.padded + image] = static_cast<float>(row[0]);
+  };
+  const auto put_emitter = [&](std::uint32_t emitter, SourceId id, SourceId first_light) {
+    const ConditionSources::EmitterShare share = light.share_of(emitter);
+    std::fill(row.begin(), row.end(), 0.0);
+    for (std::uint32_t n = 0; n < share.count; ++n)
+      for (std::size_t c = 0; c < row.size(); ++c)
+        row[c] += share.weight[n] * table.row(SourceId{index_of(first_light) + share.first + n})[c];
+    put(id);
+  };
+  for (std::uint32_t e = 0; e < paths.emitters(); ++e) {
+    put_emitter(e, paths.seen(e), lights.seen(0));
+    put_emitter(e, paths.reflected(e), lights.reflected(0));
+  }
+  const std::uint32_t beyond = paths.all_emitted().last;
+  for (const SourceId id : SourceRange{beyond, paths.count()}) {
+    const SourceId of_light{index_of(id) - beyond + lights.all_emitted().last};
+    std::copy_n(table.row(of_light), table.columns, row.begin());
+    put(id);
+  }
+}
+
+}  // namespace irsig

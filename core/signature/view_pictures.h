@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/signature/request.h"
+#include "core/signature/shading.h"
+#include "core/sources/condition_sources.h"
+#include "core/sources/source_layout.h"
+#include "core/transport/path_tracer.h"
+
+namespace irsig {
+
+// Where a view's pictures are, the same for all of its rows.
+struct PictureFrame {
+  PlaneRectangle rectangle;                   // on the image plane of the target's view
+  double plane_m = 0;                         // how far that plane is from the sensor
+  std::uint32_t width_px = 0, height_px = 0;  // 0: there are none
+};
+
+// The long side has request.thumbnail_px pixels. Without hot gas the rectangle is the target's own.
+// Else it is the smallest one that holds that and, of each field of the request's conditions, 99 %
+// of what the voxels would send at 4.3 and at 10 um if they were thin, but no further from the
+// target's than makes its long side eight times as long: of a small target are left 16 of 128
+// pixels. It depends on no selection and on no random numbers.
+[[nodiscard]] PictureFrame picture_frame(const Target& target, const ViewFrame& frame,
+                                         const ViewRequest& request);
+
+// Pictures of that frame that show nothing yet, for rays that start on the plane of `view`.
+//   firsts  tables of sources: one, or one for each class of gas before them
+[[nodiscard]] ImagePlan blank_pictures(const PictureFrame& frame, const ViewFrame& view,
+                                       std::size_t images, std::size_t firsts,
+                                       const SourceLayout& paths, const SpectralBasis* basis);
+
+// Picture `image` shows the light of a condition as `table` has it, behind gas of class `first`.
+// Paths end on emitters, which are made up of lights.
+void show_sources(const SourceTable& table, const ConditionSources& light,
+                  const SourceLayout& paths, const SpectralBasis* basis, std::size_t image,
+                  std::size_t first, ImagePlan& plan);
+
+}  // namespace irsig
