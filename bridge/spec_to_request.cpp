@@ -248,6 +248,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   request.max_reflections = sweep.transport().max_reflections();
   request.seed = sweep.seed();
   request.thumbnail_px = sweep.output().thumbnail_px();
+  if (sweep.plume().has_area_optical_depth())  // older sweeps have none
+    request.plume_area_optical_depth = sweep.plume().area_optical_depth();
   return request;
 }
 

@@ -123,7 +123,10 @@ absl::StatusOr<SweepPlumes> plumes_from_sweep(const schema::ResolvedSweep& sweep
 
 std::size_t bytes_of(const SweepPlumes& plumes) {
   std::size_t sum = 0;
-  for (const auto& field : plumes) sum += field->bytes();
+  for (const auto& field : plumes) {
+    sum += field->bytes();
+    if (const auto& half = field->at_half_resolution(); half.ok()) sum += (*half)->bytes();
+  }
   return sum;
 }
 

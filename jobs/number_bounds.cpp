@@ -198,6 +198,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Plume.width_m", 1e-3, 1e5, kSize},
     {"Plume.height_m", 1e-3, 1e5, kSize},
     {"Plume.radius_m", 1e-3, 1e5, kSize},
+    {"Plume.area_optical_depth", 1e-6, 20, "hardly anything to all that numbers tell apart"},
     {"Plume.voxel_m", 1e-4, 1e4, "a share of the size of the gas"},
     {"Plume.unit_m", 1e-9, 1e6, "nanometres to thousands of kilometres"},
     {"GasQuantity.constant", -300, 1e7, "any of its units; what the gas's tables have is less"},

@@ -21,6 +21,8 @@ namespace irsig {
 namespace {
 
 constexpr const char* kPath = "plume.file";
+// A tenth of the light behind is taken: bands with a few strong lines never lose most of theirs.
+constexpr double kAreaOpticalDepth = 0.1;
 
 using Names = SectionCheck::Names;
 
@@ -242,8 +244,9 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
   if (check.has("position_m") && plume.position_m_size() != 3)
     check.error("position_m", absl::StrCat("has ", plume.position_m_size(),
                                            " numbers, expected three: forward, to starboard, up"));
-  check.only(joined(joined({"kind", "position_m"}, keys.needed), keys.optional),
-             absl::StrCat("to a plume of kind \"", plume.kind(), "\""));
+  check.only(
+      joined(joined({"kind", "position_m", "area_optical_depth"}, keys.needed), keys.optional),
+      absl::StrCat("to a plume of kind \"", plume.kind(), "\""));
   if (plume.kind() == "funnel") {
     check_funnel(sweep, check, findings);
   } else if (plume.kind() == "file") {
@@ -275,6 +278,7 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
 void write_plume_defaults(schema::Sweep& sweep) {
   if (!sweep.has_plume()) return;
   schema::Plume& plume = *sweep.mutable_plume();
+  if (!plume.has_area_optical_depth()) plume.set_area_optical_depth(kAreaOpticalDepth);
   if (plume.kind() == "funnel") {
     if (!plume.has_hydrogen_per_carbon()) plume.set_hydrogen_per_carbon(1.85);
     if (!plume.has_carbon_as_co()) plume.set_carbon_as_co(0);

@@ -101,7 +101,11 @@ namespace irsig {
   VALUE(plume_on_hull_w_sr, plume_on_hull_stderr_w_sr, "W/sr", 15,                             \
         "of plume_w_sr: hot gas that the target reflects, less what gas takes of its light")   \
   VALUE(apparent_plume_on_hull_w_sr, apparent_plume_on_hull_stderr_w_sr, "W/sr", 15,           \
-        "the same of apparent_plume_w_sr and contrast_plume_w_sr")
+        "the same of apparent_plume_w_sr and contrast_plume_w_sr")                             \
+  VALUE(plume_area_m2, plume_area_stderr_m2, "m2", 15,                                         \
+        "projected, where hot gas has plume.area_optical_depth in band")                       \
+  NUMBER(plume_voxel_error_w_sr, kModelError, "W/sr", 15,                                      \
+         "one sigma of hot gas between its voxels, part of model_error_w_sr")
 
 // Of rows whose sweep says how well its inputs are known; others have none.
 #define IRSIG_INPUT_QUANTITIES(NUMBER)                                                     \

@@ -32,8 +32,12 @@ std::optional<double> GasSurvey::cross(Vec<Body> from, Vec<Body> direction, doub
 
 GasOnView::GasOnView(std::shared_ptr<const PlumeField> field, Vec<Body> centre,
                      const ColumnTests& tests, const Absorbed& most,
-                     const std::vector<std::vector<double>>& classes)
-    : field_(std::move(field)), centre_(centre), steps_(view_steps()), tests_(tests) {
+                     const std::vector<std::vector<double>>& classes, ThickGas thick)
+    : field_(std::move(field)),
+      centre_(centre),
+      steps_(view_steps()),
+      tests_(tests),
+      thick_(std::move(thick)) {
   for (std::size_t g = 0; g < scale_.size(); ++g) scale_[g] = most[g] > 0 ? 1 / most[g] : 0;
   for (const std::vector<double>& one : classes) {
     Absorbed& absorbed = classes_.emplace_back(ColumnTests::absorbed(one));
@@ -88,6 +92,11 @@ std::optional<double> GasOnView::cross(Vec<Body> from, Vec<Body> direction, doub
   const GasColumn column = march(*field_, {centre_ + from, direction, 0, end_m}, steps_);
   if (column.empty()) return std::nullopt;
   tests_.test(column, measure.first(ColumnTests::kCount));
+  const double thick = -std::expm1(-thick_.optical_depth);
+  const auto absorbed = ColumnTests::absorbed(measure);
+  for (std::size_t b = 0; b < thick_.weight.size(); ++b)
+    measure[ColumnTests::kCount + b] =
+        ordered_dot(absorbed.data(), thick_.weight[b].data(), absorbed.size()) >= thick ? 1 : 0;
   const Shares shares = this->shares(measure);
   for (std::size_t k = 0; k < share.size(); ++k) share[k] = static_cast<float>(shares.of_class[k]);
   return 0.5 * (column.front().start_m + column.back().end_m);

@@ -32,17 +32,28 @@ class GasSurvey final : public GasOnRays {
   mutable std::vector<GasColumn> columns_;
 };
 
-// Hot gas as a view's rays measure it, by test gases; what it takes of the light behind it as a sum
-// of what a few columns take, its classes.
+// Where gas is thick: in a band its mean absorption is the sum of weight x what the test gases
+// absorb, and -ln(1 - that) is at least optical_depth.
+struct ThickGas {
+  double optical_depth = 0;
+  std::vector<std::array<double, ColumnTests::kGases>> weight;  // [band]
+};
+
+// Hot gas as a view's rays measure it, by test gases, and by whether it is thick; what it takes of
+// the light behind it as a sum of what a few columns take, its classes.
 class GasOnView final : public GasOnRays {
  public:
   using Absorbed = std::array<double, ColumnTests::kGases>;
   //   most     the largest that any column absorbs of each test gas
   //   classes  tests of those columns: none empty, at most kMostClasses
+  //   thick    measures behind those of the tests: of each band 1 where the gas is thick, else 0
   GasOnView(std::shared_ptr<const PlumeField> field, Vec<Body> centre, const ColumnTests& tests,
-            const Absorbed& most, const std::vector<std::vector<double>>& classes);
+            const Absorbed& most, const std::vector<std::vector<double>>& classes,
+            ThickGas thick = {});
   static constexpr std::size_t kMostClasses = 8;
-  [[nodiscard]] std::uint32_t measures() const override { return ColumnTests::kCount; }
+  [[nodiscard]] std::uint32_t measures() const override {
+    return static_cast<std::uint32_t>(ColumnTests::kCount + thick_.weight.size());
+  }
   [[nodiscard]] std::uint32_t classes() const override {
     return static_cast<std::uint32_t>(classes_.size());
   }
@@ -50,8 +61,8 @@ class GasOnView final : public GasOnRays {
                                             std::span<double> measure,
                                             std::span<float> share) const override;
   // Of a column, from its tests: the sum of classes that takes most nearly the same of all test
-  // gases, each relative to the largest, in least squares. unlike:
-  // the root of the mean square of what is left.
+  // gases, each relative to the largest, in least squares. unlike: the root of the mean square of
+  // what is left.
   struct Shares {
     std::array<double, kMostClasses> of_class{};
     double unlike = 0;
@@ -66,6 +77,7 @@ class GasOnView final : public GasOnRays {
   Absorbed scale_{};                // 1 / most
   std::vector<Absorbed> classes_;   // times scale_
   std::vector<Absorbed> share_of_;  // [class] Its share: the sum of this x what a column absorbs
+  ThickGas thick_;
 };
 
 }  // namespace irsig

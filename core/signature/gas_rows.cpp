@@ -107,6 +107,11 @@ class GasMeasurement {
       return status;
     samples_ = pilots_.second;
     const std::vector<double> sums = sum_of(pilot);
+    if (!on_hull_) {
+      gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, most_absorbed_,
+                                               class_tests_, thick());
+      if (auto status = find_voxel_errors(tests); !status.ok()) return status;
+    }
     keep(std::move(pilot));
     if (!on_hull_) image_plan_ = plan_images(sums);
     return true;
@@ -116,7 +121,7 @@ class GasMeasurement {
   void measure(const std::vector<double>& sent_w_sr) {
     samples_ = samples(sent_w_sr);
     image_.assign(image_plan_.size(), 0.0);
-    keep(run(gas_, samples_, 2, reflections(false), image_plan_, image_));
+    keep(run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_, image_));
   }
 
   [[nodiscard]] std::uint64_t rays() const { return counts_.rays; }
@@ -205,11 +210,12 @@ class GasMeasurement {
   std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
                                std::uint64_t stage, std::uint32_t reflections) {
     std::vector<double> none;
-    return run(std::move(gas), samples, stage, reflections, {}, none);
+    return run(std::move(gas), *aimed_, samples, stage, reflections, {}, none);
   }
-  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
-                               std::uint64_t stage, std::uint32_t reflections,
-                               const ImagePlan& images, std::vector<double>& image) {
+  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, const AimedView& view,
+                               std::uint64_t samples, std::uint64_t stage,
+                               std::uint32_t reflections, const ImagePlan& images,
+                               std::vector<double>& image) {
     SourceGeometry geometry = sources_.geometry();
     if (on_hull_)
       geometry.medium = HotGasAround{std::move(gas)};
@@ -224,7 +230,7 @@ class GasMeasurement {
       settings.persistence = 8;
       settings.split = kSplit;
     }
-    const PathTracer tracer(scene_.target, scene_.carried_material(), *aimed_, std::move(geometry),
+    const PathTracer tracer(scene_.target, scene_.carried_material(), view, std::move(geometry),
                             settings);
     return tracer.trace(images, image, counts_);
   }
@@ -355,14 +361,14 @@ class GasMeasurement {
   absl::Status choose_classes(const std::vector<GasColumn>& columns,
                               const std::vector<std::vector<double>>& tested,
                               const ColumnTests& tests) {
-    std::vector<std::vector<double>> classes;
+    std::vector<std::vector<double>>& classes = class_tests_;
     std::vector<GasColumn> of_class;
     std::size_t next = 0;
     const auto size = [&](std::size_t c) {
       const auto a = ColumnTests::absorbed(tested[c]);
       return ordered_dot(a.data(), a.data(), a.size());
     };
-    GasOnView::Absorbed most{};
+    GasOnView::Absorbed& most = most_absorbed_;
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (size(c) > size(next)) next = c;
       const auto absorbed = ColumnTests::absorbed(tested[c]);
@@ -440,6 +446,60 @@ class GasMeasurement {
                ordered_dot(w.gas_m2.data() + g * tests.size(), tests.data(), tests.size());
     }
     return out;
+  }
+
+  // Of every band of the scene: its mean absorption as weights of test gases, by nodes and classes.
+  [[nodiscard]] ThickGas thick() const {
+    ThickGas out{request_.plume_area_optical_depth, {}};
+    const std::vector<double> flat(scene_.axis.nodes(), 1.0);
+    for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+      const BandOnAxis band = scene_.axis.band(b);
+      std::vector<std::vector<double>> of_gas(ColumnTests::kGases);
+      std::vector<double> absorbed;
+      const auto add = [&](const ColumnLight& light, std::span<const double> tests) {
+        absorbed.push_back(in_band(light.absorbed, band) / in_band(flat, band));
+        const auto of_column = ColumnTests::absorbed(tests);
+        for (std::size_t g = 0; g < of_gas.size(); ++g) of_gas[g].push_back(of_column[g]);
+      };
+      for (const Nodes& nodes : nodes_)
+        for (std::size_t m = 0; m < nodes.column.size(); ++m) add(nodes.here[m], nodes.tests[m]);
+      for (std::size_t k = 0; k < class_here_.size(); ++k) add(class_here_[k], class_tests_[k]);
+      const std::vector<double> weight = column_weights(of_gas, absorbed, kTolerance, kNodes);
+      std::copy(weight.begin(), weight.end(), out.weight.emplace_back().begin());
+    }
+    return out;
+  }
+
+  // What the field's lattice cannot say of what is sent: by how much half the resolution changes
+  // it, on the same rays, and by how much those may be wrong.
+  absl::Status find_voxel_errors(const ColumnTests& tests) {
+    const auto& half = field_->at_half_resolution();
+    if (!half.ok()) return half.status();
+    // Larger voxels reach further; not as far as to refuse a view.
+    BoxedSight sight = sight_of(*field_);
+    for (auto& box : sight_of(**half).box) sight.box.push_back(box);
+    const auto wider = make_boxed_view(scene_.target, request_.viewpoint, sight);
+    const AimedView& view = wider.ok() ? *wider : *aimed_;
+    const auto sent = [&](const std::shared_ptr<const PlumeField>& field) {
+      std::vector<double> none;
+      return run(std::make_shared<const GasOnView>(field, scene_.target.centre, tests,
+                                                   most_absorbed_, class_tests_),
+                 view, pilots_.second, 3, 0, {}, none);
+    };
+    const std::vector<PathWeights> fine = sent(field_), coarse = sent(*half);
+    for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+      const std::vector<double> band = as_tests(b);
+      ReplicateStatistics s(2);
+      for (std::size_t r = 0; r < fine.size(); ++r) {
+        const double of_fine = ordered_dot(fine[r].gas_m2.data(), band.data(), band.size());
+        s.add(std::array{of_fine,
+                         ordered_dot(coarse[r].gas_m2.data(), band.data(), band.size()) - of_fine});
+      }
+      const Estimate change = s.estimate(1);
+      const double all = s.estimate(0).value;
+      voxel_error_.push_back(all > 0 ? std::hypot(change.value, change.stderr_) / all : 0);
+    }
+    return absl::OkStatus();
   }
 
   // Of each replicate: so many that what is sent is known well enough in every band, at the target.
@@ -682,6 +742,14 @@ class GasMeasurement {
       out.apparent_on_hull = out.apparent.in_band;
     }
     out.lines_w_sr = std::abs(joined.in_band - product.in_band);
+    if (!on_hull_) {
+      out.voxel_error_w_sr = voxel_error_[which_band] * here.in_band;
+      out.apparent_voxel_error_w_sr = voxel_error_[which_band] * seen.in_band;
+      ReplicateStatistics area(1);
+      for (const PathWeights& w : weights_)
+        area.add(std::array{w.gas_m2[ColumnTests::kCount + which_band]});
+      out.area_m2 = area.estimate(0);
+    }
     // One model errs one way everywhere: its errors add up over columns and wavelengths.
     for (std::size_t set = 0; set < nodes_.size(); ++set)
       for (std::size_t m = 0; m < nodes_[set].column.size(); ++m)
@@ -703,9 +771,12 @@ class GasMeasurement {
   std::shared_ptr<const AimedView> aimed_;
   std::array<Nodes, 2> nodes_;
   std::vector<std::vector<double>> reflected_;  // [group][wavelength]
+  GasOnView::Absorbed most_absorbed_{};
+  std::vector<std::vector<double>> class_tests_;
   std::vector<HotColumn> class_column_;
   std::vector<ColumnLight> class_here_;
   std::vector<double> class_error_;  // [band of the scene] relative, of what is taken
+  std::vector<double> voxel_error_;  // likewise, of what is sent
   std::shared_ptr<const GasOnView> gas_;
   std::vector<PathWeights> weights_;      // [replicate]
   std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
@@ -740,6 +811,10 @@ void add_on_hull(const GasRow& more, GasRow& to) {
   add(more.apparent_on_hull, to.apparent_on_hull);
   to.lines_w_sr += more.lines_w_sr;
   to.model_error_w_sr += more.model_error_w_sr;
+  // As much of what is reflected as of what is seen.
+  if (to.emitted_w_sr > 0) to.voxel_error_w_sr *= 1 + more.emitted_w_sr / to.emitted_w_sr;
+  if (to.apparent_emitted_w_sr > 0)
+    to.apparent_voxel_error_w_sr *= 1 + more.apparent_emitted_w_sr / to.apparent_emitted_w_sr;
   to.rays += more.rays;
 }
 

@@ -33,6 +33,9 @@ struct GasRow {
   std::vector<LedgerEntry> ledger;
   RowBounds::Bound omitted;
   double model_error_w_sr = 0;  // one sigma, of `apparent` and `contrast`
+  // One sigma of what the gas's lattice cannot say: of the source; at the sensor.
+  double voxel_error_w_sr = 0, apparent_voxel_error_w_sr = 0;
+  Estimate area_m2;  // where it is thick (ViewRequest::plume_area_optical_depth)
   std::uint64_t rays = 0;
   // [pixel of the frame] Of the source radiance, as Pass::image() has it. Empty: no pictures, or
   // no gas in sight.

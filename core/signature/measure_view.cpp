@@ -165,6 +165,8 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   r.plume_on_hull_w_sr = gas.on_hull;
   r.apparent_plume_on_hull_w_sr = gas.apparent_on_hull;
   r.effect.insert(r.effect.end(), gas.ledger.begin(), gas.ledger.end());
+  r.plume_voxel_error_w_sr = gas.voxel_error_w_sr;
+  r.plume_area_m2 = gas.area_m2;
   r.plume_spectral = gas.source.spectral;
   r.apparent_plume_spectral = gas.apparent.spectral;
   r.contrast_plume_spectral = gas.contrast.spectral;
@@ -174,8 +176,9 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   add(gas.source.spectral, r.spectral);
   add(gas.apparent.spectral, r.apparent_spectral);
   add(gas.contrast.spectral, r.contrast_spectral);
+  r.model_error_w_sr = std::hypot(r.model_error_w_sr, gas.voxel_error_w_sr);
   for (double* model : {&r.apparent_model_error_w_sr, &r.contrast_model_error_w_sr})
-    *model = std::hypot(*model, gas.model_error_w_sr);
+    *model = std::hypot(*model, gas.model_error_w_sr, gas.apparent_voxel_error_w_sr);
   for (std::size_t k = 0; k < r.replicate_w_sr.size(); ++k) {
     r.replicate_w_sr[k] += gas.source.replicate[k];
     r.replicate_apparent_w_sr[k] += gas.apparent.replicate[k];

@@ -46,6 +46,8 @@ struct ViewRequest {
   std::uint32_t max_reflections = 3;
   std::uint64_t seed = 1;
   std::uint32_t thumbnail_px = 0;
+  // Of hot gas: where its in-band optical depth is at least this, its projected area is counted.
+  double plume_area_optical_depth = 0.1;
 };
 
 }  // namespace irsig

@@ -108,12 +108,19 @@ SELECT plume_w_sr IS NOT NULL FROM signature WHERE signature_id = ?1;
 -- name: digest_plume
 SELECT s.plume_w_sr, s.plume_stderr_w_sr, s.apparent_plume_w_sr, s.apparent_plume_stderr_w_sr, s.contrast_plume_w_sr,
        s.contrast_plume_stderr_w_sr, s.plume_emitted_w_sr, s.apparent_plume_emitted_w_sr, s.plume_bound_w_sr,
-       s.apparent_plume_bound_w_sr, s.contrast_plume_bound_w_sr, s.plume_model_error_w_sr,
-       s.plume_on_hull_w_sr, s.plume_on_hull_stderr_w_sr, s.apparent_plume_on_hull_w_sr,
-       s.apparent_plume_on_hull_stderr_w_sr, p.plume_w_sr_um,
+       s.apparent_plume_bound_w_sr, s.contrast_plume_bound_w_sr, s.plume_model_error_w_sr, p.plume_w_sr_um,
        p.plume_stderr_w_sr_um, p.apparent_plume_w_sr_um, p.apparent_plume_stderr_w_sr_um, p.contrast_plume_w_sr_um,
        p.contrast_plume_stderr_w_sr_um
 FROM signature s JOIN spectrum p USING (signature_id) WHERE s.signature_id = ?1;
+
+-- Of signatures that have them: older ones have the digests that they had.
+-- name: has_plume_details
+SELECT plume_area_m2 IS NOT NULL FROM signature WHERE signature_id = ?1;
+
+-- name: digest_plume_details
+SELECT plume_on_hull_w_sr, plume_on_hull_stderr_w_sr, apparent_plume_on_hull_w_sr, apparent_plume_on_hull_stderr_w_sr,
+       plume_area_m2, plume_area_stderr_m2, plume_voxel_error_w_sr
+FROM signature WHERE signature_id = ?1;
 
 -- Of signatures with uncertain inputs only: the others have the digests that they had before there were any.
 -- name: has_input_contributions

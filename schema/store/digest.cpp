@@ -124,6 +124,12 @@ absl::Status encode_signatures(Database& database, Encoder& out, std::int64_t sw
     if (*plume != 0)
       IRSIG_STORE_TRY(
           encode(database, out, First::kContent, sql::digest_plume, signature_id).status());
+    const absl::StatusOr<std::int64_t> details =
+        database.integer(sql::has_plume_details, signature_id);
+    if (!details.ok()) return details.status();
+    if (*details != 0)
+      IRSIG_STORE_TRY(
+          encode(database, out, First::kContent, sql::digest_plume_details, signature_id).status());
     const absl::StatusOr<std::int64_t> inputs =
         database.integer(sql::has_input_contributions, signature_id);
     if (!inputs.ok()) return inputs.status();

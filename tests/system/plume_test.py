@@ -8,7 +8,7 @@ IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
 COLUMN = (ROOT / "jobs/examples/plume_column.toml").read_text()
 FRIGATE = (ROOT / "jobs/examples/frigate_plume.toml").read_text()
 COLUMNS = ("plume_w_sr", "apparent_plume_w_sr", "contrast_plume_w_sr", "plume_emitted_w_sr", "plume_bound_w_sr",
-           "plume_model_error_w_sr")
+           "plume_model_error_w_sr", "plume_area_m2", "plume_voxel_error_w_sr")
 
 
 def changed(text, *pairs):

@@ -32,6 +32,9 @@ void add_plume(schema::SignatureRow& row) {
     entry.set_state(schema::EFFECT_STATE_ON);
     entry.set_reason("not_asked");
   }
+  row.mutable_plume_area_m2()->set_value(next += 1);
+  row.mutable_plume_area_m2()->set_stderr(0.125);
+  row.set_plume_voxel_error_w_sr(next += 1);
   schema::Spectrum& spectrum = *row.mutable_spectrum();
   for (int f = 0; f < spectrum.GetDescriptor()->field_count(); ++f) {
     const auto* field = spectrum.GetDescriptor()->field(f);
@@ -79,16 +82,22 @@ TEST_F(StorePlume, ComesBackAsItCame) {
     EXPECT_EQ(s.plume_on_hull_w_sr, -0.5);
     EXPECT_EQ(s.apparent_plume_on_hull_stderr_w_sr, 0.0625);
     EXPECT_EQ(reader->ledger(s.signature_id).value().effect.size(), kEffects + kPlumeEffects);
+    EXPECT_EQ(s.plume_area_m2, 8.75);
+    EXPECT_EQ(s.plume_area_stderr_m2, 0.125);
+    EXPECT_EQ(s.plume_voxel_error_w_sr, 9.75);
     const auto spectrum = reader->spectrum(s.signature_id).value();
     EXPECT_EQ(spectrum.plume_w_sr_um_size(), spectrum.lambda_um_size());
-    EXPECT_EQ(spectrum.plume_w_sr_um(0), 8.25F);
+    EXPECT_EQ(spectrum.plume_w_sr_um(0), 10.25F);
     EXPECT_GT(spectrum.contrast_plume_stderr_w_sr_um(0), spectrum.contrast_plume_w_sr_um(0));
   }
   const std::string digest = reader->digest().value();
   reader.reset();
   sqlite_text(path_, "UPDATE signature SET plume_bound_w_sr = 1.001 * plume_bound_w_sr");
+  const std::string bound = StoreReader::open(path_).value()->digest().value();
+  EXPECT_NE(bound, digest);
+  sqlite_text(path_, "UPDATE signature SET plume_area_m2 = 1.001 * plume_area_m2");
   const std::string other = StoreReader::open(path_).value()->digest().value();
-  EXPECT_NE(other, digest);
+  EXPECT_NE(other, bound);
   sqlite_text(path_, "UPDATE spectrum SET apparent_plume_w_sr_um = plume_w_sr_um");
   EXPECT_NE(StoreReader::open(path_).value()->digest().value(), other);
 }
@@ -101,6 +110,8 @@ TEST_F(StorePlume, RowsWithoutHaveNone) {
   for (const StoredSignature& s : rows) {
     EXPECT_TRUE(std::isnan(s.plume_w_sr));
     EXPECT_TRUE(std::isnan(s.plume_model_error_w_sr));
+    EXPECT_TRUE(std::isnan(s.plume_area_m2));
+    EXPECT_TRUE(std::isnan(s.plume_voxel_error_w_sr));
     EXPECT_EQ(reader->spectrum(s.signature_id).value().plume_w_sr_um_size(), 0);
   }
 }
@@ -128,6 +139,9 @@ TEST_F(StorePlume, PiecesOfItAreRefused) {
   refused([](auto& row) { row.set_plume_bound_w_sr(-1); }, "plume_bound_w_sr is negative");
   refused([](auto& row) { row.mutable_spectrum()->clear_contrast_plume_w_sr_um(); },
           "spectrum.contrast_plume_w_sr_um has 0 values");
+  refused([](auto& row) { row.clear_plume_area_m2(); }, "plume_area_m2");
+  refused([](auto& row) { row.set_plume_voxel_error_w_sr(-1); },
+          "plume_voxel_error_w_sr is negative");
 }
 
 }  // namespace

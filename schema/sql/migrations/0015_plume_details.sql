@@ -1,11 +1,14 @@
--- What the target reflects of hot gas, and what the gas takes of other light that the target reflects: part of
--- plume_w_sr. NULL: the row's condition has no hot gas, or the row is older. Effects of hot gas: in ledgers of rows
--- that have some.
+-- Of hot gas: what the target reflects of it, less what it takes of other light that the target reflects (part of
+-- plume_w_sr); its projected area where its in-band optical depth is that of the sweep; what half the resolution of its
+-- voxels changes. NULL: the row has no hot gas, or is older. Effects of hot gas: in ledgers of rows that have some.
 
 ALTER TABLE signature ADD COLUMN plume_on_hull_w_sr REAL;
 ALTER TABLE signature ADD COLUMN plume_on_hull_stderr_w_sr REAL CHECK (plume_on_hull_stderr_w_sr >= 0);
 ALTER TABLE signature ADD COLUMN apparent_plume_on_hull_w_sr REAL;
 ALTER TABLE signature ADD COLUMN apparent_plume_on_hull_stderr_w_sr REAL CHECK (apparent_plume_on_hull_stderr_w_sr >= 0);
+ALTER TABLE signature ADD COLUMN plume_area_m2 REAL;
+ALTER TABLE signature ADD COLUMN plume_area_stderr_m2 REAL CHECK (plume_area_stderr_m2 >= 0);
+ALTER TABLE signature ADD COLUMN plume_voxel_error_w_sr REAL CHECK (plume_voxel_error_w_sr >= 0);
 
 -- Those that a row has with hot gas only.
 ALTER TABLE effect ADD COLUMN of_hot_gas INTEGER NOT NULL DEFAULT 0 CHECK (of_hot_gas IN (0, 1));
@@ -40,7 +43,7 @@ SELECT s.signature_id,
        s.contrast_plume_w_sr, s.contrast_plume_stderr_w_sr, s.plume_emitted_w_sr, s.apparent_plume_emitted_w_sr,
        s.plume_bound_w_sr, s.apparent_plume_bound_w_sr, s.contrast_plume_bound_w_sr, s.plume_model_error_w_sr,
        s.plume_on_hull_w_sr, s.plume_on_hull_stderr_w_sr, s.apparent_plume_on_hull_w_sr,
-       s.apparent_plume_on_hull_stderr_w_sr,
+       s.apparent_plume_on_hull_stderr_w_sr, s.plume_area_m2, s.plume_area_stderr_m2, s.plume_voxel_error_w_sr,
        s.input_uncertainty_w_sr, s.apparent_input_uncertainty_w_sr, s.contrast_input_uncertainty_w_sr,
        (SELECT group_concat(printf('%s=%+.4g', input, contribution_w_sr), ', ')
         FROM (SELECT i.input, i.contribution_w_sr FROM input_contribution i
