@@ -16,6 +16,7 @@ namespace irsig {
 [[nodiscard]] std::vector<HardCase> honesty_cases();
 [[nodiscard]] std::vector<HardCase> material_cases();
 [[nodiscard]] std::vector<HardCase> planck_cases();
+[[nodiscard]] std::vector<HardCase> plume_cases();
 [[nodiscard]] std::vector<HardCase> sum_cases();
 [[nodiscard]] std::vector<HardCase> sun_and_frame_cases();
 [[nodiscard]] std::vector<HardCase> transport_cases();
