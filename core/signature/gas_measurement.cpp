@@ -1,0 +1,465 @@
+#include "core/signature/gas_measurement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/ordered_dot.h"
+#include "core/signature/make_plan.h"
+#include "core/signature/pass.h"
+#include "core/signature/unseen.h"
+
+namespace irsig {
+namespace {
+
+// Stages of a view's random numbers: other paths than those of the target's own light.
+constexpr std::uint64_t kGasStage = 0x6a5, kHullStage = 0x6b5;
+// Of the error that is asked for, what the gas's own samples may take.
+constexpr double kShareOfGoal = 0.5;
+// Columns that stand for all: so near to what the tests of all rays are, and at most so many; and
+// classes of gas, so many, or until every column is so nearly a sum of them.
+constexpr double kTolerance = 1e-3, kAlike = 1e-3;
+constexpr std::size_t kNodes = 24, kClasses = 6;
+// Reflected rays of each first vertex, where those alone count that meet gas.
+constexpr std::uint32_t kSplit = 4;
+
+BoxedSight sight_of(const PlumeField& field) {
+  BoxedSight out;
+  for (const PlumeField::Box& box : field.cell_boxes()) {
+    auto& corners = out.box.emplace_back();
+    for (unsigned n = 0; n < 8; ++n)
+      corners[n] = field.body_from_index({(n & 4) != 0 ? box.high[0] : box.low[0],
+                                          (n & 2) != 0 ? box.high[1] : box.low[1],
+                                          (n & 1) != 0 ? box.high[2] : box.low[2]});
+  }
+  for (const PlumePoint& point : field.points())
+    out.point.push_back(
+        {point.at,
+         point.reach_m,
+         {static_cast<double>(point.thin_w[0]), static_cast<double>(point.thin_w[1])}});
+  return out;
+}
+
+}  // namespace
+
+GasMeasurement::GasMeasurement(Where where, const PreparedScene& scene, const ViewRequest& request,
+                               const ViewPlan& plan, const PreparedView& view,
+                               const ViewSources& sources, const GasWavelengths& wavelengths,
+                               const PictureFrame& pictures,
+                               std::shared_ptr<const PlumeField> field,
+                               std::vector<std::size_t> condition)
+    : on_hull_(where == Where::kOnHull),
+      pilots_(on_hull_ ? PilotSamples{64, 32, 128} : PilotSamples{32, 32, 64}),
+      scene_(scene),
+      request_(request),
+      plan_(plan),
+      sources_(sources),
+      wavelengths_(wavelengths),
+      pictures_(pictures),
+      field_(std::move(field)),
+      condition_(std::move(condition)),
+      aimed_(on_hull_ ? view.aimed : nullptr) {}
+
+absl::StatusOr<bool> GasMeasurement::find() {
+  if (!on_hull_) {
+    auto aimed = make_boxed_view(scene_.target, request_.viewpoint, sight_of(*field_));
+    if (!aimed.ok()) return aimed.status();
+    aimed_ = std::make_shared<const AimedView>(*std::move(aimed));
+  }
+  const auto survey = std::make_shared<const GasSurvey>(field_, scene_.target.centre);
+  samples_ = pilots_.survey;
+  run(survey, samples_, 0, reflections(true));
+  if (on_hull_ && survey->columns().empty() && plan_.samples_per_replicate > samples_) {
+    // Rarely met, or never: as many as the target's own light gets.
+    samples_ = plan_.samples_per_replicate;
+    run(survey, samples_, 0, reflections(true));
+  }
+  if (survey->columns().empty()) return false;
+  const ColumnTests tests = tests_for(survey->columns());
+  std::vector<std::vector<double>> tested;
+  for (const GasColumn& column : survey->columns())
+    tests.test(column, tested.emplace_back(ColumnTests::kCount));
+  if (auto status = choose_classes(survey->columns(), tested, tests); !status.ok()) return status;
+  std::vector<PathWeights> pilot = run(gas_, pilots_.second, 1, reflections(true));
+  if (auto status = choose_nodes(survey->columns(), tested, sum_of(pilot)); !status.ok())
+    return status;
+  samples_ = pilots_.second;
+  const std::vector<double> sums = sum_of(pilot);
+  if (!on_hull_) {
+    gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, most_absorbed_,
+                                             class_tests_, thick());
+    if (auto status = find_voxel_errors(tests); !status.ok()) return status;
+  }
+  keep(std::move(pilot));
+  if (!on_hull_) image_plan_ = plan_images(sums);
+  return true;
+}
+
+void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
+  samples_ = samples(sent_w_sr);
+  image_.assign(image_plan_.size(), 0.0);
+  keep(run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_, image_));
+}
+
+double GasMeasurement::unmet_m2() const {
+  double area_m2 = 0;
+  for (std::uint32_t s = 0; s < aimed_->stratum.size(); ++s)
+    if (!aimed_->stratum[s].empty())
+      area_m2 += aimed_->stratum[s].area_m2() /
+                 static_cast<double>(aimed_->samples(s, samples_) * request_.accuracy.replicates);
+  return kNoneSeen * area_m2 / kSplit;
+}
+
+std::vector<double> GasMeasurement::sent_w_sr() const {
+  std::vector<double> out;
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b)
+    out.push_back(sent_by({&nodes_[0].here, &nodes_[1].here}, scene_.axis.band(b)).in_band);
+  return out;
+}
+
+std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const GasOnRays> gas,
+                                             std::uint64_t samples, std::uint64_t stage,
+                                             std::uint32_t reflections) {
+  std::vector<double> none;
+  return run(std::move(gas), *aimed_, samples, stage, reflections, {}, none);
+}
+
+std::vector<PathWeights> GasMeasurement::run(std::shared_ptr<const GasOnRays> gas,
+                                             const AimedView& view, std::uint64_t samples,
+                                             std::uint64_t stage, std::uint32_t reflections,
+                                             const ImagePlan& images, std::vector<double>& image) {
+  SourceGeometry geometry = sources_.geometry();
+  if (on_hull_)
+    geometry.medium = HotGasAround{std::move(gas)};
+  else
+    geometry.medium = HotGasMedium{std::move(gas)};
+  PathSettings settings = path_settings(
+      request_.accuracy, plan_.effects,
+      view_seed(scene_, request_) + (on_hull_ ? kHullStage : kGasStage) + stage, samples);
+  settings.max_reflections = reflections;
+  if (on_hull_) {
+    // Hardly any reflected ray meets gas, and those are all that counts.
+    settings.persistence = 8;
+    settings.split = kSplit;
+  }
+  const PathTracer tracer(scene_.target, scene_.carried_material(), view, std::move(geometry),
+                          settings);
+  return tracer.trace(images, image, counts_);
+}
+
+ImagePlan GasMeasurement::plan_images(const std::vector<double>& sums) const {
+  const std::size_t bands = request_.selected_band.size(), classes = class_here_.size();
+  ImagePlan plan = blank_pictures(pictures_, aimed_->frame, condition_.size() * bands, classes,
+                                  layout_, scene_.path_basis());
+  if (plan.empty()) return plan;
+  plan.gas.assign(plan.images * gas_->measures(), 0.0);
+  for (std::size_t b = 0; b < bands; ++b) {
+    const BandOnAxis band = scene_.axis.band(request_.selected_band[b]);
+    std::vector<double> sent = as_tests(request_.selected_band[b]);
+    if (const double all = ordered_dot(sent.data(), sums.data(), sent.size()); all > 0) {
+      const double scale = sent_by({&nodes_[0].here, &nodes_[1].here}, band).in_band / all;
+      for (double& s : sent) s *= scale;
+    }
+    for (std::size_t c = 0; c < condition_.size(); ++c)
+      std::copy(sent.begin(), sent.end(),
+                plan.gas.begin() + static_cast<std::ptrdiff_t>((c * bands + b) * gas_->measures()));
+    std::vector<double> taken(band.grid.band_weight.size());
+    for (std::size_t k = 0; k < classes; ++k) {
+      for (std::size_t i = 0; i < taken.size(); ++i)
+        taken[i] = -band.grid.band_weight[i] * class_here_[k].absorbed[band.first_node + i];
+      for (std::size_t c = 0; c < condition_.size(); ++c) {
+        const ConditionSources& light = sources_.wanted(condition_[c]);
+        show_sources(source_table(light, scene_.path_basis(), band.first_node, taken), light,
+                     layout_, scene_.path_basis(), c * bands + b, k, plan);
+      }
+    }
+  }
+  return plan;
+}
+
+ColumnTests GasMeasurement::tests_for(const std::vector<GasColumn>& columns) {
+  std::array<double, kPlumeSpecies> most{};
+  double hottest_k = 1;
+  for (const GasColumn& column : columns) {
+    std::array<double, kPlumeSpecies> sum{};
+    for (const GasSegment& segment : column) {
+      for (std::size_t k = 0; k < kPlumeSpecies; ++k) sum[k] += segment.amount[k];
+      hottest_k = std::max(hottest_k, segment.temperature_k);
+    }
+    for (std::size_t k = 0; k < kPlumeSpecies; ++k) most[k] = std::max(most[k], sum[k]);
+  }
+  return {most, hottest_k};
+}
+
+std::uint32_t GasMeasurement::reflections(bool pilot) const {
+  if (on_hull_) return std::max(1u, plan_.effects.max_reflections);
+  return pilot ? 0 : plan_.effects.max_reflections;
+}
+
+std::vector<double> GasMeasurement::sum_of(const std::vector<PathWeights>& weights,
+                                           std::size_t first, std::size_t groups) {
+  std::vector<double> out(ColumnTests::kCount, 0.0);
+  for (const PathWeights& w : weights)
+    for (std::size_t g = first; g < first + groups; ++g)
+      for (std::size_t t = 0; t < out.size(); ++t)
+        out[t] += w.gas_m2[g * out.size() + t] / static_cast<double>(weights.size());
+  return out;
+}
+
+std::vector<double> GasMeasurement::sum_of(const std::vector<PathWeights>& weights) const {
+  return sum_of(weights, 0, groups());
+}
+
+std::vector<double> GasMeasurement::reflected(std::size_t group) const {
+  std::vector<double> out(scene_.axis.nodes(), 1.0);
+  const SpectralBasis* basis = scene_.path_basis();
+  if (!on_hull_ || basis == nullptr) return out;
+  const std::size_t columns = basis->columns();
+  std::vector<double> carried(columns, 0.0);
+  double seen = 0;
+  for (const PathWeights& w : weights_) {
+    for (std::size_t k = 0; k < columns; ++k) carried[k] += w.gas_nodes_m2[group * columns + k];
+    seen += w.gas_seen_m2[group];
+  }
+  if (!(seen > 0)) return out;
+  for (double& c : carried) c /= seen;
+  basis->to_nodes(carried.data(), 0, out);
+  return out;
+}
+
+void GasMeasurement::keep(std::vector<PathWeights> weights) {
+  weights_ = std::move(weights);
+  for (Nodes& nodes : nodes_)
+    nodes.weight.assign(nodes.tests.size(), std::vector<double>(scene_.axis.nodes(), 0.0));
+  reflected_.clear();
+  for (std::size_t g = 0; g < groups(); ++g) {
+    const std::vector<double> sums = sum_of(weights_, g, 1);
+    reflected_.push_back(reflected(g));
+    if (!std::any_of(sums.begin(), sums.end(), [](double s) { return s > 0; })) continue;
+    for (Nodes& nodes : nodes_) {
+      const std::vector<double> weight = column_weights(nodes.tests, sums, 0, nodes.tests.size());
+      for (std::size_t m = 0; m < weight.size(); ++m)
+        for (std::size_t i = 0; i < reflected_[g].size(); ++i)
+          nodes.weight[m][i] += weight[m] * reflected_[g][i];
+    }
+  }
+  find_class_errors();
+  split_by_class();
+}
+
+absl::Status GasMeasurement::prepare(const std::vector<GasColumn>& columns,
+                                     std::vector<HotColumn>& hot,
+                                     std::vector<ColumnLight>& here) const {
+  for (const GasColumn& column : columns) {
+    auto made = HotColumn::make(column, wavelengths_);
+    if (!made.ok()) return made.status();
+    here.push_back(made->at_near_end());
+    hot.push_back(*std::move(made));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status GasMeasurement::choose_classes(const std::vector<GasColumn>& columns,
+                                            const std::vector<std::vector<double>>& tested,
+                                            const ColumnTests& tests) {
+  std::vector<std::vector<double>>& classes = class_tests_;
+  std::vector<GasColumn> of_class;
+  std::size_t next = 0;
+  const auto size = [&](std::size_t c) {
+    const auto a = ColumnTests::absorbed(tested[c]);
+    return ordered_dot(a.data(), a.data(), a.size());
+  };
+  GasOnView::Absorbed& most = most_absorbed_;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    if (size(c) > size(next)) next = c;
+    const auto absorbed = ColumnTests::absorbed(tested[c]);
+    for (std::size_t g = 0; g < most.size(); ++g) most[g] = std::max(most[g], absorbed[g]);
+  }
+  double unlike = 1;
+  while (classes.size() < kClasses && unlike > kAlike) {
+    classes.push_back(tested[next]);
+    of_class.push_back(columns[next]);
+    gas_ = std::make_shared<const GasOnView>(field_, scene_.target.centre, tests, most, classes);
+    unlike = 0;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (const double of_column = gas_->shares(tested[c]).unlike; of_column > unlike) {
+        unlike = of_column;
+        next = c;
+      }
+  }
+  return prepare(of_class, class_column_, class_here_);
+}
+
+absl::Status GasMeasurement::choose_nodes(const std::vector<GasColumn>& columns,
+                                          const std::vector<std::vector<double>>& tested,
+                                          const std::vector<double>& sums) {
+  for (std::size_t set = 0; set < nodes_.size(); ++set) {
+    Nodes& nodes = nodes_[set];
+    std::vector<std::vector<double>> of_set;
+    std::vector<std::size_t> place;
+    std::vector<GasColumn> chosen;
+    for (std::size_t c = columns.size() > 1 ? set : 0; c < columns.size(); c += 2) {
+      of_set.push_back(tested[c]);
+      place.push_back(c);
+    }
+    const std::vector<double> weight = column_weights(of_set, sums, kTolerance, kNodes);
+    for (std::size_t c = 0; c < weight.size(); ++c) {
+      if (!(weight[c] > 0)) continue;
+      chosen.push_back(columns[place[c]]);
+      nodes.tests.push_back(of_set[c]);
+    }
+    if (auto status = prepare(chosen, nodes.column, nodes.here); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+std::vector<double> GasMeasurement::as_tests(std::size_t band) const {
+  std::vector<std::vector<double>> of_test(ColumnTests::kCount);
+  std::vector<double> emitted;
+  for (const Nodes& nodes : nodes_)
+    for (std::size_t m = 0; m < nodes.column.size(); ++m) {
+      emitted.push_back(in_band(nodes.here[m].emitted_w_m2_sr_um, scene_.axis.band(band)));
+      for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(nodes.tests[m][t]);
+    }
+  return column_weights(of_test, emitted, kTolerance, kNodes);
+}
+
+std::vector<double> GasMeasurement::sent_by_replicates(const std::vector<PathWeights>& weights,
+                                                       std::size_t which_band) const {
+  const std::vector<double> tests = as_tests(which_band);
+  const BandOnAxis band = scene_.axis.band(which_band);
+  std::vector<double> of_group;
+  for (const std::vector<double>& r : reflected_) {
+    double mean = 0;
+    for (std::size_t i = 0; i < band.nodes(); ++i)
+      mean += r[band.first_node + i] / static_cast<double>(band.nodes());
+    of_group.push_back(mean);
+  }
+  std::vector<double> out;
+  for (const PathWeights& w : weights) {
+    double& sum = out.emplace_back(0.0);
+    for (std::size_t g = 0; g < of_group.size(); ++g)
+      sum +=
+          of_group[g] * ordered_dot(w.gas_m2.data() + g * tests.size(), tests.data(), tests.size());
+  }
+  return out;
+}
+
+ThickGas GasMeasurement::thick() const {
+  ThickGas out{request_.plume_area_optical_depth, {}};
+  const std::vector<double> flat(scene_.axis.nodes(), 1.0);
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+    const BandOnAxis band = scene_.axis.band(b);
+    std::vector<std::vector<double>> of_gas(ColumnTests::kGases);
+    std::vector<double> absorbed;
+    const auto add = [&](const ColumnLight& light, std::span<const double> tests) {
+      absorbed.push_back(in_band(light.absorbed, band) / in_band(flat, band));
+      const auto of_column = ColumnTests::absorbed(tests);
+      for (std::size_t g = 0; g < of_gas.size(); ++g) of_gas[g].push_back(of_column[g]);
+    };
+    for (const Nodes& nodes : nodes_)
+      for (std::size_t m = 0; m < nodes.column.size(); ++m) add(nodes.here[m], nodes.tests[m]);
+    for (std::size_t k = 0; k < class_here_.size(); ++k) add(class_here_[k], class_tests_[k]);
+    const std::vector<double> weight = column_weights(of_gas, absorbed, kTolerance, kNodes);
+    std::copy(weight.begin(), weight.end(), out.weight.emplace_back().begin());
+  }
+  return out;
+}
+
+absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
+  const auto& half = field_->at_half_resolution();
+  if (!half.ok()) return half.status();
+  // Larger voxels reach further; not as far as to refuse a view.
+  BoxedSight sight = sight_of(*field_);
+  for (auto& box : sight_of(**half).box) sight.box.push_back(box);
+  const auto wider = make_boxed_view(scene_.target, request_.viewpoint, sight);
+  const AimedView& view = wider.ok() ? *wider : *aimed_;
+  const auto sent = [&](const std::shared_ptr<const PlumeField>& field) {
+    std::vector<double> none;
+    return run(std::make_shared<const GasOnView>(field, scene_.target.centre, tests, most_absorbed_,
+                                                 class_tests_),
+               view, pilots_.second, 3, 0, {}, none);
+  };
+  const std::vector<PathWeights> fine = sent(field_), coarse = sent(*half);
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+    const std::vector<double> band = as_tests(b);
+    ReplicateStatistics s(2);
+    for (std::size_t r = 0; r < fine.size(); ++r) {
+      const double of_fine = ordered_dot(fine[r].gas_m2.data(), band.data(), band.size());
+      s.add(std::array{of_fine,
+                       ordered_dot(coarse[r].gas_m2.data(), band.data(), band.size()) - of_fine});
+    }
+    const Estimate change = s.estimate(1);
+    const double all = s.estimate(0).value;
+    voxel_error_.push_back(all > 0 ? std::hypot(change.value, change.stderr_) / all : 0);
+  }
+  return absl::OkStatus();
+}
+
+std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr) {
+  const AccuracySpec& accuracy = request_.accuracy;
+  if (accuracy.samples_per_replicate > 0) return accuracy.samples_per_replicate;
+  if (!(accuracy.relative_error > 0)) return plan_.samples_per_replicate;
+  const std::vector<double> sent = sent_w_sr();
+  const auto scatter = [&](const std::vector<PathWeights>& weights) {
+    double most = 0;
+    for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+      ReplicateStatistics s(1);
+      for (const double sum : sent_by_replicates(weights, b)) s.add(std::array{sum});
+      const Estimate e = s.estimate(0);
+      if (!(e.value > 0)) continue;
+      const double also = also_sent_w_sr.empty() ? 0 : also_sent_w_sr[b];
+      most = std::max(most, e.stderr_ / e.value * sent[b] / (sent[b] + also));
+    }
+    return most;
+  };
+  const double first = scatter(run(gas_, pilots_.first, 1, reflections(true))),
+               second = scatter(weights_);
+  // Of what the hull reflects no more than of all else that it does.
+  const std::uint64_t most = on_hull_ ? std::max(pilots_.second, plan_.samples_per_replicate)
+                                      : accuracy.max_samples_per_replicate;
+  return samples_needed(pilots_.first, first, pilots_.second, second,
+                        kShareOfGoal * accuracy.relative_error,
+                        std::min(most, accuracy.max_samples_per_replicate));
+}
+
+void GasMeasurement::find_class_errors() {
+  class_error_.assign(scene_.axis.bands(), 0.0);
+  const Nodes& nodes = nodes_[0];
+  for (std::size_t b = 0; b < class_error_.size(); ++b) {
+    const BandOnAxis band = scene_.axis.band(b);
+    double absorbed = 0, off = 0;
+    for (std::size_t m = 0; m < nodes.column.size(); ++m) {
+      const double w = mean_of(nodes.weight[m], band),
+                   taken = in_band(nodes.here[m].absorbed, band);
+      const GasOnView::Shares shares = gas_->shares(nodes.tests[m]);
+      double by_classes = 0;
+      for (std::size_t k = 0; k < class_here_.size(); ++k)
+        by_classes += shares.of_class[k] * in_band(class_here_[k].absorbed, band);
+      absorbed += w * taken;
+      off += w * std::abs(by_classes - taken);
+    }
+    class_error_[b] = absorbed > 0 ? off / absorbed : 0;
+  }
+}
+
+void GasMeasurement::split_by_class() {
+  const std::uint32_t firsts = class_tables();
+  const double share = 1.0 / static_cast<double>(weights_.size());
+  const std::size_t columns = weights_.front().weight.columns();
+  each_.clear();
+  mean_.assign(firsts, PathWeights{});
+  for (PathWeights& w : mean_) w.weight = SourceWeights(1, layout_, columns);
+  for (const PathWeights& replicate : weights_)
+    for (std::uint32_t first = 0; first < firsts; ++first) {
+      PathWeights& one = each_.emplace_back();
+      one.weight = SourceWeights(1, layout_, columns);
+      replicate.weight.for_each(first, layout_.all(), [&](SourceId id, const double* row) {
+        double* to = one.weight.row(0, id);
+        for (std::size_t k = 0; k < columns; ++k) to[k] = row[k];
+      });
+      mean_[first].weight.add(share, one.weight);
+    }
+}
+
+}  // namespace irsig

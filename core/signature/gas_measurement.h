@@ -1,0 +1,194 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/hot_gas/column_spectra.h"
+#include "core/hot_gas/gas_on_view.h"
+#include "core/signature/gas_rows.h"
+#include "core/signature/shading.h"
+
+namespace irsig {
+
+// One field of gas in one view: as it is seen, and behind it what else is; or as the target
+// reflects it, and what it takes on its way of other light that the target reflects.
+class GasMeasurement {
+ public:
+  enum class Where : std::uint8_t { kInSight, kOnHull };
+  // view: of the target itself. condition: those of the selected ones that have this field
+  GasMeasurement(Where where, const PreparedScene& scene, const ViewRequest& request,
+                 const ViewPlan& plan, const PreparedView& view, const ViewSources& sources,
+                 const GasWavelengths& wavelengths, const PictureFrame& pictures,
+                 std::shared_ptr<const PlumeField> field, std::vector<std::size_t> condition);
+
+  // Chooses what stands for all rays, and knows the pilot's. False: the gas is not met at all.
+  absl::StatusOr<bool> find();
+  // With as many rays as the accuracy asks for. sent_w_sr: what else the gas sends in each band of
+  // the scene, which the error may be a share of.
+  void measure(const std::vector<double>& sent_w_sr);
+
+  [[nodiscard]] std::uint64_t rays() const { return counts_.rays; }
+  // Where find() has met no gas: the most that may be reflected of it. [m2]
+  [[nodiscard]] double unmet_m2() const;
+  // In each band of the scene, at the target. [W/sr]
+  [[nodiscard]] std::vector<double> sent_w_sr() const;
+
+  // which: of its conditions
+  absl::StatusOr<std::vector<GasRow>> rows(std::size_t which) const;
+
+ private:
+  // Columns whose weighted spectra add up to those of all rays. Two sets that have no column in
+  // common: their difference shows what so few columns cost.
+  struct Nodes {
+    std::vector<HotColumn> column;
+    std::vector<std::vector<double>> tests;
+    std::vector<ColumnLight> here;            // at the target
+    std::vector<std::vector<double>> weight;  // [node][wavelength] [m2]
+  };
+
+  // Gas behind the air of a condition.
+  struct Sensor {
+    std::array<std::vector<ColumnLight>, 2> nodes;
+    std::array<std::vector<ColumnLight>, 2> product;  // as if cold and hot lines were independent
+    std::vector<ColumnLight> classes;
+  };
+
+  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, std::uint64_t samples,
+                               std::uint64_t stage, std::uint32_t reflections);
+  std::vector<PathWeights> run(std::shared_ptr<const GasOnRays> gas, const AimedView& view,
+                               std::uint64_t samples, std::uint64_t stage,
+                               std::uint32_t reflections, const ImagePlan& images,
+                               std::vector<double>& image);
+
+  // Pictures of the rows' source radiance: of what a ray's gas sends as much as its test gases say,
+  // so that all rays of the pilot send what the nodes do; of what is behind it less what its
+  // classes take.
+  //   sums  of the pilot's tests, which the nodes' weights are of
+  [[nodiscard]] ImagePlan plan_images(const std::vector<double>& sums) const;
+
+  static ColumnTests tests_for(const std::vector<GasColumn>& columns);
+
+  [[nodiscard]] std::uint32_t reflections(bool pilot) const;
+
+  // Of gas that is reflected: by each part that is seen.
+  [[nodiscard]] std::size_t groups() const { return on_hull_ ? scene_.target.part.size() : 1; }
+
+  // Means over replicates, of one group or of all.
+  static std::vector<double> sum_of(const std::vector<PathWeights>& weights, std::size_t first,
+                                    std::size_t groups);
+  [[nodiscard]] std::vector<double> sum_of(const std::vector<PathWeights>& weights) const;
+
+  // What a group's reflections are at each wavelength of the mean that its tests were weighted
+  // with.
+  [[nodiscard]] std::vector<double> reflected(std::size_t group) const;
+
+  // What follows from the weights of all rays.
+  void keep(std::vector<PathWeights> weights);
+
+  absl::Status prepare(const std::vector<GasColumn>& columns, std::vector<HotColumn>& hot,
+                       std::vector<ColumnLight>& here) const;
+
+  // One after another the column that is least a sum of those before it.
+  absl::Status choose_classes(const std::vector<GasColumn>& columns,
+                              const std::vector<std::vector<double>>& tested,
+                              const ColumnTests& tests);
+
+  // Of every other column of the survey one set, of the rest the other.
+  absl::Status choose_nodes(const std::vector<GasColumn>& columns,
+                            const std::vector<std::vector<double>>& tested,
+                            const std::vector<double>& sums);
+
+  // What a band's emission is of the tests, by the nodes: as weights of tests.
+  [[nodiscard]] std::vector<double> as_tests(std::size_t band) const;
+
+  // Of each replicate what is sent in a band, in the tests' terms.
+  [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,
+                                                       std::size_t which_band) const;
+
+  // Of every band of the scene: its mean absorption as weights of test gases, by nodes and classes.
+  [[nodiscard]] ThickGas thick() const;
+
+  // What the field's lattice cannot say of what is sent: by how much half the resolution changes
+  // it, on the same rays, and by how much those may be wrong.
+  absl::Status find_voxel_errors(const ColumnTests& tests);
+
+  // Of each replicate: so many that what is sent is known well enough in every band, at the target.
+  std::uint64_t samples(const std::vector<double>& also_sent_w_sr);
+
+  // Of what is taken by a column of a class, by the nodes: in each band of the scene.
+  void find_class_errors();
+
+  // Tables of one first part: by class, then of what is beyond by class.
+  void split_by_class();
+
+  // Tables of weights: of what is behind gas of a class; in sight also of what is beyond.
+  [[nodiscard]] std::uint32_t class_tables() const { return (on_hull_ ? 1 : 2) * gas_->classes(); }
+
+  [[nodiscard]] static double mean_of(const std::vector<double>& spectrum, const BandOnAxis& band);
+  [[nodiscard]] static double weighted(const std::vector<double>& weight,
+                                       const std::vector<double>& spectrum, const BandOnAxis& band);
+
+  // What is sent, by sets of nodes.
+  struct Sent {
+    double in_band = 0, bound = 0;
+    std::vector<double> by_bin;
+  };
+  [[nodiscard]] Sent sent_by(const std::array<const std::vector<ColumnLight>*, 2>& light,
+                             const BandOnAxis& band) const;
+
+  // What is taken of light behind the classes: its spectrum, and of each replicate's light the
+  // share that the spectra say.
+  struct Taken {
+    std::vector<double> by_bin;  // all classes
+    std::vector<double> share;   // [class] of what is behind it, in band
+    double in_band = 0;
+  };
+  // Of evaluate()'s tables `stored` from `first` on: which spectrum, which in-band number. Inside a
+  // bin the light is taken to have that shape.
+  [[nodiscard]] Taken taken_by(const std::vector<ColumnLight>& gas,
+                               const std::vector<std::vector<double>>& stored, std::size_t first,
+                               std::size_t spectrum, std::size_t quantity, double sign,
+                               const std::vector<double>& shape, const BandOnAxis& band) const;
+
+  [[nodiscard]] GasRow row_of(const ConditionSources& light, const Sensor& sensor,
+                              const LitWeights& of_classes, const LitWeights& of_replicates,
+                              std::uint32_t which_band) const;
+
+  bool on_hull_;
+  // Of each replicate: rays that are aimed at the gas, and those that may meet it after the hull.
+  struct PilotSamples {
+    std::uint64_t survey, first, second;
+  };
+  PilotSamples pilots_;
+  const PreparedScene& scene_;
+  const ViewRequest& request_;
+  const ViewPlan& plan_;
+  const ViewSources& sources_;
+  const GasWavelengths& wavelengths_;
+  const PictureFrame& pictures_;
+  std::shared_ptr<const PlumeField> field_;
+  std::vector<std::size_t> condition_;
+  std::shared_ptr<const AimedView> aimed_;
+  std::array<Nodes, 2> nodes_;
+  std::vector<std::vector<double>> reflected_;  // [group][wavelength]
+  GasOnView::Absorbed most_absorbed_{};
+  std::vector<std::vector<double>> class_tests_;
+  std::vector<HotColumn> class_column_;
+  std::vector<ColumnLight> class_here_;
+  std::vector<double> class_error_;  // [band of the scene] relative, of what is taken
+  std::vector<double> voxel_error_;  // likewise, of what is sent
+  std::shared_ptr<const GasOnView> gas_;
+  std::vector<PathWeights> weights_;      // [replicate]
+  std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
+  std::uint64_t samples_ = 0;             // of each replicate, of weights_
+  PathCounts counts_;
+  ImagePlan image_plan_;
+  std::vector<double> image_;
+  SourceLayout layout_ = SourceLayout(scene_.target.part.size(), sources_.geometry());
+};
+
+}  // namespace irsig

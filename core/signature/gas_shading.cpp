@@ -1,0 +1,237 @@
+// Rows of hot gas: its rays under one condition's light and air.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/signature/gas_measurement.h"
+
+namespace irsig {
+namespace {
+
+using Change = GasRow::Change;
+
+// What may be left of steps that were extrapolated, of the extrapolation.
+constexpr double kOfSteps = 0.25;
+
+}  // namespace
+
+absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) const {
+  const ConditionSources& light = sources_.wanted(condition_[which]);
+  const ViewEnvironment& environment = light.environment();
+  if (environment.air == nullptr && request_.environment != nullptr)
+    return absl::InvalidArgumentError(
+        "hot gas behind imported air: its lines are not known, and band means do not multiply");
+  std::optional<AirBeforeColumns> air;
+  if (environment.air != nullptr) {
+    auto made = AirBeforeColumns::make(*environment.air, wavelengths_);
+    if (!made.ok()) return made.status();
+    air = *std::move(made);
+  }
+  const auto at_sensor = [&](const std::vector<HotColumn>& columns,
+                             const std::vector<ColumnLight>& here) {
+    std::vector<ColumnLight> out;
+    for (std::size_t m = 0; m < columns.size(); ++m) {
+      if (air) {
+        out.push_back(columns[m].behind(*air));
+        continue;
+      }
+      out.push_back(here[m]);  // no air, or a grey one
+      for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
+        out.back().emitted_w_m2_sr_um[i] *= environment.transmittance[i];
+    }
+    return out;
+  };
+  Sensor sensor{
+      {at_sensor(nodes_[0].column, nodes_[0].here), at_sensor(nodes_[1].column, nodes_[1].here)},
+      {nodes_[0].here, nodes_[1].here},
+      at_sensor(class_column_, class_here_)};
+  for (std::vector<ColumnLight>& columns : sensor.product)
+    for (ColumnLight& column : columns)
+      for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
+        column.emitted_w_m2_sr_um[i] *= environment.transmittance[i];
+  const LitWeights of_classes(light, mean_, 1), of_replicates(light, each_, 1);
+  std::vector<GasRow> out;
+  for (const std::uint32_t b : request_.selected_band)
+    out.push_back(row_of(light, sensor, of_classes, of_replicates, b));
+  if (image_.empty()) return out;
+  const std::size_t pixels = static_cast<std::size_t>(image_plan_.width_px) * image_plan_.height_px;
+  for (std::size_t b = 0; b < out.size(); ++b)
+    for (std::size_t i = 0; i < pixels; ++i)
+      out[b].picture_w_sr.push_back(image_[i * image_plan_.padded + which * out.size() + b]);
+  return out;
+}
+
+double GasMeasurement::mean_of(const std::vector<double>& spectrum, const BandOnAxis& band) {
+  double mean = 0;
+  for (std::size_t i = 0; i < band.nodes(); ++i)
+    mean += spectrum[band.first_node + i] / static_cast<double>(band.nodes());
+  return mean;
+}
+
+double GasMeasurement::weighted(const std::vector<double>& weight,
+                                const std::vector<double>& spectrum, const BandOnAxis& band) {
+  double sum = 0;
+  for (std::size_t i = 0; i < band.nodes(); ++i)
+    sum += band.grid.band_weight[i] * weight[band.first_node + i] * spectrum[band.first_node + i];
+  return sum;
+}
+
+GasMeasurement::Sent GasMeasurement::sent_by(
+    const std::array<const std::vector<ColumnLight>*, 2>& light, const BandOnAxis& band) const {
+  const BandGrid& grid = band.grid;
+  Sent out;
+  out.by_bin.assign(grid.lambda_um.size(), 0.0);
+  std::array<double, 2> of_set{};
+  for (std::size_t set = 0; set < nodes_.size(); ++set)
+    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
+      const std::vector<double>& spectrum = (*light[set])[m].emitted_w_m2_sr_um;
+      const std::vector<double>& w = nodes_[set].weight[m];
+      of_set[set] += weighted(w, spectrum, band);
+      out.bound += 0.5 * kOfSteps * std::abs(weighted(w, (*light[set])[m].step_w_m2_sr_um, band));
+      for (std::size_t bin = 0; bin < out.by_bin.size(); ++bin)
+        for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
+          out.by_bin[bin] +=
+              0.5 * w[band.first_node + i] * grid.bin_weight[i] * spectrum[band.first_node + i];
+    }
+  out.in_band = 0.5 * (of_set[0] + of_set[1]);
+  out.bound += std::abs(of_set[0] - of_set[1]);
+  return out;
+}
+
+GasMeasurement::Taken GasMeasurement::taken_by(const std::vector<ColumnLight>& gas,
+                                               const std::vector<std::vector<double>>& stored,
+                                               std::size_t first, std::size_t spectrum,
+                                               std::size_t quantity, double sign,
+                                               const std::vector<double>& shape,
+                                               const BandOnAxis& band) const {
+  const BandGrid& grid = band.grid;
+  const std::size_t bins = grid.lambda_um.size();
+  Taken out{std::vector<double>(bins, 0.0), {}, 0};
+  for (std::size_t k = 0; k < gas.size(); ++k) {
+    const std::vector<double>& values = stored[first + k];
+    const double* behind = values.data() + spectrum_quantity(1) + spectrum * bins;
+    const double* absorbed = gas[k].absorbed.data() + band.first_node;
+    double lost = 0, all = 0;
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      double of_bin = 0, shape_of_bin = 0, of_band = 0, shape_of_band = 0;
+      for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i) {
+        const double s = shape[band.first_node + i];
+        of_bin += grid.bin_weight[i] * s * absorbed[i];
+        shape_of_bin += grid.bin_weight[i] * s;
+        of_band += grid.band_weight[i] * s * absorbed[i];
+        shape_of_band += grid.band_weight[i] * s;
+      }
+      if (!(shape_of_bin > 0)) continue;
+      const double per_shape = sign * behind[bin] / shape_of_bin;
+      out.by_bin[bin] += per_shape * of_bin;
+      lost += per_shape * of_band;
+      all += per_shape * shape_of_band;
+    }
+    out.share.push_back(all != 0 ? lost / all : 0);
+    out.in_band += out.share.back() * sign * values[quantity];
+  }
+  return out;
+}
+
+GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& sensor,
+                              const LitWeights& of_classes, const LitWeights& of_replicates,
+                              std::uint32_t which_band) const {
+  const BandOnAxis band = scene_.axis.band(which_band);
+  const std::size_t classes = class_column_.size(), bins = band.grid.lambda_um.size(),
+                    replicates = weights_.size();
+  const SourceTable whole =
+      source_table(light, scene_.path_basis(), band.first_node, band.grid.band_weight);
+  std::vector<std::vector<double>> stored, in_bands;
+  evaluate(light, 1, of_classes, scene_.path_basis(), band, whole, true, stored);
+  evaluate(light, 1, of_replicates, scene_.path_basis(), band, whole, false, in_bands);
+
+  const Sent here = sent_by({&nodes_[0].here, &nodes_[1].here}, band),
+             joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
+             product = sent_by({sensor.product.data(), sensor.product.data() + 1}, band);
+  const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
+  const Sent& seen = without_lines ? product : joined;
+  constexpr std::size_t kTotal = 0, kApparent = 1 + kCauses, kContrast = 2 + kCauses;
+  // At the sensor light is as the air lets it through.
+  const std::vector<double> smooth(scene_.axis.nodes(), 1.0);
+  const std::vector<double>& through = light.environment().transmittance;
+  const Taken source = taken_by(class_here_, stored, 0, kTotal, 0, 1, smooth, band),
+              apparent = taken_by(sensor.classes, stored, 0, kApparent, kApparentQuantity, 1,
+                                  through, band);
+  const std::vector<double> scatter = sent_by_replicates(weights_, which_band);
+  double mean = 0;
+  for (const double s : scatter) mean += s / static_cast<double>(replicates);
+  struct Loss {
+    const Taken& taken;
+    std::size_t first, quantity;
+    double sign;
+  };
+  const auto change = [&](const Sent& sent, std::initializer_list<Loss> losses) {
+    Change c;
+    ReplicateStatistics s(1 + bins);
+    double lost_w_sr = 0;
+    for (std::size_t r = 0; r < replicates; ++r) {
+      const double share = mean > 0 ? scatter[r] / mean : 0;
+      std::vector<double> value(1 + bins);
+      value[0] = share * sent.in_band;
+      for (std::size_t bin = 0; bin < bins; ++bin) value[1 + bin] = share * sent.by_bin[bin];
+      for (const Loss& loss : losses) {
+        double lost = 0;
+        for (std::size_t k = 0; k < classes; ++k)
+          lost += loss.taken.share[k] * loss.sign *
+                  in_bands[r * class_tables() + loss.first + k][loss.quantity];
+        value[0] -= lost;
+        // The spectrum of the mean, as much of it as this replicate has.
+        const double part = loss.taken.in_band != 0 ? lost / loss.taken.in_band : 0;
+        for (std::size_t bin = 0; bin < bins; ++bin)
+          value[1 + bin] -= part * loss.taken.by_bin[bin];
+        lost_w_sr += std::abs(lost) / static_cast<double>(replicates);
+      }
+      s.add(value);
+      c.replicate.push_back(value[0]);
+    }
+    c.in_band = s.estimate(0);
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      c.spectral.value.push_back(s.estimate(1 + bin).value);
+      c.spectral.stderr_.push_back(s.estimate(1 + bin).stderr_);
+    }
+    c.bound_w_sr = sent.bound + class_error_[which_band] * lost_w_sr;
+    return c;
+  };
+  GasRow out;
+  out.rays = counts_.rays;
+  out.source = change(here, {{source, 0, 0, 1}});
+  out.apparent = change(seen, {{apparent, 0, kApparentQuantity, 1}});
+  if (on_hull_) {
+    out.contrast = out.apparent;
+  } else {
+    // Of what is beyond the contrast is all that there is, and negative.
+    const Taken beyond = taken_by(sensor.classes, stored, classes, kContrast, contrast_quantity(1),
+                                  -1, through, band);
+    out.contrast = change(
+        seen, {{apparent, 0, kApparentQuantity, 1}, {beyond, classes, contrast_quantity(1), -1}});
+  }
+  out.emitted_w_sr = here.in_band;
+  out.apparent_emitted_w_sr = seen.in_band;
+  if (on_hull_) {
+    out.on_hull = out.source.in_band;
+    out.apparent_on_hull = out.apparent.in_band;
+  }
+  out.lines_w_sr = std::abs(joined.in_band - product.in_band);
+  if (!on_hull_) {
+    out.voxel_error_w_sr = voxel_error_[which_band] * here.in_band;
+    out.apparent_voxel_error_w_sr = voxel_error_[which_band] * seen.in_band;
+    ReplicateStatistics area(1);
+    for (const PathWeights& w : weights_)
+      area.add(std::array{w.gas_m2[ColumnTests::kCount + which_band]});
+    out.area_m2 = area.estimate(0);
+  }
+  // One model errs one way everywhere: its errors add up over columns and wavelengths.
+  for (std::size_t set = 0; set < nodes_.size(); ++set)
+    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m)
+      out.model_error_w_sr +=
+          0.5 * weighted(nodes_[set].weight[m], sensor.nodes[set][m].model_error_w_m2_sr_um, band);
+  return out;
+}
+
+}  // namespace irsig
