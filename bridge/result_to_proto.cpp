@@ -98,6 +98,10 @@ void set_spectrum(schema::Spectrum* out, const SignatureResult& r, const BandGri
   copy(r.background_spectral.stderr_, out->mutable_background_radiance_stderr_w_m2_sr_um());
   copy(r.path_transmittance_spectral, out->mutable_path_transmittance());
   copy(r.path_radiance_spectral, out->mutable_path_radiance_w_m2_sr_um());
+  const auto modes = [](const SpectralEstimate& e) { return encoded_modes(e.modes, e.stderr_); };
+  out->set_spectral_intensity_modes(modes(r.spectral));
+  out->set_apparent_spectral_intensity_modes(modes(r.apparent_spectral));
+  out->set_contrast_spectral_intensity_modes(modes(r.contrast_spectral));
   if (!r.has_plume) return;
   copy(r.plume_spectral.value, out->mutable_plume_w_sr_um());
   copy(r.plume_spectral.stderr_, out->mutable_plume_stderr_w_sr_um());

@@ -21,7 +21,7 @@ import urllib.parse
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMATS = range(1, 16)  # that this file knows
+FORMATS = range(1, 17)  # that this file knows
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -183,7 +183,7 @@ class Rows:
     def spectra(self, name: str = "spectral_intensity_w_sr_um") -> list[tuple[numpy.ndarray, numpy.ndarray]]:
         """(wavelengths [um], values) of each row: means over bins; empty where the row has none.
 
-        Errors of two wavelengths are not independent (both have the same paths): do not add them up as if they were.
+        Errors of two wavelengths are not independent (both have the same paths): `modes` says how they go together.
         """
         columns = [r["name"] for r in self._database.sql("SELECT name FROM pragma_table_info('spectrum')")][1:]
         if name not in columns:
@@ -199,6 +199,29 @@ class Rows:
                 raise Error(f"the spectrum of signature {row} has {len(values)} values at {len(lambda_um)} wavelengths: "
                             "the database is damaged")
             out.append((lambda_um if len(values) else lambda_um[:0], values))
+        return out
+
+    def modes(self, name: str = "spectral_intensity_w_sr_um") -> list[numpy.ndarray]:
+        """Of each row an array [mode, wavelength] of spectra m_k in the unit of the spectrum: how its errors go together.
+
+        The standard error of weights @ spectrum is the root of sum((modes @ weights) ** 2) + (abs(weights) @ rest) ** 2 with
+        rest = sqrt(stderr ** 2 - sum(modes ** 2)), at most; without modes (an array of none: nothing is known) it is as if all
+        errors were one. name: spectral_intensity_w_sr_um, apparent_... or contrast_...
+        """
+        column = name.removesuffix("_w_sr_um") + "_modes"
+        known = [r["name"] for r in self._database.sql("SELECT name FROM pragma_table_info('spectral_modes')")][1:]
+        if self._database.format >= 16 and column not in known:
+            raise Error(f'there are no modes of "{name}", expected one of '
+                        + ", ".join(k.removesuffix("_modes") + "_w_sr_um" for k in known))
+        out = []
+        for row, (_, stderr) in zip(self._ids(), self.spectra(name.removesuffix("_w_sr_um") + "_stderr_w_sr_um")):
+            blob = self._database._sql.execute(f"SELECT {column} FROM spectral_modes WHERE signature_id = ?", (row,)).fetchone() \
+                if known else None
+            shares = numpy.frombuffer(blob[0] if blob else b"", "<i2")
+            if len(stderr) == 0 or len(shares) % len(stderr):
+                raise Error(f"the modes of signature {row} are {len(shares)} values at {len(stderr)} wavelengths: "
+                            "the database is damaged")
+            out.append(shares.reshape(-1, len(stderr)) / 32767 * stderr)
         return out
 
     def parts(self) -> list[dict]:
@@ -222,7 +245,9 @@ class Rows:
 
         .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"; date and time where a season has several dates),
         the instants are the coordinate time_utc(season, time_of_day); aspect and range are coordinates of `viewpoint`. Spectra have
-        the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out.
+        the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out. With
+        spectra also `spectral_intensity_modes_w_sr_um` and those of the apparent and contrast spectrum, of rows that have them,
+        over mode and bin: how errors go together (`Rows.modes`).
         """
         import xarray
 
@@ -267,6 +292,16 @@ class Rows:
                 grid[place[2], :len(values)] = lambda_um
             out.coords["lambda_um"] = (("band", "bin"), grid, {"units": "um"})
             out[name] = ((*dims, "bin"), cube, {"units": unit(name)})
+        all_modes = {name: self.modes(name + "_w_sr_um") for name in
+                     ("spectral_intensity", "apparent_spectral_intensity", "contrast_spectral_intensity")} if spectra else {}
+        most = max((len(modes) for of_row in all_modes.values() for modes in of_row), default=0)
+        for name, of_row in all_modes.items() if most else ():
+            cube = numpy.full((*shape, most, bins), numpy.nan)
+            for *place, modes in zip(*at, of_row):
+                if len(modes):  # those of other rows that this one has fewer of are 0
+                    cube[tuple(place)][:, :modes.shape[1]] = 0
+                    cube[tuple(place)][:len(modes), :modes.shape[1]] = modes
+            out[name + "_modes_w_sr_um"] = ((*dims, "mode", "bin"), cube, {"units": unit("_w_sr_um")})
         out.attrs = {"title": f"infrared signatures: {self._rows[0]['sweep']}", "source": "irsig",
                      "provenance": json.dumps({key: sorted({str(row[key]) for row in self._rows})
                                                for key in ("physics_version", "determinism_class", "build_id")})}

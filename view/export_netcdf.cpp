@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
 #include "absl/strings/str_join.h"
 #include "bridge/environment/sweep_environment.h"
+#include "core/accuracy/spectral_modes.h"
 #include "core/geo/sun.h"
 #include "core/spectral/band.h"
 #include "view/export.h"
@@ -112,6 +114,20 @@ constexpr SpectralColumn kSpectra[] = {
     {"background_radiance_stderr_w_m2_sr_um", &Sp::background_radiance_stderr_w_m2_sr_um},
     {"path_transmittance", &Sp::path_transmittance},
     {"path_radiance_w_m2_sr_um", &Sp::path_radiance_w_m2_sr_um},
+};
+
+struct ModeColumn {
+  const char* name;
+  const std::string& (Sp::*encoded)() const;
+  const google::protobuf::RepeatedField<float>& (Sp::*value_stderr)() const;
+};
+constexpr ModeColumn kModes[] = {
+    {"spectral_intensity_modes_w_sr_um", &Sp::spectral_intensity_modes,
+     &Sp::spectral_intensity_stderr_w_sr_um},
+    {"apparent_spectral_intensity_modes_w_sr_um", &Sp::apparent_spectral_intensity_modes,
+     &Sp::apparent_spectral_intensity_stderr_w_sr_um},
+    {"contrast_spectral_intensity_modes_w_sr_um", &Sp::contrast_spectral_intensity_modes,
+     &Sp::contrast_spectral_intensity_stderr_w_sr_um},
 };
 
 using Dimension = NetcdfFile::Dimension;
@@ -359,10 +375,10 @@ absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep, co
 // A viewpoint at a time, so that memory does not grow with the number of rows.
 absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
                            const schema::ResolvedSweep& sweep, const std::vector<QueryRow>& rows,
-                           const Layout& layout, const Dimensions& d) {
+                           const Layout& layout, const Dimensions& d, std::optional<Dimension>& bin,
+                           std::size_t& bins) {
   std::vector<std::vector<double>> lambda_um(layout.band.size());
   std::vector<std::vector<std::size_t>> of_viewpoint(layout.viewpoint.size());
-  std::size_t bins = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     of_viewpoint[layout.cell[i].viewpoint].push_back(i);
     std::vector<double>& axis = lambda_um[layout.cell[i].band];
@@ -373,11 +389,11 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
     bins = std::max(bins, axis.size());
   }
   if (bins == 0) return absl::OkStatus();
-  const Dimension bin = file.dimension("bin", bins);
-  if (absl::Status s = write_bins(file, sweep, layout, lambda_um, d.band, bin, bins); !s.ok())
+  bin = file.dimension("bin", bins);
+  if (absl::Status s = write_bins(file, sweep, layout, lambda_um, d.band, *bin, bins); !s.ok())
     return s;
   std::vector<Dimension> cube = d.cube();
-  cube.push_back(bin);
+  cube.push_back(*bin);
   std::vector<NetcdfFile::Variable> variable;
   for (const SpectralColumn& column : kSpectra) {
     // A name of its own where it is also that of an in-band quantity.
@@ -417,6 +433,64 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
   return absl::OkStatus();
 }
 
+// Of rows that have them: the covariance of a spectrum's errors is the sum over modes of m m^T.
+absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vector<QueryRow>& rows,
+                         const Layout& layout, const Dimensions& d, std::optional<Dimension> bin,
+                         std::size_t bins) {
+  if (!bin) return absl::OkStatus();
+  std::vector<std::vector<std::size_t>> of_viewpoint(layout.viewpoint.size());
+  std::size_t most = 0;
+  const auto modes_of = [&](const QueryRow& row, const schema::Spectrum& spectrum,
+                            const ModeColumn& column) -> absl::StatusOr<SpectralSet> {
+    if (row.interpolation) return SpectralSet{};
+    const auto& stderrs = (spectrum.*column.value_stderr)();
+    auto errors = SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
+                                  (spectrum.*column.encoded)());
+    if (!errors.ok()) return errors.status();
+    return errors->modes();
+  };
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto got = spectrum_of(reader, rows[i]);
+    if (!got.ok()) return got.status();
+    for (const ModeColumn& column : kModes) {
+      const auto modes = modes_of(rows[i], got->spectrum, column);
+      if (!modes.ok()) return modes.status();
+      most = std::max(most, modes->size());
+    }
+    of_viewpoint[layout.cell[i].viewpoint].push_back(i);
+  }
+  if (most == 0) return absl::OkStatus();
+  std::vector<Dimension> cube = d.cube();
+  cube.push_back(file.dimension("mode", most));
+  cube.push_back(*bin);
+  std::vector<NetcdfFile::Variable> variable;
+  for (const ModeColumn& column : kModes)
+    variable.push_back(file.slabs(
+        {column.name, "", column.name, fmt::format("{} lambda_um", kCoordinates)}, cube));
+  const std::size_t of_row = most * bins;
+  for (std::size_t v = 0; v < of_viewpoint.size(); ++v)
+    for (std::size_t c = 0; c < std::size(kModes); ++c) {
+      std::vector<float> values(layout.conditions() * layout.band.size() * of_row,
+                                std::numeric_limits<float>::quiet_NaN());
+      for (const std::size_t i : of_viewpoint[v]) {
+        const auto got = spectrum_of(reader, rows[i]);
+        if (!got.ok()) return got.status();
+        const auto modes = modes_of(rows[i], got->spectrum, kModes[c]);
+        if (!modes.ok()) return modes.status();
+        if (modes->empty()) continue;
+        const Layout::Cell& cell = layout.cell[i];
+        const std::size_t to = (layout.condition(cell) * layout.band.size() + cell.band) * of_row;
+        // Fewer modes than others have: the rest of them are 0.
+        for (std::size_t m = 0; m < most; ++m)
+          for (std::size_t k = 0; k < modes->front().size(); ++k)
+            values[to + m * bins + k] =
+                m < modes->size() ? static_cast<float>((*modes)[m][k]) : 0.0f;
+      }
+      file.put(variable[c], v, values);
+    }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
@@ -445,8 +519,13 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
   if (absl::Status status = write_inputs(reader, file, rows, layout, d); !status.ok())
     return status;
   if (absl::Status status = write_parts(reader, file, rows, layout, d); !status.ok()) return status;
-  if (absl::Status status = write_spectra(reader, file, sweep->resolved, rows, layout, d);
+  std::optional<Dimension> bin;
+  std::size_t bins = 0;
+  if (absl::Status status =
+          write_spectra(reader, file, sweep->resolved, rows, layout, d, bin, bins);
       !status.ok())
+    return status;
+  if (absl::Status status = write_modes(reader, file, rows, layout, d, bin, bins); !status.ok())
     return status;
   return file.close();
 }

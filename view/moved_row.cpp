@@ -190,6 +190,9 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
     if (absl::Status s = take_background_along(spectrum, from, to); !s.ok()) return s;
 
   MovedRow out{row, spectrum, 0};
+  // Errors of causes may be one: how they go together over wavelengths is not known.
+  out.spectrum.clear_apparent_spectral_intensity_modes();
+  out.spectrum.clear_contrast_spectral_intensity_modes();
   double spread = 0;
   for (std::size_t k = 0; k < bins; ++k) {
     const int i = static_cast<int>(k);

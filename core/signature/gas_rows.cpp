@@ -30,6 +30,9 @@ void add(const Change& more, Change& to) {
     to.spectral.value[k] += more.spectral.value[k];
     to.spectral.stderr_[k] = std::hypot(to.spectral.stderr_[k], more.spectral.stderr_[k]);
   }
+  to.spectral.modes.insert(to.spectral.modes.end(), more.spectral.modes.begin(),
+                           more.spectral.modes.end());
+  to.spectral.modes = leading_modes(to.spectral.modes, stored_modes(to.spectral.value.size()));
   for (std::size_t r = 0; r < to.replicate.size(); ++r) to.replicate[r] += more.replicate[r];
 }
 

@@ -169,6 +169,7 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   const auto change = [&](const Sent& sent, std::initializer_list<Loss> losses) {
     Change c;
     ReplicateStatistics s(1 + bins);
+    SpectralSet spectra;
     double lost_w_sr = 0;
     for (std::size_t r = 0; r < replicates; ++r) {
       const double share = mean > 0 ? scatter[r] / mean : 0;
@@ -189,12 +190,14 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
       }
       s.add(value);
       c.replicate.push_back(value[0]);
+      spectra.emplace_back(value.begin() + 1, value.end());
     }
     c.in_band = s.estimate(0);
     for (std::size_t bin = 0; bin < bins; ++bin) {
       c.spectral.value.push_back(s.estimate(1 + bin).value);
       c.spectral.stderr_.push_back(s.estimate(1 + bin).stderr_);
     }
+    c.spectral.modes = leading_modes(deviations(spectra), stored_modes(bins));
     c.bound_w_sr = sent.bound + class_error_[which_band] * lost_w_sr;
     return c;
   };

@@ -142,6 +142,8 @@ void add(const SpectralEstimate& more, SpectralEstimate& to) {
     to.value[k] += more.value[k];
     to.stderr_[k] = std::hypot(to.stderr_[k], more.stderr_[k]);
   }
+  to.modes.insert(to.modes.end(), more.modes.begin(), more.modes.end());
+  to.modes = leading_modes(to.modes, stored_modes(to.value.size()));
 }
 void add(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
   to.value += change.in_band.value;
@@ -215,6 +217,9 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   spectrum(r.apparent_spectral);
   spectrum(r.contrast_spectral);
   spectrum(r.background_spectral);
+  r.spectral.modes = pass.modes(row, Pass::Replicated::kSource);
+  r.apparent_spectral.modes = pass.modes(row, Pass::Replicated::kApparent);
+  r.contrast_spectral.modes = pass.modes(row, Pass::Replicated::kContrast);
   add_path(pass.light(row).environment(), band, pass.background_model_w_sr(row), r);
 
   auto [source, apparent, contrast] = pass.measured(row);

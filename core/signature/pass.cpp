@@ -148,6 +148,7 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
     last_.add(last);
   }
   replicate_.assign(rows(), {});
+  modes_.clear();
   for (auto* list : {&basis_w_sr_, &sky_w_sr_, &depth_w_sr_, &background_bound_w_sr_,
                      &background_model_w_sr_, &temperature_w_sr_, &temperature_apparent_w_sr_})
     list->assign(rows(), 0.0);
@@ -171,6 +172,7 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
       replicate_[row][1].push_back(of_replicate[kApparentQuantity]);
       replicate_[row][2].push_back(of_replicate[contrast_quantity(parts)]);
     }
+    if (kind != Kind::kPilot) modes_.push_back(modes_of(row, values));
     basis_w_sr_[row] = basis_error(row, largest);
     sky_w_sr_[row] = sky_error(row, mean);
     if (row % rows_.band.size() == 0) find_temperature_errors(row / rows_.band.size(), weights);
@@ -179,6 +181,24 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
     find_background_errors(row, lit->sums());
     depth_w_sr_[row] = depth_error(row, mean);
   }
+}
+
+std::array<SpectralSet, 3> Pass::modes_of(std::size_t row,
+                                          const std::vector<std::vector<double>>& values) const {
+  const std::size_t bins = axis_band(row).grid.lambda_um.size();
+  constexpr std::array<std::size_t, 3> kSpectrum = {0, 1 + kCauses, 2 + kCauses};
+  std::array<SpectralSet, 3> out;
+  for (std::size_t what = 0; what < out.size(); ++what) {
+    SpectralSet replicate;
+    for (const std::vector<double>& of_replicate : values) {
+      const auto first = of_replicate.begin() +
+                         static_cast<std::ptrdiff_t>(spectrum_quantity(scene_.target.part.size()) +
+                                                     kSpectrum[what] * bins);
+      replicate.emplace_back(first, first + static_cast<std::ptrdiff_t>(bins));
+    }
+    out[what] = leading_modes(deviations(replicate), stored_modes(bins));
+  }
+  return out;
 }
 
 // Of the nodes between those that paths carry, and of temperatures between blackbodies.

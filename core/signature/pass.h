@@ -123,6 +123,10 @@ class Pass {
   [[nodiscard]] const std::vector<double>& replicates(std::size_t row, Replicated what) const {
     return replicate_[row][static_cast<std::size_t>(what)];
   }
+  // Of the spectra's errors. Not of pilots. [W/(sr um)]
+  [[nodiscard]] const SpectralSet& modes(std::size_t row, Replicated what) const {
+    return modes_[row][static_cast<std::size_t>(what)];
+  }
 
  private:
   [[nodiscard]] BandOnAxis axis_band(std::size_t row) const {
@@ -134,6 +138,9 @@ class Pass {
   }
   [[nodiscard]] PathSettings settings(std::uint64_t samples, std::uint64_t stage) const;
   void collect(std::span<const PathWeights> weights, Kind kind);
+  // values: [replicate], of evaluate().
+  [[nodiscard]] std::array<SpectralSet, 3> modes_of(
+      std::size_t row, const std::vector<std::vector<double>>& values) const;
   // Of one row each.
   [[nodiscard]] double basis_error(std::size_t row, const std::vector<double>& largest) const;
   [[nodiscard]] double sky_error(std::size_t row, const SummedWeights& mean) const;
@@ -202,6 +209,7 @@ class Pass {
   ReplicateStatistics beyond_;                     // [order]
   std::vector<EnergyLedger> energy_;               // [band]
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
+  std::vector<std::array<SpectralSet, 3>> modes_;              // likewise
   PathCounts counts_;
   std::uint64_t samples_ = 0;
   ImagePlan image_plan_;

@@ -5,6 +5,7 @@
 
 #include "core/accuracy/quantities.h"
 #include "core/accuracy/replicates.h"
+#include "core/accuracy/spectral_modes.h"
 #include "core/effects/effects.h"
 #include "core/sources/source_layout.h"
 
@@ -25,6 +26,9 @@ inline constexpr int kPhysicsVersion = 11;
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
   std::vector<double> value, stderr_;
+  // How errors go together; empty where it is not kept (all but the whole source, apparent and
+  // contrast spectra).
+  SpectralSet modes = {};
 };
 
 // kFloorReached: the error is above the relative one that was asked for, and not above what

@@ -47,6 +47,11 @@ INSERT INTO signature (
   QUANTITIES)
 VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, PARAMETERS);
 
+-- name: insert_spectral_modes
+INSERT INTO spectral_modes (signature_id, spectral_intensity_modes, apparent_spectral_intensity_modes,
+                            contrast_spectral_intensity_modes)
+VALUES (?1, ?2, ?3, ?4);
+
 -- name: insert_spectrum
 INSERT INTO spectrum (
   signature_id, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_um, emitted_w_sr_um, emitted_stderr_w_sr_um,

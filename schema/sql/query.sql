@@ -108,10 +108,12 @@ SELECT b.lambda_um, spectral_intensity_w_sr_um, spectral_intensity_stderr_w_sr_u
        contrast_spectral_intensity_w_sr_um, contrast_spectral_intensity_stderr_w_sr_um,
        background_radiance_w_m2_sr_um, background_radiance_stderr_w_m2_sr_um, spectrum.path_transmittance,
        path_radiance_w_m2_sr_um, plume_w_sr_um, plume_stderr_w_sr_um, apparent_plume_w_sr_um,
-       apparent_plume_stderr_w_sr_um, contrast_plume_w_sr_um, contrast_plume_stderr_w_sr_um
+       apparent_plume_stderr_w_sr_um, contrast_plume_w_sr_um, contrast_plume_stderr_w_sr_um,
+       spectral_intensity_modes, apparent_spectral_intensity_modes, contrast_spectral_intensity_modes
 FROM spectrum
 JOIN signature USING (signature_id)
 JOIN band b USING (band_id)
+LEFT JOIN spectral_modes USING (signature_id)
 WHERE signature_id = ?1;
 
 -- name: sweep_by_name

@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
+#include "core/accuracy/spectral_modes.h"
 #include "google/protobuf/reflection.h"
 #include "schema/store/database.h"
 #include "schema/store/ingest_inputs.h"
@@ -106,6 +107,7 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, bool plume, const 
   }
   const google::protobuf::Descriptor& type = *spectrum.GetDescriptor();
   for (int i = 0; i < type.field_count(); ++i) {
+    if (!type.field(i)->is_repeated()) continue;
     const int size = spectrum.GetReflection()->FieldSize(spectrum, type.field(i));
     const bool of_plume = absl::StrContains(type.field(i)->name(), "plume");
     if (size != (of_plume && !plume ? 0 : lambda_um.size())) {
@@ -113,6 +115,15 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, bool plume, const 
                    absl::StrCat("has ", size, " values for ", lambda_um.size(), " wavelengths"));
     }
   }
+#define IRSIG_CHECK_MODES(field)                                                     \
+  if (const std::string what =                                                       \
+          wrong_modes(spectrum.field(), static_cast<std::size_t>(lambda_um.size())); \
+      !what.empty())                                                                 \
+    return wrong(absl::StrCat(path, ".", #field), what);
+  IRSIG_CHECK_MODES(spectral_intensity_modes)
+  IRSIG_CHECK_MODES(apparent_spectral_intensity_modes)
+  IRSIG_CHECK_MODES(contrast_spectral_intensity_modes)
+#undef IRSIG_CHECK_MODES
   return absl::OkStatus();
 }
 

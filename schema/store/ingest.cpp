@@ -119,6 +119,19 @@ absl::Status insert_spectrum(Database& database, std::int64_t signature_id,
   (std::make_index_sequence<kSpectrumArrays>());
 }
 
+// Nothing where nothing is known.
+absl::Status insert_modes(Database& database, std::int64_t signature_id,
+                          const schema::Spectrum& spectrum) {
+  if (spectrum.spectral_intensity_modes().empty() &&
+      spectrum.apparent_spectral_intensity_modes().empty() &&
+      spectrum.contrast_spectral_intensity_modes().empty())
+    return absl::OkStatus();
+  return database.run(sql::insert_spectral_modes, signature_id,
+                      Blob{spectrum.spectral_intensity_modes()},
+                      Blob{spectrum.apparent_spectral_intensity_modes()},
+                      Blob{spectrum.contrast_spectral_intensity_modes()});
+}
+
 absl::Status insert_profile_row(Database& database, std::int64_t signature_id,
                                 const schema::ProfileRow& p) {
   return database.run(sql::insert_profile_row, signature_id, p.profile_index(), p.point_index(),
@@ -136,6 +149,7 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
   const absl::StatusOr<std::int64_t> signature_id = insert_signature(database, job, row);
   if (!signature_id.ok()) return signature_id.status();
   IRSIG_STORE_TRY(insert_spectrum(database, *signature_id, row.spectrum()));
+  IRSIG_STORE_TRY(insert_modes(database, *signature_id, row.spectrum()));
   for (const schema::PartIntensity& part : row.part()) {
     IRSIG_STORE_TRY(database.run(sql::insert_part_intensity, *signature_id,
                                  parts[part.part_index()], part.intensity_w_sr().value(),

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/accuracy/spectral_modes.h"
 #include "schema/store/cost.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_contents.h"
@@ -46,7 +47,18 @@ class SqliteReader final : public StoreReader {
     const std::string lambda_um = row->text();
     std::array<std::string, kSpectrumArrays> arrays;
     for (std::string& array : arrays) array = row->text();
-    return spectrum_from_blobs(lambda_um, arrays);
+    auto spectrum = spectrum_from_blobs(lambda_um, arrays);
+    if (!spectrum.ok()) return spectrum;
+    for (std::string* modes : {spectrum->mutable_spectral_intensity_modes(),
+                               spectrum->mutable_apparent_spectral_intensity_modes(),
+                               spectrum->mutable_contrast_spectral_intensity_modes()}) {
+      *modes = row->text();
+      if (const std::string wrong =
+              wrong_modes(*modes, static_cast<std::size_t>(spectrum->lambda_um_size()));
+          !wrong.empty())
+        return absl::DataLossError(absl::StrCat("modes of signature ", signature_id, ": ", wrong));
+    }
+    return spectrum;
   }
 
   absl::StatusOr<StoredSweep> sweep(const std::string& name) override {

@@ -276,12 +276,27 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
       {"physics version 2", [](auto& r) { r.set_physics_version(2); }},
       {"determinism class", [](auto& r) { r.set_determinism_class("another"); }},
       {"build_id has control characters", [](auto& r) { r.set_build_id("\x1b[2J"); }},
+      {"spectrum.spectral_intensity_modes has 7 bytes, expected a multiple of",
+       [&](auto& r) { row(r)->mutable_spectrum()->set_spectral_intensity_modes("modes\x01\x02"); }},
+      {"modes, expected at most",
+       [&](auto& r) {
+         auto& spectrum = *row(r)->mutable_spectrum();
+         const auto bytes = static_cast<std::size_t>(2 * spectrum.lambda_um_size());
+         spectrum.set_contrast_spectral_intensity_modes(std::string(5000 * bytes, '\0'));
+       }},
+      {"times the variance of bin 0",
+       [&](auto& r) {
+         auto& spectrum = *row(r)->mutable_spectrum();
+         const auto bytes = static_cast<std::size_t>(2 * spectrum.lambda_um_size());
+         spectrum.set_apparent_spectral_intensity_modes(std::string(2 * bytes, '\x7f'));
+       }},
       {"wavelengths, its sweep asks for",
        [&](auto& r) {
          auto& spectrum = *row(r)->mutable_spectrum();
          const auto* type = spectrum.GetDescriptor();
          for (int f = 0; f < type->field_count(); ++f)
-           if (spectrum.GetReflection()->FieldSize(spectrum, type->field(f)) > 0)
+           if (type->field(f)->is_repeated() &&
+               spectrum.GetReflection()->FieldSize(spectrum, type->field(f)) > 0)
              spectrum.GetReflection()->RemoveLast(&spectrum, type->field(f));
        }},
   };

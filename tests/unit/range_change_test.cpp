@@ -295,7 +295,8 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
       spectrum.add_lambda_um(grid.lambda_um[static_cast<std::size_t>(k)]);
       const auto* type = spectrum.GetDescriptor();
       for (int f = 1; f < type->field_count(); ++f)
-        spectrum.GetReflection()->AddFloat(&spectrum, type->field(f), 0);
+        if (type->field(f)->is_repeated())
+          spectrum.GetReflection()->AddFloat(&spectrum, type->field(f), 0);
       spectrum.set_sky_reflected_w_sr_um(k, static_cast<float>(sky));
       spectrum.set_apparent_spectral_intensity_w_sr_um(k, static_cast<float>(before));
     }

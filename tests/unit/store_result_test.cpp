@@ -93,6 +93,13 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
        [](auto& r) {
          r.mutable_view()->mutable_row(1)->mutable_spectrum()->clear_path_transmittance();
        }},
+      {"row[1].spectrum.contrast_spectral_intensity_modes has 9 bytes, expected a multiple of 10",
+       [](auto& r) {
+         r.mutable_view()
+             ->mutable_row(1)
+             ->mutable_spectrum()
+             ->set_contrast_spectral_intensity_modes(std::string(9, '\0'));
+       }},
       {"row[0].effect lacks refraction",
        [](auto& r) { r.mutable_view()->mutable_row(0)->mutable_effect()->RemoveLast(); }},
       {"row[0].effect lacks ", [](auto& r) { r.mutable_view()->mutable_row(0)->clear_effect(); }},
