@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
@@ -11,6 +13,8 @@
 #include "cli/picture_program.h"
 #include "cli/target_extent.h"
 #include "jobs/number_bounds.h"
+#include "jobs/response_file.h"
+#include "view/band_sum.h"
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/query_table.h"
@@ -28,8 +32,39 @@ struct QueryCommand {
   std::string thumbnail, thumbnail_scale, sort;
   bool descending = false;
   std::optional<double> range_m;
+  std::vector<double> window_um;  // two, or none
+  std::string response;           // a file
+
+  // Of --window or --response; nullopt: of neither.
+  [[nodiscard]] absl::StatusOr<std::optional<ResponseTable>> asked_response() const {
+    if (!response.empty()) {
+      auto table = read_response(response);
+      if (!table.ok()) return table.status();
+      return *std::move(table);
+    }
+    if (window_um.empty()) return std::nullopt;
+    if (!(window_um[0] > 0 && window_um[0] < window_um[1]))
+      return absl::InvalidArgumentError(
+          fmt::format("--window {:g},{:g}: expected two wavelengths in um, the shorter one first",
+                      window_um[0], window_um[1]));
+    return window(window_um[0], window_um[1]);
+  }
+
+  // What is not known of windows' errors, where a row does not say.
+  static void note_on_errors(const std::vector<InBand>& sums) {
+    const auto lacking =
+        std::count_if(sums.begin(), sums.end(), [](const InBand& s) { return !s.modes; });
+    if (lacking > 0)
+      print_note(
+          "irsig: note: of {} of {} rows it is not stored how errors of wavelengths go together "
+          "(an older irsig, another range): their standard errors are the largest that they can "
+          "be\n",
+          lacking, sums.size());
+  }
 
   [[nodiscard]] absl::Status run() const {
+    const auto asked = asked_response();
+    if (!asked.ok()) return asked.status();
     auto query = filter.query();
     if (!query.ok()) return query.status();
     if (range_m)
@@ -50,6 +85,17 @@ struct QueryCommand {
     const auto floors = floor_notes(**reader, *rows);
     if (!floors.ok()) return floors.status();
     for (const std::string& note : *floors) print_note("irsig: note: {}\n", note);
+    if (*asked) {
+      const auto sums = in_band(**reader, *rows, **asked);
+      if (!sums.ok())
+        return absl::Status(sums.status().code(),
+                            fmt::format("{}: {}", response.empty() ? "--window" : response,
+                                        std::string(sums.status().message())));
+      note_on_errors(*sums);
+      return output.write([&](std::string_view format, std::ostream& out) {
+        return write_in_band(*rows, *sums, query->quantity, format, out);
+      });
+    }
     QueryContent shown = content;
     shown.quantity = query->quantity;
     return output.write([&](std::string_view format, std::ostream& out) {
@@ -80,6 +126,26 @@ void add_query(CLI::App& app, int& exit_code) {
                    "intensity, contrast, background and the path anew, their errors with what "
                    "that adds; 20 target lengths or more")
       ->type_name("R");
+  CLI::Option* window =
+      command
+          ->add_option("--window", options->window_um,
+                       "In-band from L1 to L2 [um], within the stored band, instead of the whole "
+                       "band: with the standard error that the stored modes give, and the whole "
+                       "band's bounds")
+          ->type_name("L1,L2")
+          ->delimiter(',')
+          ->expected(2)
+          ->excludes("--spectrum")
+          ->excludes("--parts")
+          ->excludes("--causes");
+  command
+      ->add_option("--response", options->response,
+                   "  the same under a response: CSV with wavelength_um,response")
+      ->type_name("FILE")
+      ->excludes(window)
+      ->excludes("--spectrum")
+      ->excludes("--parts")
+      ->excludes("--causes");
   command->add_option("--sort", options->sort, "Order the rows by a column of the csv format")
       ->type_name("COLUMN");
   command->add_flag("--descending", options->descending, "  the largest first")->needs("--sort");

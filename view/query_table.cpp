@@ -318,6 +318,50 @@ absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column, boo
   return absl::OkStatus();
 }
 
+absl::Status write_in_band(const std::vector<QueryRow>& rows, const std::vector<InBand>& sum,
+                           SignatureQuantity quantity, std::string_view format, std::ostream& out) {
+  struct Of {
+    const char* prefix;
+    Measured InBand::*measured;
+    SignatureQuantity quantity;
+  };
+  constexpr Of kAll[] = {
+      {"in_band_", &InBand::source, SignatureQuantity::kIntensity},
+      {"in_band_apparent_", &InBand::apparent, SignatureQuantity::kApparentIntensity},
+      {"in_band_contrast_", &InBand::contrast, SignatureQuantity::kContrastIntensity}};
+  std::vector<RowColumn> columns = fixed_columns(false);
+  if (!rows.empty() && rows.front().range_change) {
+    std::vector<RowColumn> more = range_columns();
+    std::move(more.begin(), more.end(), std::back_inserter(columns));
+  }
+  std::vector<Column> heads;
+  for (const RowColumn& c : columns) heads.push_back(c.column);
+  for (const Of& of : kAll) {
+    const bool brief = of.quantity == quantity;
+    const std::string prefix = of.prefix;
+    heads.push_back({prefix + "intensity_w_sr", true});
+    heads.push_back({prefix + "intensity_stderr_w_sr", brief});
+    heads.push_back({prefix + "bound_w_sr", false});
+    heads.push_back({prefix + "numerical_error_w_sr", brief});
+  }
+  heads.push_back({"errors_from", true});
+  auto writer = make_table_writer(format, heads, out);
+  if (!writer.ok()) return writer.status();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<Cell> line = cells_of(columns, rows[i]);
+    for (const Of& of : kAll) {
+      const Measured& m = sum[i].*of.measured;
+      line.emplace_back(m.value);
+      line.emplace_back(m.stderr_);
+      line.emplace_back(m.bias_bound());
+      line.emplace_back(m.numerical_error());
+    }
+    line.emplace_back(std::string(sum[i].modes ? "modes" : "all as one"));
+    (*writer)->row(line);
+  }
+  return (*writer)->finish();
+}
+
 absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                         const QueryContent& content, std::string_view format, std::ostream& out) {
   if (content.parts && content.quantity != SignatureQuantity::kIntensity) {

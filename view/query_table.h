@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "view/band_sum.h"
 #include "view/query.h"
 #include "view/table.h"
 
@@ -36,5 +37,10 @@ struct SpectralColumn {
 [[nodiscard]] absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
                                       const QueryContent& content, std::string_view format,
                                       std::ostream& out);
+
+// Rows under a response of the user's own, one line each. sum: [row]
+[[nodiscard]] absl::Status write_in_band(const std::vector<QueryRow>& rows,
+                                         const std::vector<InBand>& sum, SignatureQuantity quantity,
+                                         std::string_view format, std::ostream& out);
 
 }  // namespace irsig
