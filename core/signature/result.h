@@ -13,10 +13,9 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-// 11: aerosol between 2 and 3 km, and that of the Navy's model above the surface; the stated model
-// error of the air.
-// 11: what the target reflects of hot gas; aerosol between 2 and 3 km, and that of the Navy's model
-// above the surface; the stated model error of the air.
+// 11: what the target reflects of hot gas, and what gas takes of light behind it; aerosol between 2
+// and 3 km, and that of the Navy's model above the surface; the air's stated model error; its carbon
+// dioxide at 2140-2430 cm-1 in warmer and colder air.
 // 10: computed temperatures, whose exchange and repeated day are settled together; the air's carbon
 // dioxide at 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun
 // in them, added up in the bands of the air, scattered sunlight rounded to float; what of the sun
