@@ -141,8 +141,7 @@ TEST(PlumeOnHull, TheSunLosesWhatAColumnTakes) {
   const double share = in_band_of(*simulator, 0, taken) / in_band_of(*simulator, 0, sun);
   const double lost = share * row.cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)].value;
   EXPECT_GT(lost, 3 * sent);
-  expect_within_t(row.plume_on_hull_w_sr, sent - lost, 1, "plate in the sun", 0.02,
-                  0.005 * lost);
+  expect_within_t(row.plume_on_hull_w_sr, sent - lost, 1, "plate in the sun", 0.02, 0.005 * lost);
 }
 
 // All of one temperature: whatever gas sends it takes of what is behind it.
