@@ -99,6 +99,7 @@ int main(int argc, char** argv) {
   irsig::add_plan(app, exit_code);
   irsig::add_report(app, exit_code);
   irsig::add_query(app, exit_code);
+  irsig::add_bands(app, exit_code);
   irsig::add_explain(app, exit_code);
   irsig::add_plot(app, exit_code);
   irsig::add_serve(app, exit_code);

@@ -49,6 +49,7 @@ constexpr std::string_view kSigma =
     "smaller is known exactly; of larger ones one step says nothing";
 constexpr std::string_view kIndexOfList = "the longest list";
 constexpr std::string_view kGasTables = "the tables of hot gas end there";
+constexpr std::string_view kInstrument = "far beyond any instrument";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
 // The limits of a row stand as they are printed.
@@ -312,6 +313,21 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"GoniometerAccuracy.samples_per_replicate", 1, 8388608, kSamples},
     {"GoniometerAccuracy.replicates", 32, 4096, kReplicates},
     {"GoniometerAccuracy.max_reflections", 0, 1000, kReflections},
+
+    {"DetectorNoise.nei_w_m2", 1e-30, 1e6, kInstrument},
+    {"DetectorNoise.netd_k", 1e-9, 1e3, kInstrument},
+    {"DetectorNoise.scene_temperature_k", 2.7, 20000, kTemperature},
+    {"DetectorNoise.stated_f_number", 0.1, 1e3, kInstrument},
+    {"DetectorNoise.f_number", 0.1, 1e3, kInstrument},
+    {"DetectorNoise.ifov_rad", 1e-9, 1, kInstrument},
+    {"DetectorNoise.detector_area_m2", 1e-15, 1, kInstrument},
+    {"DetectorNoise.bandwidth_hz", 1e-6, 1e12, kInstrument},
+    {"DetectorNoise.aperture_m", 1e-5, 100, kInstrument},
+    {"DetectorNoise.transmittance", 1e-9, 1, kFraction},
+    {"DetectorNoise.pixel_m", 1e-7, 1, kInstrument},
+    {"DetectorNoise.integration_s", 1e-9, 1e6, kInstrument},
+    {"DetectorNoise.well_electrons", 1, 1e15, kInstrument},
+    {"DetectorNoise.read_electrons", 0, 1e9, kInstrument},
 });
 
 std::string key_of(const FieldDescriptor& field) {

@@ -20,9 +20,9 @@ struct NumberBounds {
   std::string_view reason;
 };
 
-// A row for each field of schema/sweep.proto, schema/goniometer.proto and (what a resolved sweep
-// has of it) schema/job.proto that holds numbers, lists and maps of them included
-// (tests/unit/number_bounds_test.cpp).
+// A row for each field of schema/sweep.proto, schema/goniometer.proto, schema/detector.proto and
+// (what a resolved sweep has of it) schema/job.proto that holds numbers, lists and maps of them
+// included (tests/unit/number_bounds_test.cpp).
 [[nodiscard]] std::span<const NumberBounds> number_bounds();
 
 // Of "Viewpoints.range_m". The key must be in the table.

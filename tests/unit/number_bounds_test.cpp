@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "schema/detector.pb.h"
 #include "schema/goniometer.pb.h"
 #include "tests/unit/sweep_text.h"
 
@@ -47,6 +48,7 @@ TEST(NumberBounds, EveryNumberHasARowAndEveryRowANumber) {
   Tables expected;
   collect(*schema::Sweep::descriptor(), "", expected);
   collect(*schema::Goniometer::descriptor(), "", expected);
+  collect(*schema::DetectorFile::descriptor(), "", expected);
   collect(*schema::ResolvedSweep::descriptor(), "", expected);
   std::set<std::string> rows;
   for (const NumberBounds& row : number_bounds()) {
@@ -90,6 +92,9 @@ void for_each_number(const std::function<void(const Descriptor&, const FieldDesc
         schema::Sweep::descriptor()->file()->FindMessageTypeByName(key.substr(0, key.find('.')));
     if (message == nullptr)
       message = schema::Goniometer::descriptor()->file()->FindMessageTypeByName(
+          key.substr(0, key.find('.')));
+    if (message == nullptr)
+      message = schema::DetectorFile::descriptor()->file()->FindMessageTypeByName(
           key.substr(0, key.find('.')));
     if (message == nullptr)
       message = schema::ResolvedSweep::descriptor()->file()->FindMessageTypeByName(
@@ -198,6 +203,7 @@ std::string limits_on(const char* page_name) {
 TEST(NumberBounds, ArePrintedInTheDocumentation) {
   EXPECT_EQ(limits_on("docs/sweep-file.md"), limits_of(*schema::Sweep::descriptor()));
   EXPECT_EQ(limits_on("docs/goniometer.md"), limits_of(*schema::Goniometer::descriptor()));
+  EXPECT_EQ(limits_on("docs/bands.md"), limits_of(*schema::DetectorFile::descriptor()));
 }
 
 }  // namespace

@@ -1,0 +1,309 @@
+"""irsig bands against a reference in numpy that reads the same database through irsig.py, and what it refuses.
+
+usage: bands_test.py <irsig> <repository>
+"""
+import csv, io, math, pathlib, shutil, sqlite3, subprocess, sys, tempfile, unittest
+
+import numpy
+
+IRSIG, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:3])
+sys.path.insert(0, str(ROOT / "python"))
+import irsig  # noqa: E402
+
+SWEEP = """
+name = "ship"
+time = ["03:30Z", "15:30Z"]
+[model]
+generate = "frigate"
+triangles = 2000
+length_m = 153.8
+width_m = 20.4
+height_m = 6.4
+[place]
+latitude_deg = 25
+longitude_deg = 130
+heading_deg = 0
+[[part]]
+name = "all"
+match = ["*"]
+material = "hull"
+[[season]]
+name = "summer"
+date = 2025-06-21
+part_temperature_k = {{ all = {kelvin} }}
+air_temperature_k = 298.15
+sun_irradiance_w_m2 = 1000
+surroundings = {{ sea_temperature_k = 298.15, sky_temperature_k = 284.18 }}
+[[band]]
+name = "mwir"
+lambda_min_um = 3.0
+lambda_max_um = 5.0
+step_um = 0.1
+[[band]]
+name = "lwir"
+lambda_min_um = 8.0
+lambda_max_um = 12.0
+step_um = 0.2
+[viewpoints]
+kind = "ring"
+range_m = 5000
+count = 7
+elevation_deg = [5, 40]
+[surroundings]
+kind = "sea"
+sea_emissivity = 0.96
+[air]
+model = "vacuum"
+[transport]
+sun = true
+max_reflections = 8
+[accuracy]
+samples_per_replicate = 256
+"""
+RESPONSE = [(3.05, 0.0), (3.2, 0.4), (3.87, 1.0), (4.6, 0.7), (4.95, 0.0)]
+H, C = 6.62607015e-34, 299792458.0
+
+
+def integrals(lambda_um, response, edges, factor=numpy.ones_like):
+    """Weights [edge, bin] of the integrals from the first edge to each of response x factor(wavelength) x spectrum, the spectrum a straight line in
+    each bin: through its mean, with the slope of the bins beside it. By Gauss's rule between all corners."""
+    step = lambda_um[1] - lambda_um[0]
+    bins = len(lambda_um)
+    corners = sorted({*edges, *(um for um, _ in response), *(lambda_um - step / 2), lambda_um[-1] + step / 2})
+    corners = [um for um in corners if edges[0] <= um <= edges[-1]]
+    node, weight = numpy.polynomial.legendre.leggauss(4)
+    of_edge = {edges[0]: numpy.zeros(bins)}
+    total = numpy.zeros(bins)
+    for low, high in zip(corners, corners[1:]):
+        um = (low + high) / 2 + (high - low) / 2 * node
+        k = min(bins - 1, max(0, int(round(((low + high) / 2 - lambda_um[0]) / step))))
+        r = numpy.interp(um, *zip(*response), left=0, right=0) * factor(um) * weight * (high - low) / 2
+        below, above = max(0, k - 1), min(bins - 1, k + 1)
+        slope = (r @ (um - lambda_um[k])) / (lambda_um[above] - lambda_um[below])
+        total[k] += r.sum()
+        total[above] += slope
+        total[below] -= slope
+        for edge in edges:
+            if abs(edge - high) < 1e-12:
+                of_edge[edge] = total.copy()
+    return numpy.array([of_edge[e] for e in edges])
+
+
+class Bands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        for name, kelvin in (("ship", 300.15), ("decoy", 303.15)):
+            (cls.path / f"{name}.toml").write_text(SWEEP.format(kelvin=kelvin))
+            cls.irsig("run", cls.path / f"{name}.toml", "--db", cls.path / f"{name}.sigdb")
+        cls.db = cls.path / "ship.sigdb"
+        (cls.path / "response.csv").write_text("wavelength_um,response\n" + "".join(f"{um},{r}\n" for um, r in RESPONSE))
+        (cls.path / "qe.csv").write_text("wavelength_um,quantum_efficiency\n" + "".join(f"{um},{r}\n" for um, r in RESPONSE))
+        cls.nei = cls.detector("nei", 'response_file = "response.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 2e-8\n')
+        cls.photons = cls.detector("photons", 'response_file = "qe.csv"\n[noise]\nkind = "background"\naperture_m = 0.05\nf_number = 2\n'
+                                   'transmittance = 0.8\npixel_m = 2e-5\nintegration_s = 2e-3\nwell_electrons = 3e5\nread_electrons = 300\n')
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def irsig(cls, *arguments):
+        done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stderr
+        return done
+
+    @classmethod
+    def detector(cls, name, text):
+        file = cls.path / f"{name}.toml"
+        file.write_text(text)
+        return file
+
+    def table(self, *arguments):
+        return list(csv.DictReader(io.StringIO(self.irsig("bands", *arguments, "--csv").stdout)))
+
+    def map(self, *arguments):
+        self.irsig("bands", *arguments, "--map", self.path / "map.csv")
+        rows = list(csv.DictReader(io.StringIO((self.path / "map.csv").read_text())))
+        return {(float(r["lambda_min_um"]), float(r["lambda_max_um"])): r for r in rows}
+
+    def spectra(self, db, band="mwir"):
+        with irsig.open(db) as opened:
+            rows = opened.query(band=band)
+            get = lambda name: numpy.array([values for _, values in rows.spectra(name)])  # noqa: E731
+            lambda_um = rows.spectra()[0][0]
+            order = sorted(range(len(rows)), key=lambda i: (rows["time_utc"][i], rows["aspect_azimuth_deg"][i], rows["aspect_elevation_deg"][i]))
+            view = [(rows["aspect_azimuth_deg"][i], rows["aspect_elevation_deg"][i]) for i in order]
+            modes = rows.modes("contrast_spectral_intensity_w_sr_um")
+            return (lambda_um, get("contrast_spectral_intensity_w_sr_um")[order], get("contrast_spectral_intensity_stderr_w_sr_um")[order],
+                    get("background_radiance_w_m2_sr_um")[order], [modes[i] for i in order], view)
+
+    def check(self, found, merit, lambda_um, snr_of):
+        edges = sorted({um for window in found for um in window})
+        self.assertEqual(len(found), len(edges) * (len(edges) - 1) // 2 - sum(b - a < 0.1 - 1e-9 for i, a in enumerate(edges) for b in edges[i + 1:]))
+        for (low, high), row in found.items():
+            expected = merit(snr_of(edges.index(low), edges.index(high), edges))
+            self.assertAlmostEqual(float(row["merit"]), expected, delta=1e-6 * expected + 1e-12, msg=f"{low} to {high}")
+
+    MERITS = (((), numpy.mean), (("--merit", "worst"), min), (("--merit", "above", "--threshold", "3"), lambda s: numpy.mean(s >= 3)),
+              (("--merit", "percentile", "--percentile", "25"), lambda s: sorted(s)[math.ceil(0.25 * len(s) - 1e-9) - 1]))
+
+    def test_every_window_is_that_of_the_reference(self):
+        lambda_um, contrast, stderr, _, modes, view = self.spectra(self.db)
+        edges = None
+        for options, merit in self.MERITS:
+            found = self.map(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows", *options)
+            if edges is None:
+                edges = sorted({um for window in found for um in window})
+                weights = integrals(lambda_um, RESPONSE, edges)
+                self.assertAlmostEqual(edges[0], 3.05)
+                self.assertAlmostEqual(edges[-1], 4.95)
+            self.check(found, merit, lambda_um,
+                       lambda a, b, _: abs(contrast @ (weights[b] - weights[a])) / 5000 ** 2 / 2e-8)
+        # The mean's standard error, by modes of views.
+        found = self.map(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows")
+        for (low, high), row in list(found.items())[::17]:
+            weight = weights[edges.index(high)] - weights[edges.index(low)]
+            variance = 0
+            for place in set(view):
+                rows = [i for i, v in enumerate(view) if v == place]
+                sign = {i: math.copysign(1, contrast[i] @ weight) for i in rows}
+                for k in range(max(len(modes[i]) for i in rows)):
+                    variance += sum(sign[i] * (modes[i][k] @ weight) for i in rows if k < len(modes[i])) ** 2
+                variance += sum(numpy.sqrt(numpy.maximum(0, stderr[i] ** 2 - (modes[i] ** 2).sum(0))) @ weight for i in rows) ** 2
+            expected = math.sqrt(variance) / len(view) / 5000 ** 2 / 2e-8
+            self.assertAlmostEqual(float(row["samples_stderr"]), expected, delta=1e-3 * expected)
+
+    def test_noise_of_the_background(self):
+        lambda_um, contrast, _, background, _, _ = self.spectra(self.db)
+        found = self.map(self.db, "--band", "mwir", "--detector", self.photons, "--weight", "rows")
+        edges = sorted({um for window in found for um in window})
+        weights = integrals(lambda_um, RESPONSE, edges, lambda um: um) * math.pi * 0.05 ** 2 / 4 * 0.8 * 2e-3 * 1e-6 / (H * C)
+
+        full = 0
+
+        def snr(a, b, _):
+            nonlocal full
+            signal = contrast @ (weights[b] - weights[a]) / 5000 ** 2
+            photons = background @ (weights[b] - weights[a]) * (2e-5 / (2 * 0.05)) ** 2
+            kept = numpy.minimum(1, 3e5 / photons)
+            full += (kept < 1).sum()
+            return abs(kept * signal) / numpy.sqrt(kept * photons + 300 ** 2)
+        self.check(found, numpy.mean, lambda_um, snr)
+        self.assertTrue(0 < full < len(found) * len(contrast))  # the well fills in some of them
+
+    def test_two_targets(self):
+        lambda_um, ship, *_ = self.spectra(self.db)
+        _, decoy, *_ = self.spectra(self.path / "decoy.sigdb")
+        found = self.map(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows", "--against", self.path / "decoy.sigdb")
+        edges = sorted({um for window in found for um in window})
+        weights = integrals(lambda_um, RESPONSE, edges)
+        self.check(found, numpy.mean, lambda_um, lambda a, b, _: abs((ship - decoy) @ (weights[b] - weights[a])) / 5000 ** 2 / 2e-8)
+
+    def test_margin(self):
+        rows = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--top", "40")
+        self.assertEqual(len(rows), 40)
+        for column in ("best", "best_numerical"):
+            self.assertAlmostEqual(sum(float(r[column]) for r in rows), 1)
+        self.assertEqual(float(rows[0]["as_good"]), 1)
+        found = self.map(self.db, "--band", "mwir", "--detector", self.nei)
+        merits = sorted((float(r["merit"]) for r in found.values()), reverse=True)
+        for row, merit in zip(rows, merits):
+            self.assertAlmostEqual(float(row["merit"]), merit)
+            # Drawn against computed: 400 draws scatter by 1 / sqrt(800) of it.
+            computed = float(found[float(row["lambda_min_um"]), float(row["lambda_max_um"])]["samples_stderr"])
+            self.assertAlmostEqual(float(row["samples_stderr"]) / computed, 1, delta=0.2)
+            self.assertGreaterEqual(float(row["numerical_error"]), 0.95 * float(row["samples_stderr"]))
+        # Ten times the noise: a tenth of every merit and error, and the same order.
+        loud = self.detector("loud", 'response_file = "response.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 2e-7\n')
+        for a, b in zip(rows, self.table(self.db, "--band", "mwir", "--detector", loud, "--top", "40")):
+            for column in ("merit", "samples_stderr", "numerical_error", "total_error"):
+                self.assertAlmostEqual(float(a[column]), 10 * float(b[column]), delta=1e-9 * float(a[column]))
+        # Without modes errors are taken as one: never smaller.
+        old = self.path / "old.sigdb"
+        shutil.copy(self.db, old)
+        sql = sqlite3.connect(old)
+        sql.execute("DELETE FROM spectral_modes")
+        sql.commit()
+        sql.close()
+        done = self.irsig("bands", old, "--band", "mwir", "--detector", self.nei, "--csv", "--map", self.path / "old.csv")
+        self.assertIn("they are taken as one", done.stderr)
+        for row in csv.DictReader(io.StringIO((self.path / "old.csv").read_text())):
+            known = found[float(row["lambda_min_um"]), float(row["lambda_max_um"])]
+            self.assertGreaterEqual(float(row["samples_stderr"]), 0.999 * float(known["samples_stderr"]))
+
+    def test_ranges(self):
+        """Without air s goes as 1 / R^2: the range at which it falls to a threshold is known."""
+        done = self.irsig("bands", self.db, "--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--csv",
+                          "--range-m", "4000,8000,300000", "--threshold", "5")
+        lambda_um, contrast, *_ = self.spectra(self.db)
+        weight = integrals(lambda_um, RESPONSE, [3.05, 4.95])[1]
+        ranges = sorted(math.sqrt(abs(j) / 2e-8 / 5) for j in contrast @ weight)
+        said = done.stderr.split("half ")[1].split(" m,")[0]
+        self.assertAlmostEqual(float(said), ranges[(len(ranges) - 1) // 2], delta=2e-3 * float(said))
+
+    def test_files(self):
+        best = self.path / "best.csv"
+        picture = self.path / "map.svg"
+        rows = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--map", picture, "--response-out", best)
+        self.assertTrue(picture.read_text().rstrip().endswith("</svg>"))
+        low, high = float(rows[0]["lambda_min_um"]), float(rows[0]["lambda_max_um"])
+        points = [tuple(map(float, line.split(","))) for line in best.read_text().splitlines()[1:]]
+        self.assertAlmostEqual(points[0][0], low)
+        self.assertAlmostEqual(points[-1][0], high)
+        through = list(csv.DictReader(io.StringIO(self.irsig("query", self.db, "--band", "mwir", "--response", best, "--csv").stdout)))
+        mean = numpy.mean([abs(float(r["in_band_contrast_intensity_w_sr"])) for r in through]) / 5000 ** 2 / 2e-8
+        one = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows", "--window", f"{low},{high}")
+        self.assertAlmostEqual(float(one[0]["merit"]), mean, delta=1e-6 * mean)
+
+    def test_what_is_wrong_is_said(self):
+        def refused(detector, said, *arguments):
+            done = subprocess.run([IRSIG, "bands", str(self.db), "--detector", str(detector), *(arguments or ("--band", "mwir"))],
+                                  capture_output=True, text=True)
+            with self.subTest(said):
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(said, done.stderr)
+
+        def file(text):
+            return self.detector("bad", text)
+        refused(file('name = "a"\n'), "bad.toml:1:1: [noise] is missing")
+        refused(file("[noise]\nnei_w_m2 = 1e-9\n"), "bad.toml:1:2: noise.kind is missing")
+        refused(file('[noise]\nkind = "quiet"\n'), "bad.toml:2:1: noise.kind")
+        refused(file('[noise]\nkind = "nei"\n'), "bad.toml:1:2: noise.nei_w_m2 is missing")
+        refused(file('[noise]\nkind = "nei"\nnei_w_m2 = 0\n'), "bad.toml:3:1: noise.nei_w_m2 = 0")
+        refused(file('[noise]\nkind = "nei"\nnei_w_m2 = 1e-9\nnetd_k = 0.02\n'), "bad.toml:4:1: noise.netd_k")
+        refused(file('[noise]\nkind = "nei"\nnei_w_m2 = 1e-9\nnei = 1\n'), "bad.toml:4:1: ")
+        refused(file('[noise]\nkind = "background"\naperture_m = 0.05\n'), "response_file is missing")
+        refused(file('response_file = "none.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 1e-9\n'), "none.csv:1:1: ")
+        refused(file('response_file = "qe.csv"\n[noise]\nkind = "nei"\nnei_w_m2 = 1e-9\n'), "qe.csv:1:1: the columns are not those")
+        refused(self.path / "none.toml", "none.toml:1:1: ")
+        refused(self.nei, "outside the stored band, 8 to 12 um", "--band", "lwir")
+        refused(self.nei, "expected one of them", "--season", "summer")
+        refused(self.nei, "narrower than the stored step of 0.1 um; ask for step_um = 0.05", "--band", "mwir", "--min-width-um", "0.05")
+        refused(self.nei, "narrower than the stored step of 0.1 um", "--band", "mwir", "--window", "4,4.05")
+        refused(self.nei, "outside of what is stored", "--band", "mwir", "--window", "2.5,4")
+        refused(self.nei, "wider than what is stored", "--band", "mwir", "--min-width-um", "3")
+        refused(self.nei, "target lengths", "--band", "mwir", "--range-m", "500")
+        refused(self.nei, "--percentile 0", "--band", "mwir", "--percentile", "0")
+        refused(self.nei, "ends in .svg or .csv", "--band", "mwir", "--map", "map.png")
+        newer = self.path / "newer.sigdb"
+        shutil.copy(self.db, newer)
+        sql = sqlite3.connect(newer)
+        sql.execute("PRAGMA user_version = 999")
+        sql.close()
+        done = subprocess.run([IRSIG, "bands", str(newer), "--detector", str(self.nei)], capture_output=True, text=True)
+        self.assertIn("999", done.stderr)
+        # The other target lacks a place.
+        less = self.path / "less.sigdb"
+        shutil.copy(self.path / "decoy.sigdb", less)
+        sql = sqlite3.connect(less)
+        sql.execute("PRAGMA foreign_keys = ON")
+        sql.execute("DELETE FROM signature WHERE signature_id = (SELECT max(signature_id) FROM signature_view WHERE band = 'mwir')")
+        sql.commit()
+        sql.close()
+        refused(self.nei, "the other target has no row for", "--band", "mwir", "--against", str(less))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)
