@@ -284,7 +284,7 @@ class Bands(unittest.TestCase):
         refused(self.nei, "narrower than the stored step of 0.1 um", "--band", "mwir", "--window", "4,4.05")
         refused(self.nei, "outside of what is stored", "--band", "mwir", "--window", "2.5,4")
         refused(self.nei, "wider than what is stored", "--band", "mwir", "--min-width-um", "3")
-        refused(self.nei, "target lengths", "--band", "mwir", "--range-m", "500")
+        refused(self.nei, "lengths of the target", "--band", "mwir", "--range-m", "500")
         refused(self.nei, "--percentile 0", "--band", "mwir", "--percentile", "0")
         refused(self.nei, "ends in .svg or .csv", "--band", "mwir", "--map", "map.png")
         newer = self.path / "newer.sigdb"
