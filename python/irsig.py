@@ -218,7 +218,10 @@ class Rows:
             blob = self._database._sql.execute(f"SELECT {column} FROM spectral_modes WHERE signature_id = ?", (row,)).fetchone() \
                 if known else None
             shares = numpy.frombuffer(blob[0] if blob else b"", "<i2")
-            if len(stderr) == 0 or len(shares) % len(stderr):
+            if len(stderr) == 0:  # the row has no spectrum, and so nothing to weigh
+                out.append(numpy.zeros((0, 0)))
+                continue
+            if len(shares) % len(stderr):
                 raise Error(f"the modes of signature {row} are {len(shares)} values at {len(stderr)} wavelengths: "
                             "the database is damaged")
             out.append(shares.reshape(-1, len(stderr)) / 32767 * stderr)
