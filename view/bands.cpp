@@ -407,7 +407,9 @@ BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t
   }
   const auto scatter = [&](const std::vector<double>& values) {
     double mean = 0, sum = 0;
-    for (const double v : values) mean += v / kDraws;
+    // Of equal values exactly that: a mean of differences.
+    for (const double v : values) mean += (v - values.front()) / kDraws;
+    mean += values.front();
     for (const double v : values) sum += squared(v - mean) / (kDraws - 1);
     return std::sqrt(sum);
   };
