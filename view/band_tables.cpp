@@ -130,7 +130,9 @@ std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,
 std::string response_csv(const ResponseTable& response, double lambda_min_um,
                          double lambda_max_um) {
   std::string out = "wavelength_um,response\n";
-  const auto add = [&](double um, double value) { out += fmt::format("{:.10g},{:.10g}\n", um, value); };
+  const auto add = [&](double um, double value) {
+    out += fmt::format("{:.10g},{:.10g}\n", um, value);
+  };
   for (std::size_t i = 0; i + 1 < response.size(); ++i) {
     const SpectralPoint &a = response[i], &b = response[i + 1];
     const double from = std::max(a.lambda_um, lambda_min_um),
