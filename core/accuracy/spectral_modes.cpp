@@ -72,18 +72,18 @@ std::size_t stored_modes(std::size_t bins) {
 }
 
 std::string encoded_modes(const SpectralSet& modes, std::span<const double> stderr_) {
-  // Of each bin, what its modes have of its variance: 1 at most, but where it is nothing but
-  // rounding, of which two sums need not agree.
+  // Of each bin, what its modes have of its variance is 1 at most, but where that is nothing but
+  // rounding, or too small to be squared: two sums need not agree then.
   std::vector<double> unit(stderr_.size(), 0.0);
   for (std::size_t i = 0; i < unit.size(); ++i) {
-    double sum = 0;
-    for (const auto& mode : modes) sum += mode[i] * mode[i];
-    if (stderr_[i] > 0) unit[i] = 1 / std::max(stderr_[i], std::sqrt(sum));
+    double length = 0;
+    for (const auto& mode : modes) length = std::hypot(length, mode[i]);
+    if (stderr_[i] > 0) unit[i] = std::max(stderr_[i], length);
   }
   std::string out;
   for (const auto& mode : modes)
     for (std::size_t i = 0; i < mode.size(); ++i) {
-      const double share = std::clamp(mode[i] * unit[i], -1.0, 1.0);
+      const double share = unit[i] > 0 ? std::clamp(mode[i] / unit[i], -1.0, 1.0) : 0;
       const auto number =
           static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(share / kModeUnit)));
       out += static_cast<char>(number & 0xff);
