@@ -518,7 +518,7 @@ std::vector<HardCase> plume_cases() {
       {"plume", "tile_corner", "through the corner where uniform blocks touch, and past it: amount",
        "the same: cubic ramps of the linear field have integrals of 1/4 and 1/2", tile_corner},
       {"plume", "one_voxel", "through, from inside and away from one voxel: amount, relative",
-       "the same", one_voxel},
+       "its length in the voxel x its density; voxels are floats", one_voxel},
       {"plume", "far_voxel", "1e9 empty voxels between two: amount, relative; in 200 steps",
        "the same; steps through what is empty are up to 4096 voxels of nodes that are there",
        far_voxel},

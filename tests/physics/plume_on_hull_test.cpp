@@ -218,22 +218,7 @@ TEST(PlumeOnHull, SeedsScatterAsTheyState) {
   ViewRequest r = seen_from_the_side(*simulator, 300);
   r.condition[0].gas = slab(3);
   r.accuracy.samples_per_replicate = 64;
-  std::vector<double> value;
-  double variance = 0;
-  constexpr int kSeeds = 24;
-  for (int seed = 0; seed < kSeeds; ++seed) {
-    r.seed = static_cast<std::uint64_t>(seed + 1);
-    const auto view = simulator->simulate(r);
-    ASSERT_TRUE(view.ok());
-    value.push_back(view->row[0].plume_on_hull_w_sr.value);
-    variance += std::pow(view->row[0].plume_on_hull_w_sr.stderr_, 2) / kSeeds;
-  }
-  double mean = 0, scatter = 0;
-  for (const double v : value) mean += v / kSeeds;
-  for (const double v : value) scatter += (v - mean) * (v - mean) / (kSeeds - 1);
-  std::printf("scatter over stated: %.2f\n", std::sqrt(scatter / variance));
-  EXPECT_GT(std::sqrt(scatter / variance), 0.6);
-  EXPECT_LT(std::sqrt(scatter / variance), 1.5);
+  expect_seeds_scatter_as_stated(*simulator, r, &SignatureResult::plume_on_hull_w_sr);
 }
 
 }  // namespace

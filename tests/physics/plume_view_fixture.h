@@ -20,7 +20,8 @@ namespace irsig::fixture {
 inline constexpr double kGasK = 700, kAreaM2 = 16;
 
 // 4 x 4 m, 1 m thick, `ahead_m` before the origin, across the line of sight from ahead.
-inline std::shared_ptr<const PlumeField> slab(double ahead_m, double kelvin = kGasK) {
+inline std::shared_ptr<const PlumeField> slab(double ahead_m, double kelvin = kGasK,
+                                              double starboard_m = 0) {
   UniformPlume spec;
   spec.kind = "slab";
   spec.length_m = 1;
@@ -33,7 +34,7 @@ inline std::shared_ptr<const PlumeField> slab(double ahead_m, double kelvin = kG
   auto made = generate_uniform_plume(spec);
   EXPECT_TRUE(made.ok()) << made.status();
   made->grids.interpolation = PlumeInterpolation::kConstant;
-  made->grids.position_m = {ahead_m, 0, 0};
+  made->grids.position_m = {ahead_m, starboard_m, 0};
   auto field = plume_of(made->volume, made->grids);
   EXPECT_TRUE(field.ok()) << field.status();
   return *field;
@@ -92,6 +93,28 @@ inline Column column_of(const Simulator& simulator, const GasLayer& layer,
     }
   }
   return out;
+}
+
+// Other random numbers scatter a quantity of the first row as they say.
+inline void expect_seeds_scatter_as_stated(const Simulator& simulator, ViewRequest r,
+                                           Estimate SignatureResult::*quantity) {
+  std::vector<double> value;
+  double variance = 0;
+  constexpr int kSeeds = 24;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    r.seed = static_cast<std::uint64_t>(seed + 1);
+    const auto view = simulator.simulate(r);
+    ASSERT_TRUE(view.ok()) << view.status();
+    const Estimate& e = view->row[0].*quantity;
+    value.push_back(e.value);
+    variance += e.stderr_ * e.stderr_ / kSeeds;
+  }
+  double mean = 0, scatter = 0;
+  for (const double v : value) mean += v / kSeeds;
+  for (const double v : value) scatter += (v - mean) * (v - mean) / (kSeeds - 1);
+  std::printf("scatter over stated: %.2f\n", std::sqrt(scatter / variance));
+  EXPECT_GT(std::sqrt(scatter / variance), 0.6);
+  EXPECT_LT(std::sqrt(scatter / variance), 1.5);
 }
 
 }  // namespace irsig::fixture
