@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bridge/environment/sweep_environment.h"
+#include "bridge/heat_weather.h"
 #include "bridge/input_views.h"
 
 namespace irsig {
@@ -20,12 +21,30 @@ constexpr double kAllocation = 1.2;
 // emitter has in a replicate, seen and reflected, with what pages leave empty.
 constexpr double kFieldBytes = 4, kWeightsPerEmitter = 3;
 constexpr double kNumber = sizeof(double);
+// A heat job's faces: exchange and walls, and what shines on each at each knot of the weather.
+constexpr double kBytesPerFace = 4.1e3, kBytesPerFaceAndKnot = 36;
+
+// The largest of the sweep's heat jobs.
+double heat_bytes(const schema::ResolvedSweep& sweep, std::size_t facets) {
+  double most = 0;
+  bool sheets = false;  // both of whose faces are outside
+  for (const schema::BuildUp& b : sweep.sweep().build_up()) sheets |= b.inside() == "open";
+  const double faces = static_cast<double>(facets) * (sheets ? 2 : 1);
+  for (const schema::HeatRun& run : sweep.heat())
+    if (const auto weather = heat_weather(sweep.sweep(), run); weather.ok())
+      most =
+          std::max(most, faces * (kBytesPerFace + kBytesPerFaceAndKnot *
+                                                      static_cast<double>(weather->knot_s.size())));
+  return most;
+}
 
 }  // namespace
 
 std::uint64_t JobMemory::conditions_in(double bytes, std::uint32_t workers) const {
   const double of_conditions = (bytes - shared_bytes) / workers - (fixed_bytes - shared_bytes);
-  return of_conditions > 0 ? static_cast<std::uint64_t>(of_conditions / bytes_per_condition) : 0;
+  return of_conditions > 0 && of_conditions >= heat_bytes
+             ? static_cast<std::uint64_t>(of_conditions / bytes_per_condition)
+             : 0;
 }
 
 JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simulator,
@@ -50,6 +69,7 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   memory.bytes_per_condition =
       kAllocation * of_condition + row + 2 * elements * static_cast<double>(sizeof(float));
   memory.shared_bytes = kSharedBytes;
+  memory.heat_bytes = heat_bytes(sweep, simulator.target().facet.size());
   memory.fixed_bytes =
       kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
       (environment == nullptr

@@ -75,10 +75,13 @@ double usable_memory_bytes(std::uint32_t processes) {
 }
 
 std::string memory_text(const JobMemory& memory, std::uint64_t conditions, std::uint32_t workers) {
-  return fmt::format("about {} in each of {} worker{} ({} for each of {} condition{})",
+  const std::string heat = memory.heat_bytes > 0 ? fmt::format("; {} for temperatures, before",
+                                                               bytes_text(memory.heat_bytes))
+                                                 : std::string();
+  return fmt::format("about {} in each of {} worker{} ({} for each of {} condition{}{})",
                      bytes_text(memory.bytes(conditions)), workers, workers == 1 ? "" : "s",
-                     bytes_text(memory.bytes_per_condition), conditions,
-                     conditions == 1 ? "" : "s");
+                     bytes_text(memory.bytes_per_condition), conditions, conditions == 1 ? "" : "s",
+                     heat);
 }
 
 absl::Status check_memory(const JobMemory& memory, std::uint64_t conditions, std::uint32_t workers,
@@ -92,7 +95,10 @@ absl::Status check_memory(const JobMemory& memory, std::uint64_t conditions, std
                          with_all == 1 ? "" : "s", workers, workers == 1 ? "" : "s");
   if (workers > 1 && with_one > 0)
     advice += fmt::format("{}{} with --workers 1", advice.empty() ? "" : ", ", with_one);
-  if (advice.empty()) advice = "not even one condition would fit";
+  if (advice.empty())
+    advice = memory.heat_bytes > std::max(0.0, usable_bytes - memory.fixed_bytes)
+                 ? "its temperatures would not fit: fewer facets, or a larger heat.step_minutes"
+                 : "not even one condition would fit";
   return absl::ResourceExhaustedError(
       fmt::format("the sweep needs {}, and {} of memory are free: {}; cut it into several sweeps",
                   memory_text(memory, conditions, workers), bytes_text(usable_bytes), advice));

@@ -291,6 +291,7 @@ TEST(JobRunner, ComputesTemperaturesAndThenTheViewsThatNeedThem) {
   EXPECT_GT(view->view().row(0).temperature_bound_w_sr(), 0);
   EXPECT_GE((*first)->memory().fixed_bytes, (*second)->memory().fixed_bytes)
       << "tried without temperatures: what they will need at most";
+  EXPECT_GT((*first)->memory().heat_bytes, 0);
 }
 
 // 310 K of a job and 310 K of the sweep file are the same, but for the error.

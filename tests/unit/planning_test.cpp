@@ -119,7 +119,7 @@ TEST(SweepPilot, PassesOnWhatTheFarmSays) {
 }
 
 TEST(Machine, SaysHowManyConditionsFit) {
-  const JobMemory memory{200e6, 80e6, 16e6};
+  JobMemory memory{200e6, 80e6, 16e6};
   EXPECT_TRUE(check_memory(memory, 72, 2, 3e9).ok()) << "2.7 GB";
   const absl::Status refused = check_memory(memory, 600, 2, 3e9);
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
@@ -133,6 +133,13 @@ TEST(Machine, SaysHowManyConditionsFit) {
   // 80 MB once, and 120 MB and the conditions of each.
   EXPECT_DOUBLE_EQ(memory.bytes(10, 3), 80e6 + 3 * (120e6 + 160e6));
   EXPECT_EQ(memory.conditions_in(memory.bytes(10, 3) + 1, 3), 10U);
+  // Temperatures are computed before there are views.
+  memory.heat_bytes = 1e9;
+  EXPECT_DOUBLE_EQ(memory.bytes(10, 1), 1.2e9);
+  EXPECT_DOUBLE_EQ(memory.bytes(100, 1), 1.8e9);
+  const absl::Status hot = check_memory(memory, 10, 2, 1e9);
+  EXPECT_THAT(std::string(hot.message()), HasSubstr("1 GB for temperatures, before"));
+  EXPECT_THAT(std::string(hot.message()), HasSubstr("its temperatures would not fit"));
   EXPECT_GT(usable_memory_bytes(1), 0);
   EXPECT_GE(usable_cores(), 1U);
 }
