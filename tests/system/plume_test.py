@@ -78,7 +78,10 @@ class Plumes(unittest.TestCase):
         self.run_sweep(file, "f.sigdb")
         (again,) = self.rows("f.sigdb")
         for name in COLUMNS:
-            self.assertEqual(again[name], row[name], name)
+            if name == "plume_voxel_error_w_sr":  # means over voxels, which a file has in another order
+                self.assertAlmostEqual(again[name] / row[name], 1, delta=1e-12)
+            else:
+                self.assertEqual(again[name], row[name], name)
         # Not this gas: none such grid, too hot, no such file.
         self.assertIn("plume.file", self.refused(changed(file, ('grid = "soot"', 'grid = "smoke"'))))
         self.assertIn("plume.file", self.refused(changed(file, ('slab.vdb', 'none.vdb'))))
