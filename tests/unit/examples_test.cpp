@@ -9,6 +9,7 @@
 
 #include "core/scene/mesh.h"
 #include "jobs/check_resolved.h"
+#include "jobs/detector_file.h"
 #include "jobs/expand.h"
 #include "tests/unit/sweep_text.h"
 
@@ -26,12 +27,27 @@ schema::ResolvedSweep example(const std::string& name) {
   return sweep.ok() ? *sweep : schema::ResolvedSweep{};
 }
 
+// Others have a grammar of their own: goniometers (goniometer_file_test.cpp) and detectors.
+bool is_sweep(const std::filesystem::path& path) {
+  return path.extension() == ".toml" && !path.stem().string().starts_with("goniometer_") &&
+         path.parent_path().filename() != "detectors";
+}
+
+TEST(Examples, DetectorsAreRead) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kExamples / "detectors")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto detector = read_detector(entry.path());
+    ASSERT_TRUE(detector.ok()) << detector.status();
+    names.insert(detector->name);
+  }
+  EXPECT_THAT(names, UnorderedElementsAre("InSb, f/2", "HgCdTe, f/2"));
+}
+
 TEST(Examples, AllOfThemResolveAndExpand) {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(kExamples)) {
-    if (entry.path().extension() != ".toml") continue;
-    // Another grammar: goniometer_file_test.cpp.
-    if (entry.path().stem().string().starts_with("goniometer_")) continue;
+    if (!is_sweep(entry.path())) continue;
     const auto sweep = resolved_file(entry.path());
     ASSERT_TRUE(sweep.ok()) << sweep.status();
     EXPECT_TRUE(check_resolved(*sweep).ok()) << entry.path() << check_resolved(*sweep);
@@ -152,9 +168,7 @@ TEST(Examples, TheFrigateLiesInTheEmbeddedAtmosphere) {
 // An example that the consistency gate calls odd is a bad example; a whole day has its low sun.
 TEST(Examples, NothingIsOddAboutThem) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(kExamples)) {
-    if (entry.path().extension() != ".toml" ||
-        entry.path().stem().string().starts_with("goniometer_"))
-      continue;
+    if (!is_sweep(entry.path())) continue;
     const auto sweep = resolved_file(entry.path());
     ASSERT_TRUE(sweep.ok()) << sweep.status();
     const bool whole_day = entry.path().stem() == "frigate_day";
