@@ -219,6 +219,25 @@ TEST(PlumeOnHull, WhereItHardlyMattersItIsLeftOut) {
   }
 }
 
+// Behind the plate no reflection meets the gas: as much may be as so many rays would have missed.
+TEST(PlumeOnHull, WhatNoRayHasMetIsBounded) {
+  const auto simulator = plate(grey(1 - kReflectance));
+  ViewRequest r = seen_from_the_side(*simulator, 300);
+  r.condition[0].gas = slab(-3);
+  std::vector<double> bound;
+  for (const std::uint64_t samples : {512, 4096}) {
+    r.accuracy.samples_per_replicate = samples;
+    const auto view = simulator->simulate(r);
+    ASSERT_TRUE(view.ok()) << view.status();
+    const SignatureResult& row = view->row[0];
+    EXPECT_EQ(row.plume_on_hull_w_sr.value, 0);
+    EXPECT_EQ(entry(row, Effect::kPlumeOnHull).state, EffectState::kOn);
+    bound.push_back(row.omitted_bound_w_sr);
+  }
+  EXPECT_GT(bound[1], 0);
+  EXPECT_NEAR(bound[0] / bound[1], 8, 1e-6);
+}
+
 TEST(PlumeOnHull, SeedsScatterAsTheyState) {
   const auto simulator = plate(grey(1 - kReflectance));
   ViewRequest r = seen_from_the_side(*simulator, 300);
