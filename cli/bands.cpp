@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +17,7 @@
 #include "cli/target_extent.h"
 #include "jobs/detector_file.h"
 #include "jobs/number_bounds.h"
+#include "jobs/response_file.h"
 #include "view/atomic_file.h"
 #include "view/band_tables.h"
 #include "view/print.h"
@@ -28,7 +31,9 @@ struct BandsCommand {
       : filter(command), output(command, {"text", "csv", "json"}) {}
   FilterOptions filter;
   OutputOptions output;
-  std::string detector, merit = "mean", weight = "solid-angle", against, map, response_out;
+  std::string detector, merit = "mean", weight = "solid-angle", pairs, against;
+  std::string map, response_out, ranges_out, detection_out;
+  std::vector<std::string> filter_file, weights_file;
   std::vector<double> range_m, window_um;
   double percentile = 10, threshold = 5;
   std::optional<double> min_width_um;
@@ -64,41 +69,74 @@ struct BandsCommand {
     return all;
   }
 
-  // Windows of the user's own, to be compared with each other alone.
-  [[nodiscard]] absl::StatusOr<BandSearch::Map> asked_windows(const BandSearch& search,
-                                                              const MeritOf& of) const {
-    BandSearch::Map out;
-    const std::vector<double>& edge = search.edges_um();
+  // A window of the user's own, between the nearest edges.
+  [[nodiscard]] static absl::StatusOr<Passband> nearest_window(const BandSearch& search, double low,
+                                                               double high) {
+    const auto edge = search.edges_um();
     const auto nearest = [&](double um) {
       std::size_t at = 0;
       for (std::size_t i = 0; i < edge.size(); ++i)
         if (std::abs(edge[i] - um) < std::abs(edge[at] - um)) at = i;
       return at;
     };
+    if (!(low < high))
+      return absl::InvalidArgumentError(fmt::format(
+          "--window {:g},{:g}: expected two wavelengths, the shorter one first", low, high));
+    if (low < edge.front() - 1e-9 || high > edge.back() + 1e-9)
+      return absl::InvalidArgumentError(fmt::format(
+          "--window {:g},{:g}: outside of what is stored and the detector responds to, {:g} to "
+          "{:g} um",
+          low, high, edge.front(), edge.back()));
+    if (high - low < search.step_um() - 1e-9)
+      return absl::InvalidArgumentError(
+          fmt::format("--window {:g},{:g}: narrower than the stored step of {:g} um; ask for "
+                      "step_um = {:g} in the [[band]] of the sweep",
+                      low, high, search.step_um(), (high - low) / 2));
+    const Passband out{nearest(low), nearest(high)};
+    const double from = edge[out.first], to = edge[out.last];
+    if (std::max(std::abs(from - low), std::abs(to - high)) > 1e-6)
+      print_note(
+          "irsig: note: window {:g},{:g} is taken between limits of stored bins, {:g} to {:g} um\n",
+          low, high, from, to);
+    return out;
+  }
+
+  // What the user asks for, to be compared with each other alone: each, or all two of them.
+  [[nodiscard]] absl::StatusOr<BandSearch::Found> asked(const BandSearch& search,
+                                                        const MeritOf& of) const {
+    std::vector<Passband> part;
     for (std::size_t i = 0; i + 1 < window_um.size(); i += 2) {
-      const double low = window_um[i], high = window_um[i + 1];
-      if (!(low < high))
-        return absl::InvalidArgumentError(fmt::format(
-            "--window {:g},{:g}: expected two wavelengths, the shorter one first", low, high));
-      if (low < edge.front() - 1e-9 || high > edge.back() + 1e-9)
-        return absl::InvalidArgumentError(fmt::format(
-            "--window {:g},{:g}: outside of what is stored and the detector responds to, {:g} to "
-            "{:g} um",
-            low, high, edge.front(), edge.back()));
-      if (high - low < search.step_um() - 1e-9)
+      auto found = nearest_window(search, window_um[i], window_um[i + 1]);
+      if (!found.ok()) return found.status();
+      part.push_back(*found);
+    }
+    for (std::size_t i = 0; i < filter_file.size(); ++i) part.push_back(search.filter(i));
+    BandSearch::Found out;
+    if (search.pairing() == Pairing::kNone) {
+      for (const Passband p : part) out.best.push_back(search.candidate(of, p));
+    } else {
+      if (part.size() < 2)
         return absl::InvalidArgumentError(
-            fmt::format("--window {:g},{:g}: narrower than the stored step of {:g} um; ask for "
-                        "step_um = {:g} in the [[band]] of the sweep",
-                        low, high, search.step_um(), (high - low) / 2));
-      const std::size_t first = nearest(low), last = nearest(high);
-      if (std::max(std::abs(edge[first] - low), std::abs(edge[last] - high)) > 1e-6)
-        print_note(
-            "irsig: note: window {:g},{:g} is taken between limits of stored bins, {:g} to "
-            "{:g} um\n",
-            low, high, edge[first], edge[last]);
-      out.first.push_back(first);
-      out.last.push_back(last);
-      out.merit.push_back(search.merit(of, first, last));
+            fmt::format("--pairs {}: one --window or --filter, expected two or more", pairs));
+      for (std::size_t i = 0; i < part.size(); ++i)
+        for (std::size_t j = i + 1; j < part.size(); ++j)
+          out.best.push_back(search.candidate(of, part[i], part[j]));
+    }
+    out.judged = out.best.size();
+    return out;
+  }
+
+  [[nodiscard]] absl::StatusOr<std::vector<NamedFilter>> read_filters() const {
+    std::vector<NamedFilter> out;
+    for (const std::string& file : filter_file) {
+      auto table = read_response(file, "transmittance");
+      if (!table.ok()) return table.status();
+      for (const SpectralPoint& p : *table)
+        if (p.value > 1)
+          return absl::InvalidArgumentError(
+              fmt::format("{}:1:1: transmittance {:g} at {:g} um, expected at most 1", file,
+                          p.value, p.lambda_um));
+      out.push_back({std::filesystem::path(file).stem().string(), *std::move(table)});
     }
     return out;
   }
@@ -126,11 +164,20 @@ struct BandsCommand {
       if (!found.ok()) return found.status();
       their_rows = *std::move(found);
     }
-    auto population =
-        band_population(**reader, *rows, other.get(), their_rows,
-                        weight == "rows" ? AspectWeight::kRows : AspectWeight::kSolidAngle);
+    std::vector<RowWeights> weights;
+    for (const std::string& file : weights_file) {
+      auto table = read_row_weights(file);
+      if (!table.ok()) return table.status();
+      weights.push_back(*std::move(table));
+    }
+    auto population = band_population(
+        **reader, *rows, other.get(), their_rows,
+        weight == "rows" ? AspectWeight::kRows : AspectWeight::kSolidAngle, weights);
     if (!population.ok()) return population.status();
-    const auto search = BandSearch::make(*std::move(population), read->detector);
+    const auto filters = read_filters();
+    if (!filters.ok()) return filters.status();
+    const auto search =
+        BandSearch::make(*std::move(population), read->detector, asked_pairing(), *filters);
     if (!search.ok())
       return absl::Status(search.status().code(),
                           fmt::format("{}: {}", detector, std::string(search.status().message())));
@@ -139,80 +186,108 @@ struct BandsCommand {
           fmt::format("--min-width-um {:g}: narrower than the stored step of {:g} um; ask for "
                       "step_um = {:g} in the [[band]] of the sweep",
                       *min_width_um, search->step_um(), *min_width_um));
-    const auto windows = window_um.empty() ? absl::StatusOr<BandSearch::Map>(search->map(
-                                                 *of, min_width_um.value_or(search->step_um())))
-                                           : asked_windows(*search, *of);
-    if (!windows.ok()) return windows.status();
-    if (windows->merit.empty())
+    const bool own = !window_um.empty() || !filter_file.empty();
+    if (own && !map.empty())
+      return absl::InvalidArgumentError(
+          "--map is of every window: not with --window or --filter, which compare these alone");
+    const auto found = own ? asked(*search, *of)
+                           : search->search(*of, min_width_um.value_or(search->step_um()), top);
+    if (!found.ok()) return found.status();
+    if (found->best.empty())
       return absl::InvalidArgumentError(fmt::format(
           "--min-width-um {:g}: wider than what is stored and the detector responds to, {:g} to "
-          "{:g} um",
-          min_width_um.value_or(0), search->edges_um().front(), search->edges_um().back()));
+          "{:g} um{}",
+          min_width_um.value_or(0), search->edges_um().front(), search->edges_um().back(),
+          pairs.empty() ? "" : ", for two of them"));
     const auto stored = (*reader)->sweep(rows->front().signature.sweep);
     if (!stored.ok()) return stored.status();
-    const BandChoice choice = search->compare(*of, *windows, top);
-    print_note("irsig: note: {} windows, {} rows, {}; detector {}\n", windows->merit.size(),
-               rows->size(), merit_name(*of), read->name);
+    const BandChoice choice = search->compare(*of, found->best);
+    print_note("irsig: note: {} {}, {} rows, {}; detector {}\n", found->judged,
+               search->pairing() != Pairing::kNone ? "pairs"
+               : filter_file.empty()               ? "windows"
+                                                   : "windows and filters",
+               search->population().row.size(), merit_name(*of), read->name);
+    if (found->stride > 1)
+      print_note(
+          "irsig: note: too many pairs for all of them: of {} limits one was taken, and from there "
+          "the best "
+          "were moved to where they are best; --min-width-um or fewer rows leave all\n",
+          found->stride);
     for (const std::string& note :
          notes_on(choice, search->population(), stored->resolved.sweep().accuracy()))
       print_note("irsig: note: {}\n", note);
-    note_ranges(*search, choice);
-    if (auto s = write_files(*search, *of, *windows, choice, read->detector); !s.ok()) return s;
+    if (range_m.size() > 1)
+      print_note("irsig: note: {}\n", note_on_detection(*search, choice, threshold));
+    if (auto s = write_files(*search, *of, *found, choice); !s.ok()) return s;
     return output.write([&](std::string_view format, std::ostream& out) {
-      return write_choice(choice, format, out);
+      return write_choice(*search, choice, format, out);
     });
   }
 
-  void note_ranges(const BandSearch& search, const BandChoice& choice) const {
-    if (range_m.size() < 2) return;
-    const auto edge = [&](double um) {
-      return static_cast<std::size_t>(
-          std::find(search.edges_um().begin(), search.edges_um().end(), um) -
-          search.edges_um().begin());
-    };
-    const WindowMerit& best = choice.window.front();
-    auto ranges =
-        search.detection_range_m(edge(best.lambda_min_um), edge(best.lambda_max_um), threshold);
-    std::sort(ranges.begin(), ranges.end());
-    const auto at = [&](double share) {
-      const double m = ranges[static_cast<std::size_t>(
-          std::floor(share * static_cast<double>(ranges.size() - 1)))];
-      return m == 0          ? std::string("below the nearest")
-             : std::isinf(m) ? std::string("beyond the farthest")
-                             : fmt::format("{:.4g} m", m);
-    };
-    print_note(
-        "irsig: note: SNR {:g} of {:g} to {:g} um is reached up to: 10 % of the rows {}, "
-        "half {}, 90 % {}\n",
-        threshold, best.lambda_min_um, best.lambda_max_um, at(0.9), at(0.5), at(0.1));
+  [[nodiscard]] Pairing asked_pairing() const {
+    return pairs.empty()           ? Pairing::kNone
+           : pairs == "difference" ? Pairing::kDifference
+                                   : Pairing::kRatio;
+  }
+
+  // A file that is a picture or numbers, by its name's end.
+  [[nodiscard]] static absl::Status write_file(
+      const char* option, const std::string& file, const std::function<std::string()>& picture,
+      const std::function<absl::Status(std::ostream&)>& numbers) {
+    const bool svg = picture && file.ends_with(".svg");
+    if (!svg && !file.ends_with(".csv"))
+      return absl::InvalidArgumentError(fmt::format("{} {}: expected a name that ends in {}.csv",
+                                                    option, file, picture ? ".svg or " : ""));
+    return replace_file(file, [&](const std::string& name) {
+      std::ofstream out(name, std::ios::binary);
+      if (!svg) return numbers(out);
+      out << picture();
+      return out ? absl::OkStatus() : absl::UnavailableError("cannot write " + file);
+    });
   }
 
   [[nodiscard]] absl::Status write_files(const BandSearch& search, const MeritOf& of,
-                                         const BandSearch::Map& windows, const BandChoice& choice,
-                                         const Detector& seen_by) const {
+                                         const BandSearch::Found& found,
+                                         const BandChoice& choice) const {
     if (!map.empty()) {
-      const bool svg = map.ends_with(".svg");
-      if (!svg && !map.ends_with(".csv"))
-        return absl::InvalidArgumentError(
-            fmt::format("--map {}: expected a name that ends in .svg or .csv", map));
-      if (auto s = replace_file(
-              map,
-              [&](const std::string& name) {
-                std::ofstream file(name, std::ios::binary);
-                if (!svg) return write_map(search, of, windows, "csv", file);
-                file << plot_map_of_windows(search, of, windows, "Windows of " + filter.database());
-                return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + map);
-              });
+      if (auto s = write_file(
+              "--map", map,
+              [&] {
+                return plot_map_of_windows(search, of, found, "Windows of " + filter.database());
+              },
+              [&](std::ostream& out) { return write_map(search, of, found, "csv", out); });
+          !s.ok())
+        return s;
+    }
+    if (!ranges_out.empty()) {
+      if (auto s = write_file(
+              "--ranges", ranges_out,
+              [&] { return plot_ranges(search, of, choice, "Windows of " + filter.database()); },
+              [&](std::ostream& out) { return write_ranges(search, of, choice, "csv", out); });
+          !s.ok())
+        return s;
+    }
+    if (!detection_out.empty()) {
+      if (auto s = write_file("--detection", detection_out, {},
+                              [&](std::ostream& out) {
+                                return write_detection(search, choice, threshold, "csv", out);
+                              });
           !s.ok())
         return s;
     }
     if (response_out.empty()) return absl::OkStatus();
-    const WindowMerit& best = choice.window.front();
-    const ResponseTable whole = seen_by.response.empty()
-                                    ? window(search.edges_um().front(), search.edges_um().back())
-                                    : seen_by.response;
-    return replace_file(response_out, std::string_view(response_csv(whole, best.lambda_min_um,
-                                                                    best.lambda_max_um)));
+    const Candidate& best = choice.candidate.front().of;
+    const auto write = [&](const std::string& file, Passband p) {
+      return replace_file(file, std::string_view(response_csv(search.response(p))));
+    };
+    if (!best.other) return write(response_out, best.one);
+    for (const auto& [number, part] : {std::pair{1, best.one}, {2, *best.other}}) {
+      std::filesystem::path file(response_out);
+      file.replace_filename(
+          fmt::format("{}-{}{}", file.stem().string(), number, file.extension().string()));
+      if (auto s = write(file.string(), part); !s.ok()) return s;
+    }
+    return absl::OkStatus();
   }
 };
 
@@ -248,6 +323,16 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"solid-angle", "rows"}))
       ->capture_default_str();
   command
+      ->add_option("--weights", o->weights_file,
+                   "Weights of one's own: a CSV file with weight and season, time_utc, range_m, or "
+                   "aspect_azimuth_deg, aspect_elevation_deg; may be repeated")
+      ->type_name("FILE");
+  command
+      ->add_option("--pairs", o->pairs,
+                   "Two windows at once: their difference with the background taken away, or what "
+                   "their ratio tells of two targets (--against)")
+      ->check(CLI::IsMember({"difference", "ratio"}));
+  command
       ->add_option("--range-m", o->range_m,
                    "At these ranges instead of the stored one, without tracing (docs of query)")
       ->type_name("R,...")
@@ -263,6 +348,11 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->delimiter(',')
       ->expected(2)
       ->take_all();
+  command
+      ->add_option("--filter", o->filter_file,
+                   "Compare these filters alone: CSV files wavelength_um,transmittance, before the "
+                   "detector; may be repeated")
+      ->type_name("FILE");
   command->add_option("--min-width-um", o->min_width_um, "No narrower windows")->type_name("W");
   command->add_option("--top", o->top, "So many windows are compared and printed")
       ->type_name("N")
@@ -273,8 +363,20 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->type_name("FILE");
   command
       ->add_option("--response-out", o->response_out,
-                   "The response of the best window, as --response of query takes it (.csv)")
+                   "The response of the best window, as --response of query takes it (.csv); of a "
+                   "pair FILE-1 and FILE-2")
       ->type_name("FILE");
+  command
+      ->add_option("--ranges", o->ranges_out,
+                   "The merit at each range: a picture (.svg) or numbers (.csv)")
+      ->type_name("FILE")
+      ->needs("--range-m");
+  command
+      ->add_option("--detection", o->detection_out,
+                   "How far each row is seen, the range at which its SNR falls to --threshold "
+                   "(.csv)")
+      ->type_name("FILE")
+      ->needs("--range-m");
   command->callback([o, &exit_code] { exit_code = report(o->run()); });
 }
 

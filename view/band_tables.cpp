@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "view/axis.h"
+#include "view/plot_curves.h"
 #include "view/svg.h"
 #include "view/table.h"
 
@@ -33,75 +34,243 @@ std::string merit_name(const MeritOf& merit) {
   return "";
 }
 
-absl::Status write_choice(const BandChoice& choice, std::string_view format, std::ostream& out) {
-  auto writer = make_table_writer(format,
-                                  {{"rank"},
-                                   {"lambda_min_um"},
-                                   {"lambda_max_um"},
-                                   {"merit"},
-                                   {"samples_stderr"},
-                                   {"numerical_error"},
-                                   {"total_error"},
-                                   {"best_numerical", false},
-                                   {"best"},
-                                   {"as_good"}},
-                                  out);
-  if (!writer.ok()) return writer.status();
-  std::uint64_t rank = 0;
-  for (const WindowMerit& w : choice.window)
-    (*writer)->row({++rank, w.lambda_min_um, w.lambda_max_um, number(w.merit),
-                    number(w.samples_stderr), number(w.numerical_error), number(w.total_error),
-                    w.best_numerical, w.best, w.as_good});
-  return (*writer)->finish();
+std::string title_of(const BandSearch& search, const Candidate& candidate) {
+  const auto one = [&](Passband p) {
+    return search.name(p).empty()
+               ? fmt::format("{:.5g} to {:.5g}", search.lambda_min_um(p), search.lambda_max_um(p))
+               : std::string(search.name(p));
+  };
+  std::string out = one(candidate.one);
+  if (candidate.other) out += " and " + one(*candidate.other);
+  return out + " um";
 }
 
-absl::Status write_map(const BandSearch& search, const MeritOf& merit, const BandSearch::Map& map,
-                       std::string_view format, std::ostream& out) {
-  const bool mean = merit.merit == Merit::kMean;
-  std::vector<Column> columns = {{"lambda_min_um"}, {"lambda_max_um"}, {"merit"}};
-  if (mean) columns.push_back({"samples_stderr"});
+namespace {
+
+// Columns and cells of a candidate.
+void add_columns(const BandSearch& search, bool filters, std::vector<Column>& out) {
+  if (filters) out.push_back({"filter"});
+  out.insert(out.end(), {{"lambda_min_um"}, {"lambda_max_um"}});
+  if (search.pairing() == Pairing::kNone) return;
+  if (filters) out.push_back({"second_filter"});
+  out.insert(out.end(), {{"second_min_um"}, {"second_max_um"}});
+  if (search.pairing() == Pairing::kDifference)
+    out.insert(out.end(), {{"gain"}, {"background_left", false}});
+}
+void add_cells(const BandSearch& search, bool filters, const Candidate& c, std::vector<Cell>& out) {
+  const auto add = [&](Passband p) {
+    if (filters) out.push_back(search.name(p).empty() ? Cell() : Cell(std::string(search.name(p))));
+    out.insert(out.end(), {search.lambda_min_um(p), search.lambda_max_um(p)});
+  };
+  add(c.one);
+  if (!c.other) return;
+  add(*c.other);
+  if (search.pairing() == Pairing::kDifference)
+    out.insert(out.end(), {c.gain, search.background_left(c)});
+}
+bool any_filter(const BandSearch& search, const BandChoice& choice) {
+  return std::any_of(choice.candidate.begin(), choice.candidate.end(), [&](const auto& m) {
+    return !search.name(m.of.one).empty() || (m.of.other && !search.name(*m.of.other).empty());
+  });
+}
+std::vector<double> ranges_of(const BandPopulation& population) {
+  std::vector<double> out;
+  for (const BandCase& row : population.row) out.push_back(row.range_m);
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+}  // namespace
+
+absl::Status write_choice(const BandSearch& search, const BandChoice& choice,
+                          std::string_view format, std::ostream& out) {
+  const bool filters = any_filter(search, choice);
+  std::vector<Column> columns = {{"rank"}};
+  add_columns(search, filters, columns);
+  columns.insert(columns.end(), {{"merit"},
+                                 {"samples_stderr"},
+                                 {"numerical_error"},
+                                 {"total_error"},
+                                 {"best_numerical", false},
+                                 {"best"},
+                                 {"as_good"}});
   auto writer = make_table_writer(format, columns, out);
   if (!writer.ok()) return writer.status();
-  for (std::size_t w = 0; w < map.merit.size(); ++w) {
-    std::vector<Cell> line = {search.edges_um()[map.first[w]], search.edges_um()[map.last[w]],
-                              number(map.merit[w])};
-    if (mean) line.push_back(number(search.mean_stderr(map.first[w], map.last[w])));
+  std::uint64_t rank = 0;
+  for (const CandidateMerit& m : choice.candidate) {
+    std::vector<Cell> line = {++rank};
+    add_cells(search, filters, m.of, line);
+    line.insert(line.end(),
+                {number(m.of.merit), number(m.samples_stderr), number(m.numerical_error),
+                 number(m.total_error), m.best_numerical, m.best, m.as_good});
     (*writer)->row(line);
   }
   return (*writer)->finish();
 }
 
+absl::Status write_map(const BandSearch& search, const MeritOf& merit,
+                       const BandSearch::Found& found, std::string_view format, std::ostream& out) {
+  const bool one = search.pairing() == Pairing::kNone;
+  const bool errors = one && merit.merit == Merit::kMean;
+  std::vector<Column> columns = {{"lambda_min_um"}, {"lambda_max_um"}, {"merit"}};
+  if (errors) columns.push_back({"samples_stderr"});
+  if (!one) columns.insert(columns.end(), {{"second_min_um"}, {"second_max_um"}});
+  auto writer = make_table_writer(format, columns, out);
+  if (!writer.ok()) return writer.status();
+  for (const Candidate& c : found.map) {
+    std::vector<Cell> line = {search.lambda_min_um(c.one), search.lambda_max_um(c.one),
+                              number(c.merit)};
+    if (errors) line.push_back(number(search.mean_stderr(c.one)));
+    if (!one)
+      line.insert(line.end(), {search.lambda_min_um(*c.other), search.lambda_max_um(*c.other)});
+    (*writer)->row(line);
+  }
+  return (*writer)->finish();
+}
+
+absl::Status write_ranges(const BandSearch& search, const MeritOf& merit, const BandChoice& choice,
+                          std::string_view format, std::ostream& out) {
+  const bool filters = any_filter(search, choice);
+  std::vector<Column> columns = {{"rank"}};
+  add_columns(search, filters, columns);
+  columns.insert(columns.end(), {{"range_m"}, {"merit"}});
+  auto writer = make_table_writer(format, columns, out);
+  if (!writer.ok()) return writer.status();
+  std::uint64_t rank = 0;
+  for (const CandidateMerit& m : choice.candidate) {
+    ++rank;
+    for (const double range_m : ranges_of(search.population())) {
+      std::vector<Cell> line = {rank};
+      add_cells(search, filters, m.of, line);
+      line.insert(line.end(), {range_m, number(search.merit_at(merit, m.of, range_m))});
+      (*writer)->row(line);
+    }
+  }
+  return (*writer)->finish();
+}
+
+std::string plot_ranges(const BandSearch& search, const MeritOf& merit, const BandChoice& choice,
+                        const std::string& title) {
+  constexpr std::size_t kCurves = 5;
+  CurvePanel panel{"", "range [km]", merit_name(merit), {}};
+  for (const CandidateMerit& m : choice.candidate) {
+    if (panel.curve.size() == kCurves) break;
+    Curve curve{title_of(search, m.of), {}, {}};
+    for (const double range_m : ranges_of(search.population())) {
+      curve.x.push_back(range_m / 1000);
+      curve.y.push_back(search.merit_at(merit, m.of, range_m));
+    }
+    curve.marks = true;
+    panel.curve.push_back(std::move(curve));
+  }
+  return plot_curves(title, fmt::format("{} rows", search.population().row.size()), {panel}, 1);
+}
+
+absl::Status write_detection(const BandSearch& search, const BandChoice& choice, double threshold,
+                             std::string_view format, std::ostream& out) {
+  const bool filters = any_filter(search, choice);
+  std::vector<Column> columns = {{"rank"}};
+  add_columns(search, filters, columns);
+  columns.insert(columns.end(), {{"season"},
+                                 {"time_utc"},
+                                 {"aspect_azimuth_deg"},
+                                 {"aspect_elevation_deg"},
+                                 {"weight"},
+                                 {"detection_range_m"},
+                                 {"reach"}});
+  auto writer = make_table_writer(format, columns, out);
+  if (!writer.ok()) return writer.status();
+  std::uint64_t rank = 0;
+  for (const CandidateMerit& m : choice.candidate) {
+    ++rank;
+    for (const BandSearch::Detection& d : search.detection(m.of, threshold)) {
+      const BandCase& row = search.population().row[d.row];
+      std::vector<Cell> line = {rank};
+      add_cells(search, filters, m.of, line);
+      const bool known = d.range_m > 0 && std::isfinite(d.range_m);
+      line.insert(line.end(), {row.season, row.time_utc, row.aspect_azimuth_deg,
+                               row.aspect_elevation_deg, d.weight, known ? Cell(d.range_m) : Cell(),
+                               std::string(known           ? "between"
+                                           : d.range_m > 0 ? "beyond the farthest"
+                                                           : "below the nearest")});
+      (*writer)->row(line);
+    }
+  }
+  return (*writer)->finish();
+}
+
+std::string note_on_detection(const BandSearch& search, const BandChoice& choice,
+                              double threshold) {
+  const Candidate& best = choice.candidate.front().of;
+  auto seen = search.detection(best, threshold);
+  std::sort(seen.begin(), seen.end(),
+            [](const auto& a, const auto& b) { return a.range_m > b.range_m; });
+  // As far as at least this share of the population.
+  const auto at = [&](double share) {
+    double sum = 0, m = seen.back().range_m;
+    for (const auto& d : seen)
+      if ((sum += d.weight) >= share * (1 - 1e-12)) {
+        m = d.range_m;
+        break;
+      }
+    return m == 0          ? std::string("below the nearest")
+           : std::isinf(m) ? std::string("beyond the farthest")
+                           : fmt::format("{:.4g} m", m);
+  };
+  return fmt::format("SNR {:g} of {} is reached up to: 10 % of the population {}, half {}, 90 % {}",
+                     threshold, title_of(search, best), at(0.1), at(0.5), at(0.9));
+}
+
 std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,
-                                const BandSearch::Map& map, const std::string& title) {
+                                const BandSearch::Found& found, const std::string& title) {
   constexpr double kLeft = 80, kTop = 80, kSide = 520, kBarX = kLeft + kSide + 30, kBarWidth = 22;
-  const std::vector<double>& edge = search.edges_um();
+  const auto edge = search.edges_um();
+  const std::vector<Candidate>& map = found.map;
   const Axis axis = tight_axis(edge.front(), edge.back(), 8);
   double low = 0, high = 0;
   std::size_t best = 0;
-  for (std::size_t w = 0; w < map.merit.size(); ++w) {
-    if (map.merit[w] > map.merit[best]) best = w;
-    high = std::max(high, map.merit[w]);
+  for (std::size_t w = 0; w < map.size(); ++w) {
+    if (map[w].merit > map[best].merit) best = w;
+    high = std::max(high, map[w].merit);
   }
+  const auto above = [&](std::size_t e) { return std::min(e + found.stride, edge.size() - 1); };
+  const auto below = [&](std::size_t e) {
+    return e == edge.size() - 1 ? e - 1 - (e - 1) % found.stride : e - std::min(e, found.stride);
+  };
   if (!(high > low)) high = 1;
   const auto x = [&](double um) { return kLeft + kSide * axis.fraction(um); };
   const auto y = [&](double um) { return kTop + kSide * (1 - axis.fraction(um)); };
   Svg svg(kBarX + kBarWidth + 100, kTop + kSide + 70, title);
   svg.text({kLeft + kSide / 2, 32}, title, {.size = 17, .anchor = Anchor::kMiddle, .bold = true});
-  svg.text({kLeft + kSide / 2, 55}, merit_name(merit) + " of every window",
+  svg.text({kLeft + kSide / 2, 55},
+           merit_name(merit) + (search.pairing() == Pairing::kNone
+                                    ? " of every window"
+                                    : " of every window with its best partner"),
            {.size = 13, .anchor = Anchor::kMiddle, .color = "#666666"});
   svg.rect({kLeft, kTop}, kSide, kSide, "#f2f3f5", {"#333333", 1, ""});
   // A window is the cell between its limits and the next ones: left of and below it.
-  for (std::size_t w = 0; w < map.merit.size(); ++w) {
-    const double x0 = x(edge[map.first[w]]), x1 = x(edge[map.first[w] + 1]),
-                 y0 = y(edge[map.last[w]]), y1 = y(edge[map.last[w] - 1]);
-    svg.rect({x0, y0}, x1 - x0, y1 - y0, map_color((map.merit[w] - low) / (high - low)),
-             {"", 0, ""});
+  struct Field {
+    double x0, x1, y0, y1;
+  };
+  const auto cell = [&](Passband p) {
+    return Field{x(edge[p.first]), x(edge[above(p.first)]), y(edge[p.last]),
+                 y(edge[below(p.last)])};
+  };
+  for (const Candidate& c : map) {
+    const Field at = cell(c.one);
+    svg.rect({at.x0, at.y0}, at.x1 - at.x0, at.y1 - at.y0,
+             map_color((c.merit - low) / (high - low)), {"", 0, ""});
   }
-  if (!map.merit.empty()) {
-    const Point at{0.5 * (x(edge[map.first[best]]) + x(edge[map.first[best] + 1])),
-                   0.5 * (y(edge[map.last[best]]) + y(edge[map.last[best] - 1]))};
-    svg.circle(at, 6, "none", {"#ffffff", 3, ""});
-    svg.circle(at, 6, "none", {"#000000", 1.5, ""});
+  if (!map.empty()) {
+    const auto mark = [&](Passband p) {
+      const Field c = cell(p);
+      const Point at{0.5 * (c.x0 + c.x1), 0.5 * (c.y0 + c.y1)};
+      svg.circle(at, 6, "none", {"#ffffff", 3, ""});
+      svg.circle(at, 6, "none", {"#000000", 1.5, ""});
+    };
+    mark(map[best].one);
+    if (map[best].other) mark(*map[best].other);
   }
   for (std::size_t i = 0; i < axis.tick.size(); ++i) {
     svg.line({x(axis.tick[i]), kTop + kSide}, {x(axis.tick[i]), kTop + kSide + 5},
@@ -127,23 +296,10 @@ std::string plot_map_of_windows(const BandSearch& search, const MeritOf& merit,
   return svg.finish();
 }
 
-std::string response_csv(const ResponseTable& response, double lambda_min_um,
-                         double lambda_max_um) {
+std::string response_csv(const ResponseTable& response) {
   std::string out = "wavelength_um,response\n";
-  const auto add = [&](double um, double value) {
-    out += fmt::format("{:.10g},{:.10g}\n", um, value);
-  };
-  for (std::size_t i = 0; i + 1 < response.size(); ++i) {
-    const SpectralPoint &a = response[i], &b = response[i + 1];
-    const double from = std::max(a.lambda_um, lambda_min_um),
-                 to = std::min(b.lambda_um, lambda_max_um);
-    if (!(from < to)) continue;
-    const auto value = [&](double um) {
-      return a.value + (b.value - a.value) * (um - a.lambda_um) / (b.lambda_um - a.lambda_um);
-    };
-    if (from == lambda_min_um || i == 0) add(from, value(from));
-    add(to, value(to));
-  }
+  for (const SpectralPoint& p : response)
+    out += fmt::format("{:.10g},{:.10g}\n", p.lambda_um, p.value);
   return out;
 }
 
@@ -155,19 +311,19 @@ std::vector<std::string> notes_on(const BandChoice& choice, const BandPopulation
         "of {} of {} rows it is not stored how errors of wavelengths go together (an older irsig, "
         "another range): they are taken as one, the largest that a window's can be",
         population.without_modes, population.row.size()));
-  if (choice.window.size() < 2) return out;
+  if (choice.candidate.size() < 2) return out;
   std::size_t alike = 0;
-  for (const WindowMerit& w : choice.window)
+  for (const CandidateMerit& w : choice.candidate)
     if (w.as_good >= kTold) ++alike;
   if (alike < 2) {
-    out.push_back("the first window is told from all others");
+    out.push_back("the first is told from all others");
     return out;
   }
   out.push_back(
-      fmt::format("{} of the {} windows compared are not distinguishable: with more than {:g} % "
+      fmt::format("{} of the {} compared are not distinguishable: with more than {:g} % "
                   "each is as good "
                   "as the first",
-                  alike, choice.window.size(), 100 * kTold));
+                  alike, choice.candidate.size(), 100 * kTold));
   if (std::isinf(choice.samples_to_tell)) {
     out.push_back(
         "no number of samples tells the first from the second: what is left are bounds, models and "

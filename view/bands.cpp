@@ -3,21 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
-#include <tuple>
-
-#include "view/measured_row.h"
 
 namespace irsig {
 namespace {
 
 constexpr int kDraws = 400;
 constexpr std::uint32_t kSeed = 20240229;
+
+// So many signal-to-noise ratios of pairs are worked out at most before edges are taken at a
+// stride: some seconds.
+constexpr double kMostRatios = 4e8;
 
 // What of a table lies between two wavelengths, cut off there.
 ResponseTable between(const ResponseTable& table, double low, double high) {
@@ -39,179 +41,81 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
-// Of aspects, each as often as the nearest of evenly spread directions is it.
-std::vector<double> solid_angles(const std::vector<std::pair<double, double>>& aspect_deg) {
-  constexpr int kDirections = 20000;
-  const double rad = std::numbers::pi / 180;
-  struct Unit {
-    double x, y, z;
-  };
-  std::vector<Unit> unit;
-  double lowest = 1, highest = -1;
-  for (const auto& [azimuth, elevation] : aspect_deg) {
-    const double c = std::cos(elevation * rad);
-    unit.push_back(
-        {c * std::cos(azimuth * rad), c * std::sin(azimuth * rad), std::sin(elevation * rad)});
-    lowest = std::min(lowest, unit.back().z);
-    highest = std::max(highest, unit.back().z);
-  }
-  const bool zone = highest - lowest > 1e-6;
-  std::vector<double> out(unit.size(), 0.0);
-  for (int n = 0; n < kDirections; ++n) {
-    const double share = (n + 0.5) / kDirections;
-    const double z = zone ? lowest + (highest - lowest) * share : 2 * share - 1;
-    const double c = std::sqrt(std::max(0.0, 1 - z * z)),
-                 azimuth = n * std::numbers::pi * (3 - std::sqrt(5.0));
-    std::size_t nearest = 0;
-    double most = -2;
-    for (std::size_t i = 0; i < unit.size(); ++i)
-      if (const double d =
-              c * std::cos(azimuth) * unit[i].x + c * std::sin(azimuth) * unit[i].y + z * unit[i].z;
-          d > most) {
-        most = d;
-        nearest = i;
-      }
-    out[nearest] += 1.0 / kDirections;
-  }
-  return out;
-}
-
-using Place = std::tuple<std::string, std::string, double, double, double>;
-Place place_of(const StoredSignature& s) {
-  return {s.season, s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
-}
-
 double squared(double x) { return x * x; }
 
-absl::StatusOr<BandCase> case_of(StoreReader& reader, const QueryRow& row,
-                                 std::vector<double>& lambda_um) {
-  if (row.interpolation)
-    return absl::InvalidArgumentError("interpolated rows have no spectra whose errors are known");
-  const auto got = spectrum_of(reader, row);
-  if (!got.ok()) return got.status();
-  const schema::Spectrum& s = got->spectrum;
-  if (s.contrast_spectral_intensity_w_sr_um().empty())
-    return absl::FailedPreconditionError(fmt::format(
-        "row {} was stored by an older irsig, without a contrast spectrum: run the sweep again",
-        row.signature.row));
-  const std::vector<double> axis(s.lambda_um().begin(), s.lambda_um().end());
-  if (lambda_um.empty()) lambda_um = axis;
-  if (lambda_um != axis)
-    return absl::InvalidArgumentError("the rows have not all the same wavelengths");
-  const auto& stderrs = s.contrast_spectral_intensity_stderr_w_sr_um();
-  auto errors = SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
-                                s.contrast_spectral_intensity_modes());
-  if (!errors.ok()) return errors.status();
-  const Measured contrast = contrast_of(row.signature);
-  const auto known = [](double value) { return std::isnan(value) ? 0 : value; };
-  const auto& values = s.contrast_spectral_intensity_w_sr_um();
-  const auto& behind = s.background_radiance_w_m2_sr_um();
-  return BandCase{0,
-                  0,
-                  row.signature.range_m,
-                  0,
-                  {values.begin(), values.end()},
-                  {behind.begin(), behind.end()},
-                  errors->modes(),
-                  errors->rest(),
-                  contrast.bias_bound(),
-                  contrast.unseen_stderr,
-                  std::hypot(known(row.signature.contrast_model_error_w_sr),
-                             known(row.signature.contrast_input_uncertainty_w_sr))};
+double of(const std::vector<std::vector<double>>& by_limit, Passband p, std::size_t row) {
+  return by_limit[p.last][row] - by_limit[p.first][row];
 }
+
+double ratio_snr(double a1, double a2, double b1, double b2) {
+  const double a = std::hypot(a1, a2), b = std::hypot(b1, b2);
+  if (!(a > 0 && b > 0)) return 0;
+  return std::abs(std::atan2(a1 * b2 - a2 * b1, a1 * b1 + a2 * b2)) * a * b / std::hypot(a, b);
+}
+
+// How much dearer than a mean: a logarithm of rows, an arc.
+double cost_of(const MeritOf& merit, Pairing pairing) {
+  return (merit.merit == Merit::kPercentile ? 20.0 : 1.0) *
+         (pairing == Pairing::kRatio ? 20.0 : 1.0);
+}
+
+double merit_of(const MeritOf& merit, std::span<const double> weight, std::span<const double> snr) {
+  switch (merit.merit) {
+    case Merit::kMean: {
+      double sum = 0;
+      for (std::size_t i = 0; i < snr.size(); ++i) sum += weight[i] * snr[i];
+      return sum;
+    }
+    case Merit::kWorst:
+      return *std::min_element(snr.begin(), snr.end());
+    case Merit::kAbove: {
+      double sum = 0;
+      for (std::size_t i = 0; i < snr.size(); ++i)
+        if (snr[i] >= merit.threshold) sum += weight[i];
+      return sum;
+    }
+    case Merit::kPercentile: {
+      std::vector<std::size_t> order(snr.size());
+      std::iota(order.begin(), order.end(), std::size_t{0});
+      std::sort(order.begin(), order.end(),
+                [&](std::size_t a, std::size_t b) { return snr[a] < snr[b]; });
+      double sum = 0;
+      for (const std::size_t i : order) {
+        sum += weight[i];
+        if (sum >= 0.01 * merit.percentile * (1 - 1e-12)) return snr[i];
+      }
+      return snr[order.back()];
+    }
+  }
+  return 0;
+}
+
+bool better(const Candidate& a, const Candidate& b) { return a.merit > b.merit; }
 
 }  // namespace
 
-absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<const QueryRow> rows,
-                                               StoreReader* other,
-                                               std::span<const QueryRow> against,
-                                               AspectWeight weight) {
-  if (rows.empty()) return absl::InvalidArgumentError("no signature matches");
-  BandPopulation out;
-  std::map<Place, const QueryRow*> partner;
-  for (const QueryRow& row : against) partner[place_of(row.signature)] = &row;
-  std::map<std::tuple<std::string, double, double, double>, std::size_t> views;
-  std::map<std::tuple<std::string, std::string, std::string, double, double>, std::size_t> places;
-  std::map<std::pair<double, double>, std::size_t> aspects;
-  std::vector<std::size_t> aspect_of;
-  const StoredSignature& any = rows.front().signature;
-  for (const QueryRow& row : rows) {
-    const StoredSignature& s = row.signature;
-    if (s.band != any.band || s.sweep != any.sweep)
-      return absl::InvalidArgumentError(fmt::format(
-          "rows of several {}s match, \"{}\" and \"{}\": expected one of them",
-          s.band != any.band ? "band" : "sweep", s.band != any.band ? any.band : any.sweep,
-          s.band != any.band ? s.band : s.sweep));
-    auto made = case_of(reader, row, out.lambda_um);
-    if (!made.ok()) return made.status();
-    if (other != nullptr) {
-      const auto found = partner.find(place_of(s));
-      if (found == partner.end())
-        return absl::InvalidArgumentError(fmt::format(
-            "the other target has no row for {} {}, aspect {:g},{:g} at {:g} m", s.season,
-            s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m));
-      auto theirs = case_of(*other, *found->second, out.lambda_um);
-      if (!theirs.ok()) return theirs.status();
-      for (std::size_t k = 0; k < made->contrast.size(); ++k)
-        made->contrast[k] -= theirs->contrast[k];
-      // Independent samples; the sign of a mode says nothing. What is left over may be one.
-      made->modes.insert(made->modes.end(), theirs->modes.begin(), theirs->modes.end());
-      for (std::size_t k = 0; k < made->rest.size(); ++k) made->rest[k] += theirs->rest[k];
-      made->bias_bound_w_sr += theirs->bias_bound_w_sr;
-      made->unseen_stderr_w_sr += theirs->unseen_stderr_w_sr;
-      made->model_error_w_sr = std::hypot(made->model_error_w_sr, theirs->model_error_w_sr);
-    }
-    if (made->modes.empty()) ++out.without_modes;
-    made->view = views
-                     .try_emplace({s.sweep, s.aspect_azimuth_deg, s.aspect_elevation_deg,
-                                   row.range_change ? row.range_change->stored_range_m : s.range_m},
-                                  views.size())
-                     .first->second;
-    made->place = places
-                      .try_emplace({s.sweep, s.season, s.time_utc, s.aspect_azimuth_deg,
-                                    s.aspect_elevation_deg},
-                                   places.size())
-                      .first->second;
-    aspect_of.push_back(
-        aspects.try_emplace({s.aspect_azimuth_deg, s.aspect_elevation_deg}, aspects.size())
-            .first->second);
-    out.row.push_back(*std::move(made));
-  }
-  if (out.lambda_um.size() < 2) return absl::InvalidArgumentError("the band has one wavelength");
-  std::vector<double> of_aspect(aspects.size(), 1);
-  if (weight == AspectWeight::kSolidAngle) {
-    std::vector<std::pair<double, double>> aspect(aspects.size());
-    for (const auto& [angles, at] : aspects) aspect[at] = angles;
-    of_aspect = solid_angles(aspect);
-  }
-  // Rows of one aspect share its weight.
-  std::vector<double> rows_of(aspects.size(), 0);
-  for (const std::size_t a : aspect_of) ++rows_of[a];
-  double sum = 0;
-  for (std::size_t i = 0; i < out.row.size(); ++i) {
-    const double share = weight == AspectWeight::kSolidAngle ? 1 / rows_of[aspect_of[i]] : 1;
-    out.row[i].weight = of_aspect[aspect_of[i]] * share;
-    sum += out.row[i].weight;
-  }
-  for (BandCase& row : out.row) row.weight /= sum;
-  const auto sweep = reader.sweep(any.sweep);
-  if (!sweep.ok()) return sweep.status();
-  auto own = response_of(*sweep, any.band);
-  if (!own.ok()) return own.status();
-  out.own_response = *std::move(own);
-  return out;
-}
+struct BandSearch::Errors {
+  std::array<double, 2> target{}, against{};  // [passband]
+};
 
-absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Detector& detector) {
+absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Detector& detector,
+                                            Pairing pairing, std::span<const NamedFilter> filters) {
   BandSearch out;
   out.population_ = std::move(population);
+  out.pairing_ = pairing;
+  out.filter_.assign(filters.begin(), filters.end());
+  const std::vector<BandCase>& row = out.population_.row;
+  for (const BandCase& r : row) out.weight_.push_back(r.weight);
+  if (pairing == Pairing::kRatio && !row.front().against)
+    return absl::InvalidArgumentError(
+        "a ratio of two windows tells two targets apart: give the other one");
   const std::vector<double>& lambda_um = out.population_.lambda_um;
   const double first = lambda_um.front(), last = lambda_um.back();
   out.step_um_ = (last - first) / static_cast<double>(lambda_um.size() - 1);
-  Detector whole = detector;
+  Detector& whole = out.whole_;
+  whole = detector;
   if (whole.response.empty()) whole.response = window(first, last);
-  const auto fits = band_weights(lambda_um, whole.response);
-  if (!fits.ok())
+  if (const auto fits = band_weights(lambda_um, whole.response); !fits.ok())
     return absl::InvalidArgumentError(
         fmt::format("the detector's response: {}; give --window or a response within the band, or "
                     "ask for a wider [[band]] in the sweep",
@@ -225,145 +129,340 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
   // Edges where the detector sees anything.
   const double low = std::max(first, whole.response.front().lambda_um),
                high = std::min(last, whole.response.back().lambda_um);
-  out.edges_um_ = {low};
+  out.limit_um_ = {low};
   for (std::size_t k = 0; k + 1 < lambda_um.size(); ++k)
     if (const double edge = lambda_um[k] + 0.5 * out.step_um_;
         edge > low + 1e-9 && edge < high - 1e-9)
-      out.edges_um_.push_back(edge);
-  out.edges_um_.push_back(high);
+      out.limit_um_.push_back(edge);
+  out.limit_um_.push_back(high);
+  out.edges_ = out.limit_um_.size();
 
-  // Integrals up to each edge, as weights of bins: the same for all rows.
-  const std::size_t edges = out.edges_um_.size(), bins = lambda_um.size();
-  std::vector<std::vector<double>> signal(edges, std::vector<double>(bins, 0.0)), photons = signal,
-                                                                                  slope = signal;
-  const auto weights = [&](const ResponseTable& table, std::size_t e) -> std::vector<double> {
-    const auto found = band_weights(lambda_um, between(table, low, out.edges_um_[e]));
-    return found.ok() ? found->weight : std::vector<double>(bins, 0.0);  // 0 so far
-  };
-  for (std::size_t e = 1; e < edges; ++e) {
-    signal[e] = weights(out.detector_.signal, e);
-    if (!out.detector_.photons.empty()) photons[e] = weights(out.detector_.photons, e);
+  // Integrals up to each limit, as weights of bins: the same for all rows.
+  const std::size_t bins = lambda_um.size();
+  std::vector<std::vector<double>> signal, photons, slope;
+  const auto add = [&](const DetectorIntegrals& d, double to) {
+    const auto weights = [&](const ResponseTable& table) -> std::vector<double> {
+      const auto found = band_weights(lambda_um, between(table, low, to));
+      return found.ok() ? found->weight : std::vector<double>(bins, 0.0);  // 0 so far
+    };
+    signal.push_back(weights(d.signal));
+    photons.push_back(d.photons.empty() ? std::vector<double>(bins, 0.0) : weights(d.photons));
+    slope.push_back(signal.back());
     for (std::size_t k = 0; k < bins; ++k)
-      slope[e][k] = signal[e][k] * (2 * (lambda_um[k] - first) / (last - first) - 1);
+      slope.back()[k] *= 2 * (lambda_um[k] - first) / (last - first) - 1;
+  };
+  for (const double edge : out.limit_um_) add(out.detector_, edge);
+  for (const NamedFilter& f : out.filter_) {
+    Detector through = whole;
+    through.response = product(whole.response, f.transmittance);
+    if (through.response.empty())
+      return absl::InvalidArgumentError(
+          fmt::format("filter {}: nothing of what the detector responds to gets through", f.name));
+    add(integrals_of(through), high);
   }
-  for (const BandCase& row : out.population_.row) {
-    Cumulated& c = out.cumulated_.emplace_back();
-    std::vector<double> magnitude;
-    for (const double value : row.contrast) magnitude.push_back(std::abs(value));
-    const double per_m2 = 1 / squared(row.range_m);
-    c.mode.resize(row.modes.size());
-    for (std::size_t e = 0; e < edges; ++e) {
-      c.signal.push_back(per_m2 * dot(signal[e], row.contrast));
-      c.photons.push_back(
-          row.background_w_m2_sr_um.empty() ? 0 : dot(photons[e], row.background_w_m2_sr_um));
-      c.rest.push_back(per_m2 * dot(signal[e], row.rest));
-      c.shape.push_back(per_m2 * dot(signal[e], magnitude));
-      c.slope.push_back(per_m2 * dot(slope[e], magnitude));
-      for (std::size_t k = 0; k < c.mode.size(); ++k)
-        c.mode[k].push_back(per_m2 * dot(signal[e], row.modes[k]));
-    }
-  }
-  return out;
-}
 
-double BandSearch::of_row(std::size_t row, double error, std::size_t first,
-                          std::size_t last) const {
-  const Cumulated& c = cumulated_[row];
-  return std::abs(
-      detector_.snr(c.signal[last] - c.signal[first] + error, c.photons[last] - c.photons[first]));
-}
-
-std::vector<double> BandSearch::snr(std::size_t first, std::size_t last) const {
-  std::vector<double> out;
-  for (std::size_t row = 0; row < cumulated_.size(); ++row)
-    out.push_back(of_row(row, 0, first, last));
-  return out;
-}
-
-double BandSearch::merit_of(const MeritOf& merit, std::vector<double>& snr) const {
-  const auto& row = population_.row;
-  switch (merit.merit) {
-    case Merit::kMean: {
-      double sum = 0;
-      for (std::size_t i = 0; i < snr.size(); ++i) sum += row[i].weight * snr[i];
-      return sum;
-    }
-    case Merit::kWorst:
-      return *std::min_element(snr.begin(), snr.end());
-    case Merit::kAbove: {
-      double sum = 0;
-      for (std::size_t i = 0; i < snr.size(); ++i)
-        if (snr[i] >= merit.threshold) sum += row[i].weight;
-      return sum;
-    }
-    case Merit::kPercentile: {
-      std::vector<std::size_t> order(snr.size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      std::sort(order.begin(), order.end(),
-                [&](std::size_t a, std::size_t b) { return snr[a] < snr[b]; });
-      double sum = 0;
-      for (const std::size_t i : order) {
-        sum += row[i].weight;
-        if (sum >= 0.01 * merit.percentile * (1 - 1e-12)) return snr[i];
+  const std::size_t limits = signal.size();
+  const auto cumulate = [&](auto&& target_of, Cumulated& c) {
+    for (ByLimit* m : {&c.signal, &c.rest, &c.shape, &c.slope}) m->resize(limits);
+    c.mode.resize(row.size());
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const TargetContrast& t = target_of(row[i]);
+      const double per_m2 = 1 / squared(row[i].range_m);
+      std::vector<double> magnitude;
+      for (const double value : t.value) magnitude.push_back(std::abs(value));
+      for (std::size_t e = 0; e < limits; ++e) {
+        c.signal[e].push_back(per_m2 * dot(signal[e], t.value));
+        c.rest[e].push_back(per_m2 * dot(signal[e], t.rest));
+        c.shape[e].push_back(per_m2 * dot(signal[e], magnitude));
+        c.slope[e].push_back(per_m2 * dot(slope[e], magnitude));
       }
-      return snr[order.back()];
+      for (const auto& mode : t.modes) {
+        auto& by_limit = c.mode[i].emplace_back();
+        for (std::size_t e = 0; e < limits; ++e) by_limit.push_back(per_m2 * dot(signal[e], mode));
+      }
     }
-  }
-  return 0;
-}
-
-double BandSearch::merit(const MeritOf& merit, std::size_t first, std::size_t last) const {
-  std::vector<double> of_rows = snr(first, last);
-  return merit_of(merit, of_rows);
-}
-
-BandSearch::Map BandSearch::map(const MeritOf& merit, double least_width_um) const {
-  Map out;
-  for (std::size_t first = 0; first < edges_um_.size(); ++first)
-    for (std::size_t last = first + 1; last < edges_um_.size(); ++last) {
-      if (edges_um_[last] - edges_um_[first] < least_width_um - 1e-9) continue;
-      out.first.push_back(first);
-      out.last.push_back(last);
-      out.merit.push_back(this->merit(merit, first, last));
+    c.whole_shape = c.shape[out.edges_ - 1];
+  };
+  cumulate([](const BandCase& r) -> const TargetContrast& { return r.target; }, out.target_);
+  if (row.front().against)
+    cumulate([](const BandCase& r) -> const TargetContrast& { return *r.against; }, out.against_);
+  out.photons_.resize(limits);
+  out.background_.resize(limits);
+  bool lit = false;
+  for (std::size_t e = 0; e < limits; ++e)
+    for (const BandCase& r : row) {
+      const bool known = !r.background_w_m2_sr_um.empty();
+      out.photons_[e].push_back(known ? dot(photons[e], r.background_w_m2_sr_um) : 0);
+      out.background_[e].push_back(known ? dot(signal[e], r.background_w_m2_sr_um) : 0);
+      lit |= out.background_[e].back() > 0;
     }
+  if (pairing != Pairing::kDifference) return out;
+  if (!lit)
+    return absl::InvalidArgumentError(
+        "a difference of two windows takes the background away, and these rows have none");
+  out.gram_.assign(limits, std::vector<double>(limits, 0.0));
+  for (std::size_t e = 0; e < limits; ++e)
+    for (std::size_t f = 0; f < limits; ++f)
+      for (std::size_t i = 0; i < row.size(); ++i)
+        out.gram_[e][f] += out.weight_[i] * out.background_[e][i] * out.background_[f][i];
   return out;
 }
 
-double BandSearch::mean_stderr(std::size_t first, std::size_t last) const {
+double BandSearch::lambda_min_um(Passband p) const {
+  if (p.last < edges_) return limit_um_[p.first];
+  return std::max(limit_um_.front(), filter_[p.last - edges_].transmittance.front().lambda_um);
+}
+
+double BandSearch::lambda_max_um(Passband p) const {
+  if (p.last < edges_) return limit_um_[p.last];
+  return std::min(limit_um_[edges_ - 1], filter_[p.last - edges_].transmittance.back().lambda_um);
+}
+
+std::string_view BandSearch::name(Passband p) const {
+  return p.last < edges_ ? std::string_view() : filter_[p.last - edges_].name;
+}
+
+ResponseTable BandSearch::response(Passband p) const {
+  const ResponseTable& whole =
+      p.last < edges_ ? whole_.response
+                      : product(whole_.response, filter_[p.last - edges_].transmittance);
+  return between(whole, lambda_min_um(p), lambda_max_um(p));
+}
+
+double BandSearch::gain(Passband one, Passband other) const {
+  const auto mean_square = [&](Passband p) {
+    return gram_[p.last][p.last] - 2 * gram_[p.first][p.last] + gram_[p.first][p.first];
+  };
+  const double own = mean_square(other);
+  return own > 0 ? std::sqrt(std::max(0.0, mean_square(one)) / own) : 0;
+}
+
+double BandSearch::background_left(const Candidate& c) const {
+  double left = 0, all = 0;
+  for (std::size_t i = 0; i < population_.row.size(); ++i) {
+    const double one = of(background_, c.one, i);
+    left += weight_[i] * squared(one - c.gain * of(background_, *c.other, i));
+    all += weight_[i] * squared(one);
+  }
+  return all > 0 ? std::sqrt(left / all) : 0;
+}
+
+double BandSearch::of_row(const Candidate& c, std::size_t row, const Errors& error) const {
+  const bool two = population_.row[row].against.has_value();
+  const auto target = [&](std::size_t k, Passband p) {
+    return of(target_.signal, p, row) + error.target[k];
+  };
+  const auto against = [&](std::size_t k, Passband p) {
+    return two ? of(against_.signal, p, row) + error.against[k] : 0.0;
+  };
+  const double v1 = detector_.variance(of(photons_, c.one, row));
+  if (!c.other) {
+    const double s = target(0, c.one) - against(0, c.one);
+    return v1 > 0 ? std::abs(s) / std::sqrt(v1) : 0;
+  }
+  const double v2 = detector_.variance(of(photons_, *c.other, row));
+  if (pairing_ == Pairing::kDifference) {
+    const double variance = v1 + squared(c.gain) * v2;
+    const double s = target(0, c.one) - against(0, c.one) -
+                     c.gain * (target(1, *c.other) - against(1, *c.other));
+    return variance > 0 ? std::abs(s) / std::sqrt(variance) : 0;
+  }
+  if (!(v1 > 0 && v2 > 0)) return 0;
+  const double n1 = 1 / std::sqrt(v1), n2 = 1 / std::sqrt(v2);
+  return ratio_snr(n1 * target(0, c.one), n2 * target(1, *c.other), n1 * against(0, c.one),
+                   n2 * against(1, *c.other));
+}
+
+std::vector<double> BandSearch::snr(const Candidate& c) const {
+  std::vector<double> out(population_.row.size());
+  for (std::size_t row = 0; row < out.size(); ++row) out[row] = of_row(c, row, {});
+  return out;
+}
+
+Candidate BandSearch::candidate(const MeritOf& merit, Passband one,
+                                std::optional<Passband> other) const {
+  Candidate out{one, other};
+  if (other && pairing_ == Pairing::kDifference) out.gain = gain(one, *other);
+  std::vector<double> of_rows = snr(out);
+  out.merit = merit_of(merit, weight_, of_rows);
+  return out;
+}
+
+double BandSearch::merit_at(const MeritOf& merit, const Candidate& c, double range_m) const {
+  std::vector<double> weight, of_rows;
+  for (std::size_t i = 0; i < weight_.size(); ++i) {
+    if (population_.row[i].range_m != range_m) continue;
+    weight.push_back(weight_[i]);
+    of_rows.push_back(of_row(c, i, {}));
+  }
+  const double sum = std::accumulate(weight.begin(), weight.end(), 0.0);
+  for (double& w : weight) w /= sum;
+  return merit_of(merit, weight, of_rows);
+}
+
+BandSearch::Found BandSearch::search(const MeritOf& merit, double least_width_um,
+                                     std::size_t most) const {
+  Found out;
+  if (pairing_ != Pairing::kNone) {
+    search_pairs(merit, least_width_um, most, out);
+    return out;
+  }
+  for (std::size_t first = 0; first < edges_; ++first)
+    for (std::size_t last = first + 1; last < edges_; ++last) {
+      if (limit_um_[last] - limit_um_[first] < least_width_um - 1e-9) continue;
+      out.map.push_back(candidate(merit, {first, last}));
+    }
+  out.judged = out.map.size();
+  out.best = out.map;
+  std::stable_sort(out.best.begin(), out.best.end(), better);
+  out.best.resize(std::min(out.best.size(), most));
+  return out;
+}
+
+void BandSearch::search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
+                              Found& out) const {
+  const std::size_t rows = population_.row.size();
+  std::vector<std::size_t> edge;
+  for (out.stride = 1;; ++out.stride) {
+    edge.clear();
+    for (std::size_t e = 0; e < edges_; e += out.stride) edge.push_back(e);
+    if (edge.back() != edges_ - 1) edge.push_back(edges_ - 1);
+    const double n = static_cast<double>(edge.size() + 1);
+    const double pairs = n * (n - 1) * (n - 2) * (n - 3) / 24;
+    if (edge.size() < 4 ||
+        pairs * static_cast<double>(rows) * cost_of(merit, pairing_) < kMostRatios)
+      break;
+  }
+  std::vector<Passband> window;
+  for (std::size_t a = 0; a < edge.size(); ++a)
+    for (std::size_t b = a + 1; b < edge.size(); ++b)
+      if (limit_um_[edge[b]] - limit_um_[edge[a]] >= least_width_um - 1e-9)
+        window.push_back({edge[a], edge[b]});
+  std::vector<Candidate> of_window(window.size());
+  std::vector<double> s1(rows), v1(rows), s(rows);
+  const bool fast = pairing_ == Pairing::kDifference;
+  const bool two = population_.row.front().against.has_value();
+  for (std::size_t w = 0; w < window.size(); ++w) {
+    const auto signal = [&](Passband p, std::size_t i) {
+      return of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
+    };
+    for (std::size_t i = 0; i < rows; ++i) {
+      s1[i] = signal(window[w], i);
+      v1[i] = detector_.variance(of(photons_, window[w], i));
+    }
+    for (std::size_t u = 0; u < window.size(); ++u) {
+      const Passband p = window[u];
+      if (p.first < window[w].last) continue;
+      Candidate c{window[w], p};
+      if (fast) {
+        c.gain = gain(window[w], p);
+        for (std::size_t i = 0; i < rows; ++i) {
+          const double variance = v1[i] + c.gain * c.gain * detector_.variance(of(photons_, p, i));
+          s[i] = variance > 0 ? std::abs(s1[i] - c.gain * signal(p, i)) / std::sqrt(variance) : 0;
+        }
+      } else {
+        for (std::size_t i = 0; i < rows; ++i) s[i] = of_row(c, i, {});
+      }
+      c.merit = merit_of(merit, weight_, s);
+      ++out.judged;
+      for (const std::size_t part : {w, u})
+        if (!of_window[part].other || better(c, of_window[part])) of_window[part] = c;
+      // The worst of the best stands in front.
+      if (out.best.size() < most || better(c, out.best.front())) {
+        out.best.push_back(c);
+        std::push_heap(out.best.begin(), out.best.end(), better);
+        if (out.best.size() > most) {
+          std::pop_heap(out.best.begin(), out.best.end(), better);
+          out.best.pop_back();
+        }
+      }
+    }
+  }
+  for (std::size_t w = 0; w < window.size(); ++w) {
+    if (!of_window[w].other) continue;
+    // The window of the map first.
+    if (of_window[w].one != window[w]) std::swap(of_window[w].one, *of_window[w].other);
+    out.map.push_back(of_window[w]);
+  }
+  std::sort(out.best.begin(), out.best.end(), better);
+  if (out.stride > 1) climb(merit, least_width_um, most, out);
+}
+
+void BandSearch::climb(const MeritOf& merit, double least_width_um, std::size_t most,
+                       Found& out) const {
+  const auto wide = [&](Passband p) {
+    return p.first < p.last && limit_um_[p.last] - limit_um_[p.first] >= least_width_um - 1e-9;
+  };
+  using Limits = std::array<std::size_t, 4>;
+  std::map<Limits, Candidate> seen;
+  for (Candidate c : out.best)
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (std::size_t limit = 0; limit < 4; ++limit)
+        for (const int by : {-1, 1}) {
+          Limits at = {c.one.first, c.one.last, c.other->first, c.other->last};
+          if (by < 0 ? at[limit] == 0 : at[limit] + 1 == edges_) continue;
+          at[limit] = by < 0 ? at[limit] - 1 : at[limit] + 1;
+          const Passband one{at[0], at[1]}, other{at[2], at[3]};
+          if (!wide(one) || !wide(other) || (one.last > other.first && other.last > one.first))
+            continue;
+          const auto [found, added] = seen.try_emplace(at);
+          if (added) found->second = candidate(merit, one, other);
+          if (!better(found->second, c)) continue;
+          c = found->second;
+          moved = true;
+        }
+    }
+  out.judged += seen.size();
+  for (const Candidate& c : out.best)
+    seen.try_emplace({c.one.first, c.one.last, c.other->first, c.other->last}, c);
+  out.best.clear();
+  for (const auto& [limits, c] : seen) out.best.push_back(c);
+  std::stable_sort(out.best.begin(), out.best.end(), better);
+  out.best.resize(std::min(out.best.size(), most));
+}
+
+double BandSearch::mean_stderr(Passband p) const {
   // [view][mode], the rest as one more.
   std::map<std::pair<std::size_t, std::size_t>, double> sum;
-  for (std::size_t i = 0; i < cumulated_.size(); ++i) {
-    const Cumulated& c = cumulated_[i];
-    const double signal = c.signal[last] - c.signal[first],
-                 photons = c.photons[last] - c.photons[first];
-    const double per = population_.row[i].weight * detector_.snr(signal < 0 ? -1 : 1, photons);
-    for (std::size_t k = 0; k < c.mode.size(); ++k)
-      sum[{population_.row[i].view, k + 1}] += per * (c.mode[k][last] - c.mode[k][first]);
-    sum[{population_.row[i].view, 0}] += std::abs(per) * (c.rest[last] - c.rest[first]);
+  const auto add = [&](const Cumulated& c, std::size_t first_mode, std::size_t i, double per) {
+    const std::size_t view = population_.row[i].view;
+    for (std::size_t k = 0; k < c.mode[i].size(); ++k)
+      sum[{view, first_mode + k + 1}] += per * (c.mode[i][k][p.last] - c.mode[i][k][p.first]);
+    sum[{view, first_mode}] += std::abs(per) * of(c.rest, p, i);
+  };
+  constexpr std::size_t kOfAgainst = 1'000'000;
+  for (std::size_t i = 0; i < population_.row.size(); ++i) {
+    const bool two = population_.row[i].against.has_value();
+    const double signal = of(target_.signal, p, i) - (two ? of(against_.signal, p, i) : 0);
+    const double variance = detector_.variance(of(photons_, p, i));
+    if (!(variance > 0)) continue;
+    const double per = weight_[i] * (signal < 0 ? -1 : 1) / std::sqrt(variance);
+    add(target_, 0, i, per);
+    if (two) add(against_, kOfAgainst, i, -per);
   }
   double variance = 0;
   for (const auto& [key, value] : sum) variance += squared(value);
   return std::sqrt(variance);
 }
 
-BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t most) const {
-  std::vector<std::size_t> order(map.merit.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return map.merit[a] > map.merit[b]; });
-  order.resize(std::min(order.size(), most));
+BandChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
+  std::vector<Candidate> candidate(asked.begin(), asked.end());
+  std::stable_sort(candidate.begin(), candidate.end(), better);
   BandChoice out;
-  if (order.empty()) return out;
+  if (candidate.empty()) return out;
 
   enum Kind { kSamples, kNumerical, kAll, kKinds };
-  const std::size_t windows = order.size();
-  // [kind][window][draw]
+  const std::size_t count = candidate.size(), rows = population_.row.size();
+  // [kind][candidate][draw]
   std::vector<std::vector<std::vector<double>>> drawn(kKinds,
-                                                      std::vector<std::vector<double>>(windows));
+                                                      std::vector<std::vector<double>>(count));
+  const bool two = population_.row.front().against.has_value();
   std::size_t views = 0, modes = 0;
-  for (std::size_t i = 0; i < cumulated_.size(); ++i) {
+  for (std::size_t i = 0; i < rows; ++i) {
     views = std::max(views, population_.row[i].view + 1);
-    modes = std::max(modes, cumulated_[i].mode.size());
+    modes = std::max(modes, target_.mode[i].size());
+    if (two) modes = std::max(modes, against_.mode[i].size());
   }
   std::mt19937_64 random(kSeed);
   // Of a library's distributions the numbers are its own; these are the same everywhere.
@@ -372,37 +471,62 @@ BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t
     const double radius = std::sqrt(-2 * std::log(uniform()));  // the first of two numbers
     return radius * std::cos(2 * std::numbers::pi * uniform());
   };
-  const std::size_t end = edges_um_.size() - 1;
-  std::vector<double> z(views * (modes + 2));
-  std::vector<std::vector<double>> of_rows(kKinds, std::vector<double>(cumulated_.size()));
+  // What is drawn of one target.
+  struct Drawn {
+    std::vector<double> z;
+    double bound_level, bound_slope, model_level, model_slope;
+  };
+  const auto draw_target = [&] {
+    Drawn d;
+    for (std::size_t k = 0; k < views * (modes + 2); ++k) d.z.push_back(normal());
+    d.bound_level = 2 * uniform() - 1;
+    d.bound_slope = std::sqrt(3.0) * (2 * uniform() - 1);
+    d.model_level = normal();
+    d.model_slope = std::sqrt(3.0) * normal();
+    return d;
+  };
+  const auto error_of = [&](const Drawn& d, const Cumulated& c, const TargetContrast& t,
+                            std::size_t i, Passband p, Kind kind) {
+    const BandCase& row = population_.row[i];
+    const double* z = d.z.data() + row.view * (modes + 2);
+    double error = z[modes] * of(c.rest, p, i);
+    for (std::size_t k = 0; k < c.mode[i].size(); ++k)
+      error += z[k] * (c.mode[i][k][p.last] - c.mode[i][k][p.first]);
+    if (kind == kSamples) return error;
+    const double half = std::sqrt(0.5), shape = of(c.shape, p, i), slope = of(c.slope, p, i);
+    const double per_w_sr =
+        c.whole_shape[i] > 0 ? ratio_ / squared(row.range_m) / c.whole_shape[i] : 0;
+    error +=
+        per_w_sr * (t.bias_bound_w_sr * half * (d.bound_level * shape + d.bound_slope * slope) +
+                    t.unseen_stderr_w_sr * z[modes + 1] * shape);
+    if (kind == kNumerical) return error;
+    return error +
+           per_w_sr * t.model_error_w_sr * half * (d.model_level * shape + d.model_slope * slope);
+  };
+  std::vector<double> of_rows(rows);
   for (int draw = 0; draw < kDraws; ++draw) {
-    for (double& value : z) value = normal();
-    const double bound_level = 2 * uniform() - 1,
-                 bound_slope = std::sqrt(3.0) * (2 * uniform() - 1), model_level = normal(),
-                 model_slope = std::sqrt(3.0) * normal();
-    for (std::size_t w = 0; w < windows; ++w) {
-      const std::size_t first = map.first[order[w]], last = map.last[order[w]];
-      for (std::size_t i = 0; i < cumulated_.size(); ++i) {
-        const BandCase& row = population_.row[i];
-        const Cumulated& c = cumulated_[i];
-        const double* of_view = z.data() + row.view * (modes + 2);
-        double error = of_view[modes] * (c.rest[last] - c.rest[first]);
-        for (std::size_t k = 0; k < c.mode.size(); ++k)
-          error += of_view[k] * (c.mode[k][last] - c.mode[k][first]);
-        of_rows[kSamples][i] = of_row(i, error, first, last);
-        const double half = std::sqrt(0.5), shape = c.shape[last] - c.shape[first],
-                     slope = c.slope[last] - c.slope[first];
-        const double per_w_sr = c.shape[end] > 0 ? ratio_ / squared(row.range_m) / c.shape[end] : 0;
-        error +=
-            per_w_sr * (row.bias_bound_w_sr * half * (bound_level * shape + bound_slope * slope) +
-                        row.unseen_stderr_w_sr * of_view[modes + 1] * shape);
-        of_rows[kNumerical][i] = of_row(i, error, first, last);
-        error +=
-            per_w_sr * row.model_error_w_sr * half * (model_level * shape + model_slope * slope);
-        of_rows[kAll][i] = of_row(i, error, first, last);
+    const Drawn of_target = draw_target();
+    Drawn of_against;
+    if (two) {
+      of_against = draw_target();
+      of_against.bound_level = -of_target.bound_level;
+      of_against.bound_slope = -of_target.bound_slope;
+    }
+    for (std::size_t w = 0; w < count; ++w) {
+      const Candidate& c = candidate[w];
+      for (const Kind kind : {kSamples, kNumerical, kAll}) {
+        for (std::size_t i = 0; i < rows; ++i) {
+          const BandCase& row = population_.row[i];
+          Errors error;
+          for (std::size_t k = 0; k < (c.other ? 2U : 1U); ++k) {
+            const Passband p = k == 0 ? c.one : *c.other;
+            error.target[k] = error_of(of_target, target_, row.target, i, p, kind);
+            if (two) error.against[k] = error_of(of_against, against_, *row.against, i, p, kind);
+          }
+          of_rows[i] = of_row(c, i, error);
+        }
+        drawn[kind][w].push_back(merit_of(merit, weight_, of_rows));
       }
-      for (const Kind kind : {kSamples, kNumerical, kAll})
-        drawn[kind][w].push_back(merit_of(merit, of_rows[kind]));
     }
   }
   const auto scatter = [&](const std::vector<double>& values) {
@@ -413,12 +537,10 @@ BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t
     for (const double v : values) sum += squared(v - mean) / (kDraws - 1);
     return std::sqrt(sum);
   };
-  for (std::size_t w = 0; w < windows; ++w) {
-    const std::size_t at = order[w];
-    WindowMerit& m = out.window.emplace_back(
-        WindowMerit{edges_um_[map.first[at]], edges_um_[map.last[at]], map.merit[at],
-                    scatter(drawn[kSamples][w]), scatter(drawn[kNumerical][w]),
-                    scatter(drawn[kAll][w]), 0, 0, 0});
+  for (std::size_t w = 0; w < count; ++w) {
+    CandidateMerit& m = out.candidate.emplace_back(
+        CandidateMerit{candidate[w], scatter(drawn[kSamples][w]), scatter(drawn[kNumerical][w]),
+                       scatter(drawn[kAll][w]), 0, 0, 0});
     for (int d = 0; d < kDraws; ++d)
       if (drawn[kAll][w][static_cast<std::size_t>(d)] >=
           drawn[kAll][0][static_cast<std::size_t>(d)])
@@ -428,22 +550,22 @@ BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t
   for (std::size_t d = 0; d < kDraws; ++d)
     for (const Kind kind : {kNumerical, kAll}) {
       std::size_t best = 0;
-      for (std::size_t w = 1; w < windows; ++w)
+      for (std::size_t w = 1; w < count; ++w)
         if (drawn[kind][w][d] > drawn[kind][best][d]) best = w;
-      ++(kind == kAll ? out.window[best].best : out.window[best].best_numerical);
+      ++(kind == kAll ? out.candidate[best].best : out.candidate[best].best_numerical);
     }
-  for (WindowMerit& w : out.window) {
+  for (CandidateMerit& w : out.candidate) {
     w.best /= kDraws;
     w.best_numerical /= kDraws;
   }
-  if (windows < 2) return out;
+  if (count < 2) return out;
   const auto difference_of = [&](Kind kind) {
     std::vector<double> difference;
     for (std::size_t d = 0; d < kDraws; ++d)
       difference.push_back(drawn[kind][0][d] - drawn[kind][1][d]);
     return scatter(difference);
   };
-  const double apart = 0.5 * (out.window[0].merit - out.window[1].merit);
+  const double apart = 0.5 * (candidate[0].merit - candidate[1].merit);
   const double samples = squared(difference_of(kSamples)), all = squared(difference_of(kAll));
   if (all <= squared(apart)) return out;
   const double left = squared(apart) - std::max(0.0, all - samples);
@@ -451,17 +573,25 @@ BandChoice BandSearch::compare(const MeritOf& merit, const Map& map, std::size_t
   return out;
 }
 
-std::vector<double> BandSearch::detection_range_m(std::size_t first, std::size_t last,
-                                                  double threshold) const {
-  std::map<std::size_t, std::map<double, double>> of_place;  // s by range
-  for (std::size_t i = 0; i < cumulated_.size(); ++i)
-    of_place[population_.row[i].place][population_.row[i].range_m] = of_row(i, 0, first, last);
-  std::vector<double> out;
-  for (const auto& [place, by_range] : of_place) {
+std::vector<BandSearch::Detection> BandSearch::detection(const Candidate& c,
+                                                         double threshold) const {
+  struct Place {
+    std::size_t row;
+    double weight;
+    std::map<double, double> by_range;  // s
+  };
+  std::map<std::size_t, Place> of_place;
+  for (std::size_t i = 0; i < population_.row.size(); ++i) {
+    Place& of = of_place.try_emplace(population_.row[i].place, Place{i, 0, {}}).first->second;
+    of.weight += weight_[i];
+    of.by_range[population_.row[i].range_m] = of_row(c, i, {});
+  }
+  std::vector<Detection> out;
+  for (const auto& [place, of] : of_place) {
     double range = 0;
-    for (auto at = by_range.rbegin(); at != by_range.rend(); ++at) {
+    for (auto at = of.by_range.rbegin(); at != of.by_range.rend(); ++at) {
       if (!(at->second >= threshold)) continue;
-      if (at == by_range.rbegin()) {
+      if (at == of.by_range.rbegin()) {
         range = std::numeric_limits<double>::infinity();
         break;
       }
@@ -471,7 +601,7 @@ std::vector<double> BandSearch::detection_range_m(std::size_t first, std::size_t
       range = at->first * std::pow(beyond->first / at->first, share);
       break;
     }
-    out.push_back(range);
+    out.push_back({of.row, of.weight, range});
   }
   return out;
 }

@@ -1,54 +1,20 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/accuracy/spectral_modes.h"
 #include "core/detector/detector.h"
-#include "view/band_sum.h"
+#include "view/band_population.h"
 
 namespace irsig {
 
-// Which part of a stored band a detector sees a target best in. (docs/bands.md)
+// Which part of a stored band a detector sees a target best in, or which two. (docs/bands.md)
 
-// One row of the population: what a sensor sees of the target, on the band's stored wavelengths.
-struct BandCase {
-  double weight;      // of all rows together: 1
-  std::size_t view;   // rows of one view share their paths
-  double range_m;     // of the sensor
-  std::size_t place;  // the same row at another range has the same
-  // At the aperture: the target less its background, or one target less another. [W/(sr um)]
-  std::vector<double> contrast;
-  std::vector<double> background_w_m2_sr_um;
-  SpectralSet modes;  // of the contrast's errors, and what they leave over
-  std::vector<double> rest;
-  double bias_bound_w_sr, unseen_stderr_w_sr;  // of the whole band
-  double model_error_w_sr;                     // one sigma, with that of uncertain inputs
-};
-struct BandPopulation {
-  std::vector<double> lambda_um;
-  ResponseTable own_response;  // of the stored band; empty: 1
-  std::vector<BandCase> row;
-  std::size_t without_modes = 0;
-};
-
-// How much each row counts: all alike, or each aspect as the solid angle of the directions that are
-// nearest to it (between the lowest and the highest viewpoint).
-enum class AspectWeight { kRows, kSolidAngle };
-
-// Rows of one band, as run_query gives them. against: rows of another target at the same places,
-// empty: none. INVALID_ARGUMENT: no rows, several bands, interpolated rows, rows that have no
-// partner, other wavelengths.
-[[nodiscard]] absl::StatusOr<BandPopulation> band_population(StoreReader& reader,
-                                                             std::span<const QueryRow> rows,
-                                                             StoreReader* other,
-                                                             std::span<const QueryRow> against,
-                                                             AspectWeight weight);
-
-// Of the signal-to-noise ratios s of the rows, in one window.
+// Of the signal-to-noise ratios s of the rows.
 enum class Merit {
   kMean,
   kPercentile,  // what all but `percentile` % of the population exceed
@@ -60,72 +26,143 @@ struct MeritOf {
   double percentile = 10, threshold = 5;
 };
 
-struct WindowMerit {
-  double lambda_min_um, lambda_max_um;
-  double merit;
+// What a detector sees through: a window between two of the search's edges, or a filter.
+struct Passband {
+  std::size_t first = 0, last = 0;
+  bool operator==(const Passband&) const = default;
+};
+
+// With S the signal of a row (of a target, or of the target less the other one), V the variance of
+// the noise, 1 and 2 the two passbands:
+//
+//   kNone        s = |S| / sqrt(V)
+//   kDifference  s = |S1 - g S2| / sqrt(V1 + g^2 V2),  g = sqrt(<B1^2> / <B2^2>): the gain with
+//                which both see as much of the population's backgrounds B, which then cancel
+//   kRatio       s = |angle between a and b| / sqrt(1 / |a|^2 + 1 / |b|^2),  a = (S1 / sqrt(V1),
+//                S2 / sqrt(V2)) of the target, b of the other: where both ratios S1 / S2 differ
+//                little, their difference over its noise; it takes no ratio of what may be 0
+enum class Pairing { kNone, kDifference, kRatio };
+
+struct Candidate {
+  Passband one;
+  std::optional<Passband> other{};
+  double gain = 0;  // of a difference
+  double merit = 0;
+};
+
+struct CandidateMerit {
+  Candidate of;
   // One sigma of the merit: of the samples; with bounds and unseen light; with models and inputs.
   double samples_stderr, numerical_error, total_error;
   double best_numerical, best;  // probability of being the best of those compared
   double as_good;               // of being at least as good as the first, all errors considered
 };
 struct BandChoice {
-  std::vector<WindowMerit> window;  // compared with each other, the best first
+  std::vector<CandidateMerit> candidate;  // compared with each other, the best first
   // How many times as many samples would tell the first from the second (at two sigma); 0: they are
   // told apart; infinite: no number of samples, what is left are bounds and models.
   double samples_to_tell = 0;
 };
 
+struct NamedFilter {
+  std::string name;
+  ResponseTable transmittance;  // times the detector's response
+};
+
 class BandSearch {
  public:
-  // INVALID_ARGUMENT: a response outside the stored band. An empty one is 1 over the whole band.
-  static absl::StatusOr<BandSearch> make(BandPopulation population, const Detector& detector);
+  // An empty response is 1 over the whole band. INVALID_ARGUMENT: a response outside the stored
+  // band, a filter that lets nothing through, a ratio without another target, a difference of a
+  // population without background.
+  static absl::StatusOr<BandSearch> make(BandPopulation population, const Detector& detector,
+                                         Pairing pairing = Pairing::kNone,
+                                         std::span<const NamedFilter> filters = {});
 
   // Limits of windows: those of the stored bins, and of the band.
-  [[nodiscard]] const std::vector<double>& edges_um() const { return edges_um_; }
+  [[nodiscard]] std::span<const double> edges_um() const {
+    return std::span(limit_um_).first(edges_);
+  }
   [[nodiscard]] double step_um() const { return step_um_; }
+  [[nodiscard]] Passband filter(std::size_t index) const { return {0, edges_ + index}; }
 
-  // The merit of every window between two edges that is at least so wide. A row at range R has
-  //   s = |integral of signal x contrast| / R^2 / sqrt(variance)
-  struct Map {
-    std::vector<std::size_t> first, last;  // edges
-    std::vector<double> merit;
+  [[nodiscard]] double lambda_min_um(Passband p) const;
+  [[nodiscard]] double lambda_max_um(Passband p) const;
+  // Of a filter; empty: a window.
+  [[nodiscard]] std::string_view name(Passband p) const;
+  // The detector's response within a passband.
+  [[nodiscard]] ResponseTable response(Passband p) const;
+
+  // With its gain and merit.
+  [[nodiscard]] Candidate candidate(const MeritOf& merit, Passband one,
+                                    std::optional<Passband> other = {}) const;
+
+  // Every window between two edges that is at least so wide; with a pairing every two of them that
+  // do not overlap. Where these are too many, edges are taken at a stride, and the best are moved
+  // edge by edge as long as that makes them better.
+  struct Found {
+    std::vector<Candidate> best;  // at most `most`, the best first
+    std::vector<Candidate> map;   // of each window the best that it is part of
+    std::size_t judged = 0, stride = 1;
   };
-  [[nodiscard]] Map map(const MeritOf& merit, double least_width_um) const;
-  // Windows between edges, by the nearest edges; nullopt where both ends have the same.
-  [[nodiscard]] double merit(const MeritOf& merit, std::size_t first, std::size_t last) const;
-  [[nodiscard]] std::vector<double> snr(std::size_t first, std::size_t last) const;  // [row]
-  // The standard error that samples leave of the mean's merit, to first order.
-  [[nodiscard]] double mean_stderr(std::size_t first, std::size_t last) const;
+  [[nodiscard]] Found search(const MeritOf& merit, double least_width_um, std::size_t most) const;
 
-  // The best of a map, at most so many, compared by drawing their errors:
+  [[nodiscard]] std::vector<double> snr(const Candidate& c) const;  // [row]
+  // Of the rows at one of the population's ranges alone.
+  [[nodiscard]] double merit_at(const MeritOf& merit, const Candidate& c, double range_m) const;
+  // The standard error that samples leave of the mean's merit, to first order. One passband only.
+  [[nodiscard]] double mean_stderr(Passband p) const;
+  // What is left of the background by a difference, of what the first passband has: rms over rows.
+  [[nodiscard]] double background_left(const Candidate& c) const;
+
+  // Candidates compared by drawing their errors:
   // samples   by mode, the same draw for all rows of a view (they share its paths);
   // bounds    uniform within them, models and inputs normal: one draw for all rows, spread over
-  //           wavelengths as |contrast| is, half of the variance level and half a slope.
-  [[nodiscard]] BandChoice compare(const MeritOf& merit, const Map& map, std::size_t most) const;
+  //           wavelengths as |contrast| is, half of the variance level and half a slope. Of two
+  //           targets bounds err in opposite ways, models each for itself.
+  [[nodiscard]] BandChoice compare(const MeritOf& merit,
+                                   std::span<const Candidate> candidates) const;
 
   // The range at which a row's s falls to the threshold, between the ranges of the population, on a
   // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.
-  // [place]
-  [[nodiscard]] std::vector<double> detection_range_m(std::size_t first, std::size_t last,
-                                                      double threshold) const;
+  struct Detection {
+    std::size_t row;  // the first of its place
+    double weight;    // of all rows of the place
+    double range_m;
+  };
+  [[nodiscard]] std::vector<Detection> detection(const Candidate& c, double threshold) const;
+
   [[nodiscard]] const BandPopulation& population() const { return population_; }
+  [[nodiscard]] Pairing pairing() const { return pairing_; }
 
  private:
-  // Integrals of one row from the band's first edge to each edge.
+  // Integrals of a target's rows from the band's first edge to each edge, and of each filter: the
+  // integral over a passband is [last] - [first]. All per R^2.
+  using ByLimit = std::vector<std::vector<double>>;  // [limit][row]
   struct Cumulated {
-    std::vector<double> signal, photons, rest, shape, slope;
-    std::vector<std::vector<double>> mode;
+    ByLimit signal, rest, shape, slope;
+    std::vector<std::vector<std::vector<double>>> mode;  // [row][mode][limit]
+    std::vector<double> whole_shape;                     // [row], of all windows
   };
-  [[nodiscard]] double of_row(std::size_t row, double error, std::size_t first,
-                              std::size_t last) const;
-  [[nodiscard]] double merit_of(const MeritOf& merit, std::vector<double>& snr) const;
+  struct Errors;  // of the signals of both targets in both passbands
+  [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error) const;
+  [[nodiscard]] double gain(Passband one, Passband other) const;
+  void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
+                    Found& out) const;
+  void climb(const MeritOf& merit, double least_width_um, std::size_t most, Found& out) const;
 
   BandPopulation population_;
+  std::vector<double> weight_;  // [row]
   DetectorIntegrals detector_;
-  std::vector<double> edges_um_;
+  Detector whole_;
+  Pairing pairing_ = Pairing::kNone;
+  std::vector<NamedFilter> filter_;
+  std::vector<double> limit_um_;  // edges
+  std::size_t edges_ = 0;
   double step_um_ = 0,
          ratio_ = 1;  // the most that the detector's signal has of the band's response
-  std::vector<Cumulated> cumulated_;  // [row], already per R^2 where that belongs
+  Cumulated target_, against_;
+  ByLimit photons_, background_;
+  std::vector<std::vector<double>> gram_;  // [limit][limit] <B B>
 };
 
 }  // namespace irsig

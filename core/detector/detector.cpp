@@ -18,10 +18,52 @@ double area_m2(double diameter_m) { return std::numbers::pi * diameter_m * diame
 
 }  // namespace
 
-double DetectorIntegrals::snr(double signal_sum, double photons_sum) const {
-  const double kept = well > 0 && photons_sum > well ? well / photons_sum : 1;
-  const double variance = constant + kept * photons_sum;
-  return variance > 0 ? kept * signal_sum / std::sqrt(variance) : 0;
+std::vector<SpectralPoint> product(const std::vector<SpectralPoint>& a,
+                                   const std::vector<SpectralPoint>& b) {
+  // A product of two straight lines is a parabola: so many chords that they miss 1e-7 of its
+  // largest value.
+  constexpr double kMiss = 1e-7;
+  const double low = std::max(a.front().lambda_um, b.front().lambda_um),
+               high = std::min(a.back().lambda_um, b.back().lambda_um);
+  if (!(low < high)) return {};
+  std::vector<double> um = {low, high};
+  for (const auto* table : {&a, &b})
+    for (const SpectralPoint& p : *table)
+      if (p.lambda_um > low && p.lambda_um < high) um.push_back(p.lambda_um);
+  std::sort(um.begin(), um.end());
+  um.erase(std::unique(um.begin(), um.end()), um.end());
+  const auto value = [](const std::vector<SpectralPoint>& table, double at) {
+    const auto above =
+        std::upper_bound(table.begin() + 1, table.end() - 1, at,
+                         [](double x, const SpectralPoint& p) { return x < p.lambda_um; });
+    const SpectralPoint &p = *(above - 1), &q = *above;
+    return p.value + (q.value - p.value) * (at - p.lambda_um) / (q.lambda_um - p.lambda_um);
+  };
+  std::vector<SpectralPoint> out;
+  double most = 0;
+  for (const double at : um) {
+    out.push_back({at, value(a, at) * value(b, at)});
+    most = std::max(most, out.back().value);
+  }
+  std::vector<SpectralPoint> fine;
+  bool any = false;
+  for (std::size_t i = 0; i + 1 < um.size(); ++i) {
+    const double from_a = value(a, um[i]), by_a = value(a, um[i + 1]) - from_a,
+                 from_b = value(b, um[i]), by_b = value(b, um[i + 1]) - from_b;
+    const double scale = std::max(most, std::abs(by_a * by_b) / 4);
+    const int pieces = scale > 0 ? std::max(1, static_cast<int>(std::ceil(std::sqrt(
+                                                   std::abs(by_a * by_b) / (4 * kMiss * scale)))))
+                                 : 1;
+    for (int k = 0; k < pieces; ++k) {
+      const double share = static_cast<double>(k) / pieces;
+      fine.push_back(
+          {um[i] + share * (um[i + 1] - um[i]), (from_a + share * by_a) * (from_b + share * by_b)});
+      any |= fine.back().value > 0;
+    }
+  }
+  fine.push_back(out.back());
+  any |= fine.back().value > 0;
+  return any ? fine : std::vector<SpectralPoint>();
 }
 
 DetectorIntegrals integrals_of(const Detector& detector) {

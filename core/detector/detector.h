@@ -46,10 +46,19 @@ struct DetectorIntegrals {
   std::vector<SpectralPoint> signal, photons;
   double constant = 0, well = 0;  // well: 0, none
 
-  // s / sqrt(v) of an integral of signal E and one of photons L, with the signal's sign.
-  [[nodiscard]] double snr(double signal, double photons) const;
+  // Of the noise beside a signal, both as of the full integration time: where the well is full
+  // earlier, k = N / w times as often, v = k^2 constant + k N.
+  [[nodiscard]] double variance(double photons_sum) const {
+    const double k = well > 0 && photons_sum > well ? photons_sum / well : 1;
+    return k * (k * constant + photons_sum);
+  }
 };
 [[nodiscard]] DetectorIntegrals integrals_of(const Detector& detector);
+
+// Two responses one after another, where both are stated; empty: they have nothing in common. Its
+// points lie densely enough for 1e-7 of any integral.
+[[nodiscard]] std::vector<SpectralPoint> product(const std::vector<SpectralPoint>& a,
+                                                 const std::vector<SpectralPoint>& b);
 
 // A noise-equivalent irradiance from other figures of detectors.
 //

@@ -25,8 +25,7 @@ double integral(const std::vector<SpectralPoint>& table) {
 
 TEST(Detector, ConstantNoiseIsWhatIsStated) {
   const DetectorIntegrals d = integrals_of({{{3, 1}, {5, 0.5}}, ConstantNoise{2e-9}});
-  EXPECT_DOUBLE_EQ(d.snr(6e-9, 0), 3);
-  EXPECT_DOUBLE_EQ(d.snr(-6e-9, 0), -3);
+  EXPECT_DOUBLE_EQ(d.variance(0), 4e-18);
   EXPECT_TRUE(d.photons.empty());
 }
 
@@ -64,7 +63,7 @@ TEST(Detector, PhotonsAreCountedOneByOne) {
   const double per_w_m2 = aperture_m2 * 0.7 * 1e-3 * efficiency / photon_j;
   EXPECT_NEAR(integral(d.signal) / (2e-4 * per_w_m2), 1, 1e-9);
   EXPECT_NEAR(integral(d.photons) / (2e-4 * per_w_m2 * pixel_sr), 1, 1e-9);
-  EXPECT_DOUBLE_EQ(d.snr(500, 30000), 500 / std::sqrt(30000 + 1e4));
+  EXPECT_DOUBLE_EQ(d.variance(30000), 30000 + 1e4);
 }
 
 // A product with the wavelength is a parabola: chords of it are dense enough.
@@ -83,8 +82,28 @@ TEST(Detector, TablesAreDenseEnough) {
 
 TEST(Detector, TheWellEndsTheIntegration) {
   const DetectorIntegrals d = integrals_of({{{3, 1}, {5, 1}}, PhotonNoise{1, 1, 1, 1, 1, 1e6, 50}});
-  EXPECT_DOUBLE_EQ(d.snr(1000, 1e6), 1000 / std::sqrt(1e6 + 2500));
-  EXPECT_DOUBLE_EQ(d.snr(1000, 4e6), 250 / std::sqrt(1e6 + 2500));
+  EXPECT_DOUBLE_EQ(d.variance(1e6), 1e6 + 2500);
+  // A quarter of the time has a quarter of the signal.
+  EXPECT_DOUBLE_EQ(250 / 1000.0 * std::sqrt(d.variance(4e6)), std::sqrt(1e6 + 2500));
+}
+
+// One after another: cubics are integrated beside their chords; edges are kept, and so is nothing.
+TEST(Detector, ResponsesOneAfterAnother) {
+  const std::vector<SpectralPoint> a = {{3, 0.2}, {4, 0.9}, {5, 0.1}}, b = {{3.5, 1}, {4.6, 0.3}};
+  const auto both = product(a, b);
+  EXPECT_DOUBLE_EQ(both.front().lambda_um, 3.5);
+  EXPECT_DOUBLE_EQ(both.back().lambda_um, 4.6);
+  const auto exact = [](double x) {
+    const double first = x < 4 ? 0.2 + 0.7 * (x - 3) : 0.9 - 0.8 * (x - 4);
+    return first * (1 - 0.7 * (x - 3.5) / 1.1);
+  };
+  // Simpson's rule is exact for parabolas.
+  const auto simpson = [&](double from, double to) {
+    return (to - from) / 6 * (exact(from) + 4 * exact((from + to) / 2) + exact(to));
+  };
+  EXPECT_NEAR(integral(both) / (simpson(3.5, 4) + simpson(4, 4.6)), 1, 1e-7);
+  EXPECT_TRUE(product(a, {{5, 1}, {6, 1}}).empty());
+  EXPECT_TRUE(product(a, {{3, 0}, {5, 0}}).empty());
 }
 
 }  // namespace

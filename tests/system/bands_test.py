@@ -120,6 +120,11 @@ class Bands(unittest.TestCase):
         file.write_text(text)
         return file
 
+    def csv(self, text):
+        file = self.path / "bad.csv"
+        file.write_text(text)
+        return file
+
     def table(self, *arguments):
         return list(csv.DictReader(io.StringIO(self.irsig("bands", *arguments, "--csv").stdout)))
 
@@ -243,6 +248,149 @@ class Bands(unittest.TestCase):
         said = done.stderr.split("half ")[1].split(" m,")[0]
         self.assertAlmostEqual(float(said), ranges[(len(ranges) - 1) // 2], delta=2e-3 * float(said))
 
+    def test_weights_of_ones_own(self):
+        lambda_um, contrast, _, _, _, view = self.spectra(self.db)
+        edges = [3.05, 4.95]
+        snr = abs(contrast @ integrals(lambda_um, RESPONSE, edges)[1]) / 5000 ** 2 / 2e-8
+        times = self.times(self.db)
+        (self.path / "hours.csv").write_text("time_utc,weight\n" + "".join(f"{t},{w}\n" for t, w in zip(sorted(set(times)), (1, 3))))
+        (self.path / "aspects.csv").write_text("# bow and stern\naspect_azimuth_deg,aspect_elevation_deg,weight\n2,6,1\n-1,4,1\n181,39,5\n")
+
+        def merit(*weights):
+            options = sum((["--weights", self.path / name] for name in weights), [])
+            return float(self.table(self.db, "--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", *options, "--weight", "rows")[0]["merit"])
+        of_hour = numpy.array([1 if t == min(times) else 3 for t in times])
+        self.assertAlmostEqual(merit("hours.csv"), (of_hour * snr).sum() / of_hour.sum(), delta=1e-6 * snr.mean())
+        # Two directions to the viewpoint ahead, five times one to the one nearest to (181, 39).
+        unit = lambda az, el: numpy.array([math.cos(math.radians(el)) * math.cos(math.radians(az)),  # noqa: E731
+                                           math.cos(math.radians(el)) * math.sin(math.radians(az)), math.sin(math.radians(el))])
+        nearest = lambda az, el: max(set(view), key=lambda v: unit(*v) @ unit(az, el))  # noqa: E731
+        of_aspect = {}
+        for az, el, w in ((2, 6, 1), (-1, 4, 1), (181, 39, 5)):
+            of_aspect[nearest(az, el)] = of_aspect.get(nearest(az, el), 0) + w
+        self.assertEqual(sorted(of_aspect.values()), [2, 5])
+        expected = sum(w * snr[[i for i, v in enumerate(view) if v == a]].mean() for a, w in of_aspect.items()) / 7
+        self.assertAlmostEqual(merit("aspects.csv"), expected, delta=1e-6 * expected)
+        expected = sum(w * (numpy.array([1, 3]) @ [snr[i] for i, v in enumerate(view) if v == a]) / 4 for a, w in of_aspect.items()) / 7
+        self.assertAlmostEqual(merit("aspects.csv", "hours.csv"), expected, delta=1e-6 * expected)
+
+    def times(self, db):
+        with irsig.open(db) as opened:
+            rows = opened.query(band="mwir")
+            return sorted(rows["time_utc"])
+
+    def pairs(self, kind, *options):
+        self.irsig("bands", self.db, "--band", "mwir", "--pairs", kind, "--weight", "rows", *options, "--map", self.path / "pairs.csv")
+        return list(csv.DictReader(io.StringIO((self.path / "pairs.csv").read_text())))
+
+    def check_pairs(self, found, table, edges, snr_of):
+        """Every pair by the reference: the best that each window is part of, and the best of all."""
+        span = [(a, b) for a in range(len(edges)) for b in range(a + 1, len(edges)) if edges[b] - edges[a] > 0.4 - 1e-9]
+        best = {}
+        for one in span:
+            for other in span:
+                if other[0] < one[1] and one[0] < other[1]:
+                    continue
+                if other[0] < one[1]:
+                    continue  # the first lies below the second
+                merit = snr_of(one, other).mean()
+                for w in (one, other):
+                    best[w] = max(best.get(w, 0), merit)
+        self.assertEqual(len(found), len(best))
+        for row in found:
+            w = edges.index(float(row["lambda_min_um"])), edges.index(float(row["lambda_max_um"]))
+            self.assertAlmostEqual(float(row["merit"]), best[w], delta=1e-6 * best[w])
+        self.assertAlmostEqual(float(table[0]["merit"]), max(best.values()), delta=1e-6 * max(best.values()))
+
+    def test_differences_take_the_background_away(self):
+        lambda_um, contrast, _, background, _, _ = self.spectra(self.db)
+        edges = sorted({float(r[c]) for r in self.pairs("difference", "--detector", self.photons) for c in ("lambda_min_um", "lambda_max_um")})
+        rate = math.pi * 0.05 ** 2 / 4 * 0.8 * 2e-3 * 1e-6 / (H * C)
+        weights = integrals(lambda_um, RESPONSE, edges, lambda um: um) * rate
+        gains, left = {}, {}
+
+        def snr(one, other):
+            w1, w2 = weights[one[1]] - weights[one[0]], weights[other[1]] - weights[other[0]]
+            b1, b2 = background @ w1, background @ w2
+            gain = gains[one, other] = math.sqrt((b1 @ b1) / (b2 @ b2))
+            left[one, other] = math.sqrt(((b1 - gain * b2) ** 2).sum() / (b1 @ b1))
+            variance = 0
+            for b, g in ((b1, 1), (b2, gain)):
+                photons = b * (2e-5 / (2 * 0.05)) ** 2
+                full = numpy.maximum(1, photons / 3e5)
+                variance = variance + g ** 2 * (full * photons + full ** 2 * 300 ** 2)
+            return abs(contrast @ w1 - gain * (contrast @ w2)) / 5000 ** 2 / numpy.sqrt(variance)
+        options = "--detector", self.photons, "--min-width-um", "0.4"
+        found = self.pairs("difference", *options)
+        table = self.table(self.db, "--band", "mwir", "--pairs", "difference", "--weight", "rows", *options)
+        self.check_pairs(found, table, edges, snr)
+        first = table[0]
+        pair = tuple((edges.index(float(first[f"{n}_min_um"])), edges.index(float(first[f"{n}_max_um"]))) for n in ("lambda", "second"))
+        self.assertAlmostEqual(float(first["gain"]), gains[pair], delta=1e-6)
+        self.assertAlmostEqual(float(first["background_left"]), left[pair], delta=1e-5)
+        # With the windows the other way round it is the same.
+        limits = [f"{first[f'{n}_min_um']},{first[f'{n}_max_um']}" for n in ("second", "lambda")]
+        turned = self.table(self.db, "--band", "mwir", "--pairs", "difference", "--weight", "rows", *options[:2], "--window", limits[0], "--window", limits[1])[0]
+        self.assertAlmostEqual(float(turned["merit"]), float(first["merit"]), delta=1e-9 * float(first["merit"]))
+        for column in ("best", "best_numerical"):
+            self.assertAlmostEqual(sum(float(r[column]) for r in table), 1)
+
+    def test_ratios_tell_targets_apart(self):
+        lambda_um, ship, *_ = self.spectra(self.db)
+        _, decoy, *_ = self.spectra(self.path / "decoy.sigdb")
+        options = "--detector", self.nei, "--against", self.path / "decoy.sigdb", "--min-width-um", "0.4"
+        found = self.pairs("ratio", *options)
+        edges = sorted({float(r[c]) for r in found for c in ("lambda_min_um", "lambda_max_um", "second_min_um", "second_max_um")})
+        edges = sorted({*edges, *(float(r["lambda_min_um"]) for r in self.pairs("ratio", *options[:4]))})
+        weights = integrals(lambda_um, RESPONSE, edges)
+
+        def snr(one, other):
+            a, b = ([j @ (weights[w[1]] - weights[w[0]]) / 5000 ** 2 / 2e-8 for w in (one, other)] for j in (ship, decoy))
+            za, zb = a[0] + 1j * a[1], b[0] + 1j * b[1]
+            return abs(numpy.angle(zb / za)) / numpy.sqrt(abs(za) ** -2 + abs(zb) ** -2)
+        table = self.table(self.db, "--band", "mwir", "--pairs", "ratio", "--weight", "rows", *options)
+        self.check_pairs(found, table, edges, snr)
+        # A target against itself has the same colours.
+        same = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--pairs", "ratio", "--against", self.db, "--window", "3.4,3.9", "--window", "4.4,4.9")
+        self.assertLess(float(same[0]["merit"]), 1e-6 * float(table[0]["merit"]))
+
+    def test_filters(self):
+        """A filter that is a window is that window; a slope is that of the reference."""
+        lambda_um, contrast, *_ = self.spectra(self.db)
+        (self.path / "box.csv").write_text("wavelength_um,transmittance\n3.45,1\n4.05,1\n")
+        (self.path / "slope.csv").write_text("wavelength_um,transmittance\n3.5,0.1\n4.5,0.9\n")
+        filters = "--filter", self.path / "box.csv", "--filter", self.path / "slope.csv"
+        rows = self.table(self.db, "--band", "mwir", "--detector", self.nei, "--weight", "rows", *filters, "--window", "3.45,4.05")
+        by_name = {r["filter"]: r for r in rows}
+        self.assertEqual(set(by_name), {"box", "slope", ""})
+        for column in ("merit", "samples_stderr", "numerical_error", "total_error"):
+            self.assertAlmostEqual(float(by_name["box"][column]), float(by_name[""][column]), delta=1e-6 * float(by_name[""]["merit"]))
+        ramp = lambda um: 0.1 + 0.8 * (um - 3.5)  # noqa: E731
+        expected = abs(contrast @ integrals(lambda_um, RESPONSE, [3.5, 4.5], ramp)[1]).mean() / 5000 ** 2 / 2e-8
+        self.assertAlmostEqual(float(by_name["slope"]["merit"]), expected, delta=1e-6 * expected)
+        self.table(self.db, "--band", "mwir", "--detector", self.nei, *filters[2:], "--response-out", self.path / "through.csv")
+        through = [tuple(map(float, line.split(","))) for line in (self.path / "through.csv").read_text().splitlines()[1:]]
+        self.assertAlmostEqual(numpy.interp(4.2, *zip(*through)), numpy.interp(4.2, *zip(*RESPONSE)) * ramp(4.2), delta=1e-6)
+        two = self.table(self.db, "--band", "mwir", "--detector", self.photons, *filters, "--pairs", "difference")
+        self.assertEqual({(r["filter"], r["second_filter"]) for r in two}, {("box", "slope")})
+
+    def test_how_far(self):
+        """Without air s goes as 1 / R^2: each row is seen as far as its s at one range says."""
+        lambda_um, contrast, *_, view = self.spectra(self.db)
+        options = ("--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--weight", "rows", "--range-m", "4000,8000,300000", "--threshold", "5")
+        self.irsig("bands", self.db, *options, "--detection", self.path / "far.csv", "--ranges", self.path / "ranges.csv")
+        irradiance = numpy.sort(abs(contrast @ integrals(lambda_um, RESPONSE, [3.05, 4.95])[1])) / 2e-8
+        far = list(csv.DictReader(io.StringIO((self.path / "far.csv").read_text())))
+        self.assertEqual({(float(r["aspect_azimuth_deg"]), float(r["aspect_elevation_deg"])) for r in far}, set(view))
+        self.assertAlmostEqual(sum(float(r["weight"]) for r in far), 1)
+        for found, expected in zip(sorted(float(r["detection_range_m"]) for r in far), numpy.sqrt(irradiance / 5)):
+            self.assertAlmostEqual(found, expected, delta=2e-3 * expected)
+        for row in csv.DictReader(io.StringIO((self.path / "ranges.csv").read_text())):
+            expected = irradiance.mean() / float(row["range_m"]) ** 2
+            self.assertAlmostEqual(float(row["merit"]), expected, delta=1e-3 * expected)
+        self.irsig("bands", self.db, *options, "--ranges", self.path / "ranges.svg")
+        self.assertIn("3.05 to 4.95 um", (self.path / "ranges.svg").read_text())
+
     def test_files(self):
         best = self.path / "best.csv"
         picture = self.path / "map.svg"
@@ -285,6 +433,16 @@ class Bands(unittest.TestCase):
         refused(self.nei, "outside of what is stored", "--band", "mwir", "--window", "2.5,4")
         refused(self.nei, "wider than what is stored", "--band", "mwir", "--min-width-um", "3")
         refused(self.nei, "lengths of the target", "--band", "mwir", "--range-m", "500")
+        refused(self.nei, "give the other one", "--band", "mwir", "--pairs", "ratio")
+        refused(self.nei, "expected two or more", "--band", "mwir", "--pairs", "difference", "--window", "3.1,3.9")
+        refused(self.nei, "not with --window", "--band", "mwir", "--window", "3.1,3.9", "--map", "map.svg")
+        refused(self.nei, "nothing of what the detector responds to", "--band", "mwir", "--filter", str(self.csv("wavelength_um,transmittance\n8,1\n9,1\n")))
+        refused(self.nei, "bad.csv:1:1: transmittance 1.5 at 3.5 um", "--band", "mwir", "--filter", str(self.csv("wavelength_um,transmittance\n3.5,1.5\n4,1\n")))
+        for text, said in (("season,weigth\n", 'bad.csv:1:8: unknown column "weigth"'), ("season\nsummer\n", "bad.csv:1:1: expected the columns"),
+                           ("season,weight\nwinter,1\n", 'no line for season "summer"'), ("season,weight\nsummer,-1\n", "bad.csv:2:8: weight"),
+                           ("season,weight\nsummer,0\n", "no line has a weight above 0"), ("season,weight\nsummer,1\nsummer,2\n", "bad.csv:3:1: the same place"),
+                           ("aspect_azimuth_deg,weight\n0,1\n", "bad.csv:1:1: expected"), ("season,weight\nsummer\n", "bad.csv:2:1: 1 cells")):
+            refused(self.nei, said, "--band", "mwir", "--weights", str(self.csv(text)))
         refused(self.nei, "--percentile 0", "--band", "mwir", "--percentile", "0")
         refused(self.nei, "ends in .svg or .csv", "--band", "mwir", "--map", "map.png")
         newer = self.path / "newer.sigdb"

@@ -1,0 +1,202 @@
+#include "view/band_population.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "core/geo/frames.h"
+#include "view/measured_row.h"
+
+namespace irsig {
+namespace {
+
+// Of aspects, each as often as the nearest of evenly spread directions is it.
+std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect) {
+  constexpr int kDirections = 20000;
+  std::vector<Vec<Body>> unit;
+  double lowest = 1, highest = -1;
+  for (const AspectDeg& a : aspect) {
+    unit.push_back(body_from_aspect(a.azimuth, a.elevation));
+    lowest = std::min(lowest, -unit.back().z);  // z is down
+    highest = std::max(highest, -unit.back().z);
+  }
+  const bool zone = highest - lowest > 1e-6;
+  std::vector<double> out(unit.size(), 0.0);
+  for (int n = 0; n < kDirections; ++n) {
+    const double share = (n + 0.5) / kDirections;
+    const double z = zone ? lowest + (highest - lowest) * share : 2 * share - 1;
+    const double c = std::sqrt(std::max(0.0, 1 - z * z)),
+                 azimuth = n * std::numbers::pi * (3 - std::sqrt(5.0));
+    const Vec<Body> where{c * std::cos(azimuth), c * std::sin(azimuth), -z};
+    std::size_t nearest = 0;
+    double most = -2;
+    for (std::size_t i = 0; i < unit.size(); ++i)
+      if (const double d = dot(where, unit[i]); d > most) {
+        most = d;
+        nearest = i;
+      }
+    out[nearest] += 1.0 / kDirections;
+  }
+  return out;
+}
+
+using Place = std::tuple<std::string, std::string, double, double, double>;
+Place place_of(const StoredSignature& s) {
+  return {s.season, s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
+}
+
+struct Contrast {
+  TargetContrast target;
+  std::vector<double> background_w_m2_sr_um;
+};
+absl::StatusOr<Contrast> stored_contrast(StoreReader& reader, const QueryRow& row,
+                                         std::vector<double>& lambda_um) {
+  if (row.interpolation)
+    return absl::InvalidArgumentError("interpolated rows have no spectra whose errors are known");
+  const auto got = spectrum_of(reader, row);
+  if (!got.ok()) return got.status();
+  const schema::Spectrum& s = got->spectrum;
+  if (s.contrast_spectral_intensity_w_sr_um().empty())
+    return absl::FailedPreconditionError(fmt::format(
+        "row {} was stored by an older irsig, without a contrast spectrum: run the sweep again",
+        row.signature.row));
+  const std::vector<double> axis(s.lambda_um().begin(), s.lambda_um().end());
+  if (lambda_um.empty()) lambda_um = axis;
+  if (lambda_um != axis)
+    return absl::InvalidArgumentError("the rows have not all the same wavelengths");
+  const auto& stderrs = s.contrast_spectral_intensity_stderr_w_sr_um();
+  auto errors = SumErrors::make({stderrs.data(), static_cast<std::size_t>(stderrs.size())},
+                                s.contrast_spectral_intensity_modes());
+  if (!errors.ok()) return errors.status();
+  const Measured contrast = contrast_of(row.signature);
+  const auto known = [](double value) { return std::isnan(value) ? 0 : value; };
+  const auto& values = s.contrast_spectral_intensity_w_sr_um();
+  const auto& behind = s.background_radiance_w_m2_sr_um();
+  return Contrast{{{values.begin(), values.end()},
+                   errors->modes(),
+                   errors->rest(),
+                   contrast.bias_bound(),
+                   contrast.unseen_stderr,
+                   std::hypot(known(row.signature.contrast_model_error_w_sr),
+                              known(row.signature.contrast_input_uncertainty_w_sr))},
+                  {behind.begin(), behind.end()}};
+}
+
+// What each row counts, of all together 1. aspect_of: [row], aspects by their places.
+absl::StatusOr<std::vector<double>> weights_of(std::span<const QueryRow> rows,
+                                               const std::vector<AspectDeg>& aspects,
+                                               const std::vector<std::size_t>& aspect_of,
+                                               AspectWeight weight,
+                                               std::span<const RowWeights> own_weights) {
+  std::vector<double> of_aspect(aspects.size(), 1);
+  bool shares = weight == AspectWeight::kSolidAngle;
+  if (shares) of_aspect = solid_angles(aspects);
+  for (const RowWeights& table : own_weights)
+    if (table.of_aspects) {
+      of_aspect = weights_of_aspects(table, aspects);
+      shares = true;
+    }
+  std::vector<double> out(rows.size(), 1);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const RowWeights& table : own_weights) {
+      if (table.of_aspects) continue;
+      const auto factor = weight_of(table, rows[i].signature);
+      if (!factor.ok()) return factor.status();
+      out[i] *= *factor;
+    }
+  // Rows of one aspect share its weight.
+  std::vector<double> of_rows(aspects.size(), 0);
+  for (std::size_t i = 0; i < rows.size(); ++i) of_rows[aspect_of[i]] += out[i];
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (out[i] > 0) out[i] *= of_aspect[aspect_of[i]] / (shares ? of_rows[aspect_of[i]] : 1);
+  const double sum = std::accumulate(out.begin(), out.end(), 0.0);
+  if (!(sum > 0)) return absl::InvalidArgumentError("the weights leave no row");
+  for (double& w : out) w /= sum;
+  return out;
+}
+
+}  // namespace
+
+absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<const QueryRow> rows,
+                                               StoreReader* other,
+                                               std::span<const QueryRow> against,
+                                               AspectWeight weight,
+                                               std::span<const RowWeights> own_weights) {
+  if (rows.empty()) return absl::InvalidArgumentError("no signature matches");
+  std::map<std::pair<double, double>, std::size_t> aspects;
+  std::vector<AspectDeg> aspect;
+  std::vector<std::size_t> aspect_of;
+  const StoredSignature& any = rows.front().signature;
+  for (const QueryRow& row : rows) {
+    const StoredSignature& s = row.signature;
+    if (s.band != any.band || s.sweep != any.sweep)
+      return absl::InvalidArgumentError(fmt::format(
+          "rows of several {}s match, \"{}\" and \"{}\": expected one of them",
+          s.band != any.band ? "band" : "sweep", s.band != any.band ? any.band : any.sweep,
+          s.band != any.band ? s.band : s.sweep));
+    const auto [at, added] =
+        aspects.try_emplace({s.aspect_azimuth_deg, s.aspect_elevation_deg}, aspects.size());
+    if (added) aspect.push_back({s.aspect_azimuth_deg, s.aspect_elevation_deg});
+    aspect_of.push_back(at->second);
+  }
+  const auto weights = weights_of(rows, aspect, aspect_of, weight, own_weights);
+  if (!weights.ok()) return weights.status();
+  std::map<Place, const QueryRow*> partner;
+  for (const QueryRow& row : against) partner[place_of(row.signature)] = &row;
+  std::map<std::tuple<double, double, double>, std::size_t> views;
+  std::map<std::tuple<std::string, std::string, double, double>, std::size_t> places;
+  BandPopulation out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if ((*weights)[i] == 0) continue;
+    const StoredSignature& s = rows[i].signature;
+    auto own = stored_contrast(reader, rows[i], out.lambda_um);
+    if (!own.ok()) return own.status();
+    BandCase made{(*weights)[i],
+                  0,
+                  0,
+                  s.season,
+                  s.time_utc,
+                  s.aspect_azimuth_deg,
+                  s.aspect_elevation_deg,
+                  s.range_m,
+                  std::move(own->target),
+                  std::nullopt,
+                  std::move(own->background_w_m2_sr_um)};
+    if (other != nullptr) {
+      const auto found = partner.find(place_of(s));
+      if (found == partner.end())
+        return absl::InvalidArgumentError(fmt::format(
+            "the other target has no row for {} {}, aspect {:g},{:g} at {:g} m", s.season,
+            s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m));
+      auto theirs = stored_contrast(*other, *found->second, out.lambda_um);
+      if (!theirs.ok()) return theirs.status();
+      made.against = std::move(theirs->target);
+    }
+    if (made.target.modes.empty() || (made.against && made.against->modes.empty()))
+      ++out.without_modes;
+    const double from_m = rows[i].range_change ? rows[i].range_change->stored_range_m : s.range_m;
+    made.view =
+        views.try_emplace({s.aspect_azimuth_deg, s.aspect_elevation_deg, from_m}, views.size())
+            .first->second;
+    made.place =
+        places
+            .try_emplace({s.season, s.time_utc, s.aspect_azimuth_deg, s.aspect_elevation_deg},
+                         places.size())
+            .first->second;
+    out.row.push_back(std::move(made));
+  }
+  if (out.lambda_um.size() < 2) return absl::InvalidArgumentError("the band has one wavelength");
+  const auto sweep = reader.sweep(any.sweep);
+  if (!sweep.ok()) return sweep.status();
+  auto own = response_of(*sweep, any.band);
+  if (!own.ok()) return own.status();
+  out.own_response = *std::move(own);
+  return out;
+}
+
+}  // namespace irsig
