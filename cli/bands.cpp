@@ -36,15 +36,11 @@ struct BandsCommand {
   std::vector<std::string> filter_file, weights_file;
   std::vector<double> range_m, window_um;
   double percentile = 10, threshold = 5;
-  std::optional<double> min_width_um;
+  std::optional<double> min_width_um, nei_w_m2;
   std::size_t top = 10;
 
   [[nodiscard]] absl::StatusOr<MeritOf> asked_merit() const {
-    MeritOf out{merit == "mean"         ? Merit::kMean
-                : merit == "percentile" ? Merit::kPercentile
-                : merit == "worst"      ? Merit::kWorst
-                                        : Merit::kAbove,
-                percentile, threshold};
+    MeritOf out{merit_named(merit).value_or(Merit::kMean), percentile, threshold};
     if (!(percentile > 0 && percentile <= 100))
       return absl::InvalidArgumentError(
           fmt::format("--percentile {}: expected more than 0, at most 100", percentile));
@@ -126,6 +122,13 @@ struct BandsCommand {
     return out;
   }
 
+  [[nodiscard]] absl::StatusOr<DetectorOfFile> asked_detector() const {
+    if (!nei_w_m2) return read_detector(detector);
+    if (auto s = check_number("DetectorNoise.nei_w_m2", "--nei", *nei_w_m2); !s.ok()) return s;
+    return DetectorOfFile{fmt::format("of NEI {:g} W/m2", *nei_w_m2),
+                          {{}, ConstantNoise{*nei_w_m2}}};
+  }
+
   [[nodiscard]] absl::StatusOr<std::vector<NamedFilter>> read_filters() const {
     std::vector<NamedFilter> out;
     for (const std::string& file : filter_file) {
@@ -144,7 +147,7 @@ struct BandsCommand {
   [[nodiscard]] absl::Status run() const {
     const auto of = asked_merit();
     if (!of.ok()) return of.status();
-    const auto read = read_detector(detector);
+    const auto read = asked_detector();
     if (!read.ok()) return read.status();
     auto query = filter.query();
     if (!query.ok()) return query.status();
@@ -180,7 +183,8 @@ struct BandsCommand {
         BandSearch::make(*std::move(population), read->detector, asked_pairing(), *filters);
     if (!search.ok())
       return absl::Status(search.status().code(),
-                          fmt::format("{}: {}", detector, std::string(search.status().message())));
+                          fmt::format("{}: {}", detector.empty() ? "--nei" : detector,
+                                      std::string(search.status().message())));
     if (min_width_um && *min_width_um < search->step_um() - 1e-9)
       return absl::InvalidArgumentError(
           fmt::format("--min-width-um {:g}: narrower than the stored step of {:g} um; ask for "
@@ -300,11 +304,17 @@ void add_bands(CLI::App& app, int& exit_code) {
       "of "
       "its contrast in every window, with what is known of its error (docs/bands.md)");
   const auto o = std::make_shared<BandsCommand>(*command);
-  command
+  CLI::Option_group* seen_by = command->add_option_group("Detector");
+  seen_by
       ->add_option("--detector", o->detector,
                    "The detector: response and noise, a TOML file (docs/bands.md)")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
+  seen_by
+      ->add_option("--nei", o->nei_w_m2,
+                   "Instead: noise-equivalent irradiance of a detector that responds alike to the "
+                   "whole band")
+      ->type_name("W/M2");
+  seen_by->require_option(1);
   command
       ->add_option("--merit", o->merit,
                    "What is best: mean, percentile (the SNR that all but --percentile % of the "

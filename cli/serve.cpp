@@ -4,9 +4,13 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/commands.h"
 #include "cli/target_extent.h"
+#include "jobs/detector_file.h"
 #include "view/print.h"
 
 namespace irsig {
@@ -18,6 +22,11 @@ void add_serve(CLI::App& app, int& exit_code) {
       "errors; two conditions side by side. Only reads, also while a sweep runs");
   const auto options = std::make_shared<ServeOptions>();
   command->add_option("DB", options->database, "The databases, written by irsig")->required();
+  const auto detectors = std::make_shared<std::vector<std::string>>();
+  command
+      ->add_option("--detector", *detectors,
+                   "A detector to choose bands for, as of irsig bands; may be repeated")
+      ->type_name("FILE");
   command
       ->add_option("--address", options->address,
                    "IP address to listen at; another than a loopback address lets the network read "
@@ -29,7 +38,15 @@ void add_serve(CLI::App& app, int& exit_code) {
           "--port", options->port,
           "Port to listen at; 0: one that is free (default: " + std::to_string(options->port) + ")")
       ->type_name("PORT");
-  command->callback([options, &exit_code] {
+  command->callback([options, detectors, &exit_code] {
+    for (const std::string& file : *detectors) {
+      auto read = read_detector(file);
+      if (!read.ok()) {
+        exit_code = report(read.status());
+        return;
+      }
+      options->detector.push_back({file, read->name, std::move(read->detector)});
+    }
     options->extent_of = stored_target_extent;
     options->on_ready = [](const std::string& url, const std::string& warning) {
       if (!warning.empty()) print_note("irsig: warning: {}\n", warning);

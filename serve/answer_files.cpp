@@ -92,6 +92,8 @@ constexpr File kFiles[] = {
     {"spectrum.csv", kCsv, Needs::kRow, spectrum_csv},
     {"cut.csv", kCsv, Needs::kSelection, cut_csv},
     {"compare.csv", kCsv, Needs::kBoth, compare_csv},
+    {"bands.csv", kCsv, Needs::kBands, bands_csv},
+    {"bands.svg", kSvg, Needs::kBands, bands_svg},
     {"map.svg", kSvg, Needs::kSelection, map_svg},
     {"cut.svg", kSvg, Needs::kSelection, cut_svg},
     {"spectrum.svg", kSvg, Needs::kRow, spectrum_svg},

@@ -106,6 +106,9 @@ absl::StatusOr<PageReply> each_database(const PageSources& sources, const Descri
   }
   JsonObject all;
   all.objects("database", databases);
+  std::vector<std::string> detectors;
+  for (const PageDetector& d : sources.detector) detectors.push_back(d.name);
+  all.texts("detector", detectors);
   return json_reply(all.finish());
 }
 

@@ -22,6 +22,11 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<PageReply> answer_compare(const PageSources& sources,
                                                        const Question& q);
 
+// Of all windows of a band. FAILED_PRECONDITION: too many rows for a page.
+[[nodiscard]] absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q);
+[[nodiscard]] absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q);
+
 // Of one row.
 [[nodiscard]] absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources,

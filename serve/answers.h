@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "serve/question.h"
+#include "serve/serve.h"
 #include "view/query.h"
 
 namespace irsig {
 
-// The databases of a page, and how far a target reaches.
+// The databases of a page, detectors to choose bands for, and how far a target reaches.
 struct PageSources {
   std::vector<std::string> database;  // paths, as they were named
+  std::vector<PageDetector> detector;
   ExtentOf extent_of;
 };
 

@@ -57,6 +57,20 @@ std::string cut_command(const std::string& database, const Question& question,
          quantity_option(question.quantity) + " --format csv --out -";
 }
 
+std::string bands_command(const std::string& database, const Question& question,
+                          const std::string& detector) {
+  const BandQuestion& b = question.bands;
+  const Selection& s = question.a;
+  std::string out = "irsig bands " + database_word(database) + option("sweep", s.sweep);
+  if (!b.all_conditions) out += option("season", s.season) + option("time", s.time);
+  out += option("band", s.band) + option("at-range-m", s.at_range_m);
+  out += detector.empty() ? option("nei", b.nei_w_m2) : option("detector", detector);
+  out += option("merit", std::string(name_of(b.merit.merit)));
+  if (b.merit.merit == Merit::kPercentile) out += option("percentile", b.merit.percentile);
+  if (b.merit.merit == Merit::kAbove) out += option("threshold", b.merit.threshold);
+  return out + " --format csv";
+}
+
 std::string row_command(const std::string& database, const Question& question, bool spectrum) {
   std::string out = "irsig query " + database_word(database) + option("sweep", question.a.sweep) +
                     fmt::format(" --row {}", question.row.value_or(0));

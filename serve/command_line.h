@@ -17,6 +17,9 @@ namespace irsig {
 [[nodiscard]] std::string cut_command(const std::string& database, const Question& question,
                                       double elevation_deg);
 // `irsig query --row`; spectrum: of its spectrum.
+// detector: its file; empty: that of the question's noise.
+[[nodiscard]] std::string bands_command(const std::string& database, const Question& question,
+                                        const std::string& detector);
 [[nodiscard]] std::string row_command(const std::string& database, const Question& question,
                                       bool spectrum);
 // `irsig explain`.

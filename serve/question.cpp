@@ -99,6 +99,33 @@ Selection take_selection(Taker& take, const std::string& prefix, std::size_t dat
   return out;
 }
 
+BandQuestion take_bands(Taker& take) {
+  BandQuestion out;
+  out.detector = take.count("detector", false);
+  const auto positive = [&](const char* name, double most, double otherwise) {
+    const double value = take.number(name, false).value_or(otherwise);
+    if (!(value > 0 && value <= most))
+      take.fail(name, fmt::format("{}", value),
+                fmt::format("expected more than 0, at most {:g}", most));
+    return value;
+  };
+  out.nei_w_m2 = positive("nei_w_m2", 1e6, out.nei_w_m2);
+  out.merit.percentile = positive("percentile", 100, out.merit.percentile);
+  out.merit.threshold = positive("threshold", 1e30, out.merit.threshold);
+  if (const auto name = take.text("merit", false)) {
+    if (const auto merit = merit_named(*name))
+      out.merit.merit = *merit;
+    else
+      take.fail("merit", *name, "expected mean, percentile, worst or above");
+  }
+  if (const auto over = take.text("over", false)) {
+    out.all_conditions = *over == "conditions";
+    if (*over != "conditions" && *over != "aspects")
+      take.fail("over", *over, "expected aspects or conditions");
+  }
+  return out;
+}
+
 }  // namespace
 
 absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs needs,
@@ -114,9 +141,10 @@ absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs need
         take.fail("quantity", *name, std::string(quantity.status().message()));
     }
   }
-  if (needs == Needs::kSelection || needs == Needs::kBoth)
+  if (needs == Needs::kSelection || needs == Needs::kBoth || needs == Needs::kBands)
     out.a = take_selection(take, "", databases);
   if (needs == Needs::kSelection) out.elevation_deg = take.number("elevation_deg", false);
+  if (needs == Needs::kBands) out.bands = take_bands(take);
   if (needs == Needs::kBoth) out.b = take_selection(take, "b_", databases);
   if (needs == Needs::kRow) {
     out.a.database = take_database(take, "", databases);

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "schema/store/store.h"
+#include "view/bands.h"
 #include "view/query.h"
 
 namespace irsig {
@@ -22,6 +23,14 @@ struct Selection {
   double at_range_m = 0;
 };
 
+// Which window of a selection's band a detector sees best in.
+struct BandQuestion {
+  std::optional<std::size_t> detector;  // of those of the page; none: of constant noise
+  double nei_w_m2 = 1e-9;               // then
+  MeritOf merit;
+  bool all_conditions = false;  // every season and time of the sweep, not the selection's alone
+};
+
 // What is asked of the page's server: a parameter of each name, of the CLI's names where it has
 // them (at_range_m: the stored range; range_m: as seen from there).
 struct Question {
@@ -31,12 +40,14 @@ struct Question {
   std::optional<double> elevation_deg;
   std::optional<std::uint64_t> row;
   std::optional<double> range_m;
+  BandQuestion bands;
 };
 
 enum class Needs {
   kNothing,    // no parameters
   kSelection,  // of a; elevation_deg allowed
   kBoth,       // of a and b
+  kBands,      // of a; what BandQuestion holds allowed
   kRow,        // database, sweep, row; range_m allowed
 };
 

@@ -52,7 +52,8 @@ void send(const PageReply& reply, httplib::Response& response) {
 class Page {
  public:
   Page(const ServeOptions& options, bool loopback_only)
-      : sources_{options.database, options.extent_of}, loopback_only_(loopback_only) {}
+      : sources_{options.database, options.detector, options.extent_of},
+        loopback_only_(loopback_only) {}
 
   [[nodiscard]] PageReply reply_to(const httplib::Request& request) const {
     if (request.get_header_value_count("Host") != 1 ||

@@ -5,12 +5,19 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/detector/detector.h"
 #include "view/query.h"
 
 namespace irsig {
 
+struct PageDetector {
+  std::string path, name;  // of its file
+  Detector detector;
+};
+
 struct ServeOptions {
   std::vector<std::string> database;  // at least one; each is opened anew for every request
+  std::vector<PageDetector> detector;
   std::string address = "127.0.0.1";  // an IP address, or localhost
   int port = 8017;                    // 0: one that is free
   ExtentOf extent_of;                 // for rows at another range

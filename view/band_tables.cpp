@@ -94,6 +94,7 @@ absl::Status write_choice(const BandSearch& search, const BandChoice& choice,
                                  {"total_error"},
                                  {"best_numerical", false},
                                  {"best"},
+                                 {"as_good_numerical", false},
                                  {"as_good"}});
   auto writer = make_table_writer(format, columns, out);
   if (!writer.ok()) return writer.status();
@@ -103,7 +104,7 @@ absl::Status write_choice(const BandSearch& search, const BandChoice& choice,
     add_cells(search, filters, m.of, line);
     line.insert(line.end(),
                 {number(m.of.merit), number(m.samples_stderr), number(m.numerical_error),
-                 number(m.total_error), m.best_numerical, m.best, m.as_good});
+                 number(m.total_error), m.best_numerical, m.best, m.as_good_numerical, m.as_good});
     (*writer)->row(line);
   }
   return (*writer)->finish();
@@ -308,8 +309,8 @@ std::vector<std::string> notes_on(const BandChoice& choice, const BandPopulation
   std::vector<std::string> out;
   if (population.without_modes > 0)
     out.push_back(fmt::format(
-        "of {} of {} rows it is not stored how errors of wavelengths go together (an older irsig, "
-        "another range): they are taken as one, the largest that a window's can be",
+        "of {} of {} rows it is not stored how errors of wavelengths go together (an older "
+        "irsig): they are taken as one, the largest that a window's can be",
         population.without_modes, population.row.size()));
   if (choice.candidate.size() < 2) return out;
   std::size_t alike = 0;

@@ -94,6 +94,25 @@ bool better(const Candidate& a, const Candidate& b) { return a.merit > b.merit; 
 
 }  // namespace
 
+namespace {
+constexpr std::pair<std::string_view, Merit> kMerits[] = {{"mean", Merit::kMean},
+                                                          {"percentile", Merit::kPercentile},
+                                                          {"worst", Merit::kWorst},
+                                                          {"above", Merit::kAbove}};
+}  // namespace
+
+std::optional<Merit> merit_named(std::string_view name) {
+  for (const auto& [known, merit] : kMerits)
+    if (known == name) return merit;
+  return std::nullopt;
+}
+
+std::string_view name_of(Merit merit) {
+  for (const auto& [name, known] : kMerits)
+    if (known == merit) return name;
+  return "";
+}
+
 struct BandSearch::Errors {
   std::array<double, 2> target{}, against{};  // [passband]
 };
@@ -540,12 +559,15 @@ BandChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> 
   for (std::size_t w = 0; w < count; ++w) {
     CandidateMerit& m = out.candidate.emplace_back(
         CandidateMerit{candidate[w], scatter(drawn[kSamples][w]), scatter(drawn[kNumerical][w]),
-                       scatter(drawn[kAll][w]), 0, 0, 0});
-    for (int d = 0; d < kDraws; ++d)
-      if (drawn[kAll][w][static_cast<std::size_t>(d)] >=
-          drawn[kAll][0][static_cast<std::size_t>(d)])
-        ++m.as_good;
-    m.as_good /= kDraws;
+                       scatter(drawn[kAll][w]), 0, 0, 0, 0});
+    const auto as_good = [&](Kind kind) {
+      int count_as_good = 0;
+      for (std::size_t d = 0; d < kDraws; ++d)
+        if (drawn[kind][w][d] >= drawn[kind][0][d]) ++count_as_good;
+      return static_cast<double>(count_as_good) / kDraws;
+    };
+    m.as_good_numerical = as_good(kNumerical);
+    m.as_good = as_good(kAll);
   }
   for (std::size_t d = 0; d < kDraws; ++d)
     for (const Kind kind : {kNumerical, kAll}) {

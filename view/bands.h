@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -21,6 +22,9 @@ enum class Merit {
   kWorst,
   kAbove  // the share of the population with s >= threshold
 };
+// "mean", "percentile", "worst", "above"; nullopt: none of these.
+[[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
+[[nodiscard]] std::string_view name_of(Merit merit);
 struct MeritOf {
   Merit merit = Merit::kMean;
   double percentile = 10, threshold = 5;
@@ -54,8 +58,9 @@ struct CandidateMerit {
   Candidate of;
   // One sigma of the merit: of the samples; with bounds and unseen light; with models and inputs.
   double samples_stderr, numerical_error, total_error;
-  double best_numerical, best;  // probability of being the best of those compared
-  double as_good;               // of being at least as good as the first, all errors considered
+  // Probability of being the best of those compared, and of being at least as good as the first:
+  // of numerical errors, and of all.
+  double best_numerical, best, as_good_numerical, as_good;
 };
 struct BandChoice {
   std::vector<CandidateMerit> candidate;  // compared with each other, the best first

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/accuracy/spectral_modes.h"
 #include "view/measured_row.h"
 
 namespace irsig {
@@ -86,9 +87,14 @@ Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_
   return out;
 }
 
+// How much of what arrived still does.
+double kept(const Seen& from, const Seen& to) {
+  return from.transmittance > 0 ? to.transmittance / from.transmittance : 0;
+}
+
 Moved moved(const Held& held, const Seen& from, const Seen& to, double spread) {
   const double area = held.area_m2.value;
-  const double keep = from.transmittance > 0 ? to.transmittance / from.transmittance : 0;
+  const double keep = kept(from, to);
   const double target = to.target - keep * from.target;
   const double path = to.path - keep * from.path;
   const double behind = to.behind - keep * from.behind;
@@ -133,6 +139,20 @@ double spread_of(const SightLine& from, const SightLine& to, const Sp& spectrum,
     bound += value * before * farthest;
   }
   return bound;
+}
+
+// The modes of a spectrum's errors after each bin's have been multiplied and others added, which
+// may go with them: these are part of what the modes leave over.
+absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view modes,
+                                        const std::vector<double>& keep, const Values& after) {
+  const auto errors =
+      SumErrors::make({before.data(), static_cast<std::size_t>(before.size())}, modes);
+  if (!errors.ok()) return errors.status();
+  SpectralSet out = errors->modes();
+  for (std::vector<double>& mode : out)
+    for (std::size_t k = 0; k < mode.size(); ++k) mode[k] *= keep[k];
+  const std::vector<double> stderrs(after.begin(), after.end());
+  return encoded_modes(out, stderrs);
 }
 
 // Homogeneous air takes the stored background along.
@@ -190,10 +210,8 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
     if (absl::Status s = take_background_along(spectrum, from, to); !s.ok()) return s;
 
   MovedRow out{row, spectrum, 0};
-  // Errors of causes may be one: how they go together over wavelengths is not known.
-  out.spectrum.clear_apparent_spectral_intensity_modes();
-  out.spectrum.clear_contrast_spectral_intensity_modes();
   double spread = 0;
+  std::vector<double> keep;
   for (std::size_t k = 0; k < bins; ++k) {
     const int i = static_cast<int>(k);
     Held held{{spectrum.apparent_spectral_intensity_w_sr_um(i),
@@ -208,8 +226,9 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
       held.cause_stderr[c] = (spectrum.*kCauseColumns[c].value_stderr)().Get(i);
     const double of_bin = spread_of(from, to, spectrum, k);
     spread += of_bin * from.band.width[k];
-    const Moved m =
-        moved(held, seen(from.bin, spectrum, k, k + 1), seen(to.bin, spectrum, k, k + 1), of_bin);
+    const Seen here = seen(from.bin, spectrum, k, k + 1), there = seen(to.bin, spectrum, k, k + 1);
+    keep.push_back(kept(here, there));
+    const Moved m = moved(held, here, there, of_bin);
     const auto f = [](double v) { return static_cast<float>(v); };
     out.spectrum.set_apparent_spectral_intensity_w_sr_um(i, f(m.apparent.value));
     out.spectrum.set_apparent_spectral_intensity_stderr_w_sr_um(i, f(m.apparent.stderr_));
@@ -220,6 +239,16 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
     out.spectrum.set_path_transmittance(i, f(to.bin.transmittance[k]));
     out.spectrum.set_path_radiance_w_m2_sr_um(i, f(to.bin.path_radiance[k]));
   }
+  auto apparent_modes = moved_modes(spectrum.apparent_spectral_intensity_stderr_w_sr_um(),
+                                    spectrum.apparent_spectral_intensity_modes(), keep,
+                                    out.spectrum.apparent_spectral_intensity_stderr_w_sr_um());
+  auto contrast_modes = moved_modes(spectrum.contrast_spectral_intensity_stderr_w_sr_um(),
+                                    spectrum.contrast_spectral_intensity_modes(), keep,
+                                    out.spectrum.contrast_spectral_intensity_stderr_w_sr_um());
+  if (!apparent_modes.ok()) return apparent_modes.status();
+  if (!contrast_modes.ok()) return contrast_modes.status();
+  out.spectrum.set_apparent_spectral_intensity_modes(*std::move(apparent_modes));
+  out.spectrum.set_contrast_spectral_intensity_modes(*std::move(contrast_modes));
 
   Held held{{row.apparent_intensity_w_sr, row.apparent_intensity_stderr_w_sr},
             {row.contrast_intensity_w_sr, row.contrast_intensity_stderr_w_sr},

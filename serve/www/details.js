@@ -67,7 +67,7 @@ export function budget(row) {
 const REASONS = {
   always: "cannot be left out", not_in_scene: "nothing here causes it", within_share: "its bound fits into the error asked for",
   above_share: "it matters", other_row: "another row of the view needs it", no_goal: "a number of samples was asked for",
-  unbounded: "no bound is known", forced: "asked for", not_worth: "leaving it out saves nothing" };
+  unbounded: "no bound is known", forced: "asked for", not_worth: "leaving it out saves nothing", not_asked: "the sweep asks to leave it out" };
 
 export function ledger(row) {
   const { effects, energy, parts, temperatures } = row.explained;

@@ -1,6 +1,7 @@
 // Keeps what is shown in step with the address: every change goes into the state, the state into
 // the address, and from there everything is asked for and drawn.
 import { addressOf, ask, askAnew, forget } from "./api.js";
+import { bandParameters, bestWindows, drawBands, fillBandForm } from "./bands.js";
 import { scaleOf } from "./colors.js";
 import { fillControls, QUANTITIES } from "./controls.js";
 import { drawCut } from "./cut.js";
@@ -12,7 +13,7 @@ import { CAUSES, causesOf, drawSpectrum, legend } from "./spectrum.js";
 import { completeSelection, readAddress, SELECTION, selectionParameters, writeAddress } from "./state.js";
 
 const $ = (id) => document.getElementById(id);
-const panel = Object.fromEntries(["map", "values", "spectrum", "cut", "budget", "ledger"].map((id) => [id, new Panel(id)]));
+const panel = Object.fromEntries(["map", "values", "spectrum", "cut", "budget", "bands", "ledger"].map((id) => [id, new Panel(id)]));
 const elevation = $("elevation");
 const readouts = { map: $("dome-readout"), cut: panel.cut.readout, spectrum: panel.spectrum.readout };
 
@@ -135,7 +136,7 @@ async function refresh() {
     shown = map;
     chosen = choose();
     await fill("map", mine, showMap);
-    await Promise.all([showRow(mine), showSpectrum(mine), showCut(mine)]);
+    await Promise.all([showRow(mine), showSpectrum(mine), showCut(mine), showBands(mine)]);
     showImage(chosen);
   }
   if (mine === run) document.body.removeAttribute("aria-busy");
@@ -267,6 +268,21 @@ function showCut(mine) {
   });
 }
 
+// Worked out when it is asked for: it reads every spectrum of the selection.
+function showBands(mine) {
+  $("bands-open").hidden = state.bands === "1";
+  $("bands-form").hidden = state.bands !== "1";
+  if (state.bands !== "1") return undefined;
+  fillBandForm($("bands-form"), state, contents.detector, change);
+  return fill("bands", mine, async () => {
+    const asked = { ...selectionParameters(state), ...bandParameters(state) };
+    const answer = await ask("/api/bands", asked);
+    if (mine !== run) return;
+    panel.bands.show(drawBands(answer, panel.bands.readout), html("div", {}, ...bestWindows(answer)));
+    panel.bands.offer(answer.command, [["CSV", addressOf("/file/bands.csv", asked)], ["SVG", addressOf("/file/bands.svg", asked)]]);
+  });
+}
+
 // How far sweeps are; what is new is shown at once.
 let done = null;
 async function watch() {
@@ -320,7 +336,8 @@ function listen() {
     if (button.dataset.turn || button.dataset.zoom) dome.on.turn();
   });
   elevation.addEventListener("change", () => change({ elevation_deg: elevation.value }));
-  $("controls").addEventListener("submit", (event) => event.preventDefault());
+  for (const form of ["controls", "bands-form"]) $(form).addEventListener("submit", (event) => event.preventDefault());
+  $("bands-open").addEventListener("click", () => change({ bands: "1" }));
   addEventListener("popstate", () => {
     state = readAddress();
     if (complete()) {

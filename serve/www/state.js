@@ -1,8 +1,10 @@
 // What is shown is the address: every field of the state is a parameter of it, so that a link, the
 // back button and a reload show the same again.
 
+import { BAND_FIELDS } from "./bands.js";
+
 export const SELECTION = ["db", "sweep", "season", "time", "band", "at_range_m"];
-const OTHERS = ["quantity", "aspect", "range_m", "elevation_deg", "compare", "show", "turn", "zoom"];
+const OTHERS = [...BAND_FIELDS, "quantity", "aspect", "range_m", "elevation_deg", "compare", "show", "turn", "zoom"];
 export const FIELDS = [...SELECTION, ...OTHERS, ...SELECTION.map((f) => `b_${f}`)];
 
 export function readAddress() {

@@ -38,7 +38,7 @@ class PageTest(unittest.TestCase):
         cls.path = pathlib.Path(cls.folder.name)
         cls.db = cls.path / "quickstart.sigdb"
         small_sweep(IRSIG, SOURCE, cls.path / "small.toml", cls.db)
-        cls.server = Server(IRSIG, cls.db)
+        cls.server = Server(IRSIG, cls.db, "--detector", SOURCE / "jobs/examples/detectors/insb.toml")
         cls.addClassCleanup(cls.server.end)
         cls.browser = Browser(cls.path / "profile")
         cls.addClassCleanup(cls.browser.__exit__)
@@ -295,6 +295,47 @@ class PageTest(unittest.TestCase):
             page.choose("[name=show]", "b")
             self.assertEqual(page.text("#map-title"), "In-band intensity of B")
             self.assertEqual(page.errors, [])
+
+    def test_bands(self):
+        for name, page in self.each():
+            self.open(page, season="summer", band="lwir")
+            self.assertTrue(page.run("document.getElementById('bands-form').hidden"))
+            page.run("document.getElementById('bands-open').click()")
+            page.settle()
+            self.assertEqual(self.state(page)["bands"], "1")
+
+            def check():
+                (printed, *_) = json.loads(irsig(IRSIG, *shlex.split(page.run("document.querySelector('#bands [data-command]').dataset.command"))[1:-2],
+                                                 "--format", "json"))
+                self.assertEqual(page.run("Number(document.querySelector('#bands [data-merit]').dataset.merit)"), printed["merit"])
+                first = f"{printed['lambda_min_um']:.5g} to {printed['lambda_max_um']:.5g}"
+                self.assertEqual(page.text("#bands tbody th"), first)
+                self.assertIn(first, page.text("#bands .readout"))
+                self.assertIn(first, page.run("document.querySelector('#bands svg').getAttribute('aria-label')"))
+                return printed
+            check()
+            windows = page.run("document.querySelectorAll('#bands svg rect').length")
+            self.assertEqual(windows, 81 * 82 // 2 - 2)  # the first and the last bin are cut by the band's limits
+            page.choose("[name=merit]", "percentile")
+            page.choose("[name=percentile]", "40")
+            printed = check()
+            page.choose("[name=nei_w_m2]", "1e-7")
+            self.assertAlmostEqual(check()["merit"] / printed["merit"], 0.01, delta=1e-8)
+            page.choose("[name=detector]", "0")
+            self.assertIn("outside the stored band", page.text("#bands > .words"))
+            self.assertTrue(page.run("document.querySelector('#bands .body').hidden"))
+            page.choose("[name=band]", "mwir")
+            page.choose("[name=over]", "conditions")
+            self.assertIn("over 144 rows, InSb", page.text("#bands caption"))
+            check()
+            box = page.box("#bands svg")
+            page.mouse("mouseMoved", box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])
+            page.settle()
+            self.check_layout(page)
+            page.screenshot(SHOTS / f"bands-{name}.png")
+            page.open(page.run("location.href"))  # the address is all of it
+            check()
+            self.assertFalse([e for e in page.errors if "Failed to load resource" not in e], page.errors)
 
     def test_links_and_the_back_button(self):
         for name, page in self.each():

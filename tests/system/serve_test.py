@@ -23,6 +23,7 @@ import urllib.parse
 from serve_fixture import Server, irsig, small_sweep
 
 IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
+DETECTOR = SOURCE / "jobs/examples/detectors/insb.toml"
 QUANTITIES = {
     "intensity": ("intensity_w_sr", "numerical_error_w_sr"),
     "apparent_intensity": ("apparent_intensity_w_sr", "apparent_numerical_error_w_sr"),
@@ -144,6 +145,30 @@ class Serve(unittest.TestCase):
                                  ("value_stderr", "apparent_spectral_intensity_stderr_w_sr_um"),
                                  ("spectral_sky_reflected_w_sr_um", "spectral_sky_reflected_w_sr_um")):
                 self.assertEqual(shown[name], [float(r[column]) for r in rows], name)
+
+    def test_bands_are_those_of_the_command(self):
+        server = Server(IRSIG, self.db, "--detector", DETECTOR)
+        self.addCleanup(server.end)
+        self.assertEqual(server.json("/api/contents")["detector"], ["InSb, f/2"])
+        one = self.selection()
+        for asked in ({}, {"nei_w_m2": 1e-7, "merit": "worst"}, {"detector": 0, "merit": "percentile", "percentile": 30, "over": "conditions"},
+                      {"merit": "above", "threshold": 100}):
+            shown = server.json("/api/bands", **one, **asked)
+            rows = table(printed(shown["command"]))
+            for mine, theirs in (("lambda_min_um", "lambda_min_um"), ("merit", "merit"), ("total_error", "total_error"), ("best", "best"), ("as_good", "as_good")):
+                self.assertEqual(shown["best"][mine], [float(r[theirs]) for r in rows], (asked, mine))
+            self.assertEqual(shown["rows"], 24 * (6 if "over" in asked else 1))
+            window = shown["window"]
+            whole = table(server.request("/file/bands.csv?" + urllib.parse.urlencode({**one, **asked}))[2].decode())
+            self.assertEqual([(window["edge_um"][a], window["edge_um"][b], m) for a, b, m in zip(window["first"], window["last"], window["merit"])],
+                             [(float(r["lambda_min_um"]), float(r["lambda_max_um"]), float(r["merit"])) for r in whole])
+            self.assertEqual(max(window["merit"]), shown["best"]["merit"][0])
+        self.assertTrue(server.request("/file/bands.svg?" + urllib.parse.urlencode(one))[2].startswith(b"<svg"))
+        for wrong, said in (({"detector": 1}, "this page has 1"), ({"merit": "best"}, "expected mean, percentile"), ({"percentile": 0}, "percentile"),
+                            ({"nei_w_m2": "nan"}, "nei_w_m2"), ({"over": "all"}, "over"), ({"row": 3}, "no such parameter")):
+            self.assertIn(said, server.json("/api/bands", code=400, **one, **wrong)["error"])
+        # What the detector sees nothing of.
+        self.assertIn("outside the stored band", server.json("/api/bands", code=400, **{**one, "band": "lwir"}, detector=0)["error"])
 
     def test_compare(self):
         # Two databases: every aspect is five numerical errors brighter, and the errors of both add up.

@@ -196,6 +196,23 @@ class WindowErrors(unittest.TestCase):
                         found.append((quantity, weight @ (ours - theirs) / math.sqrt(variance)))
         self.check("differences", found)
 
+    def test_windows_at_another_range(self):
+        """Two seeds, both moved: what moving itself errs by is alike."""
+        self.run_sweep("moved", STORED, 6)
+        found = []
+        for low, high in WHOLE_BINS:
+            ours, theirs = (table(self.path / f"{name}.sigdb", "--band", "mwir" if high < 6 else "lwir", "--window", f"{low},{high}", "--range-m", "9000")
+                            for name in ("stored", "moved"))
+            by_key = {key(row): row for row in theirs}
+            for row in ours:
+                self.assertEqual(row["errors_from"], "modes")
+                other = by_key[key(row)]
+                for quantity in QUANTITIES:
+                    stderr = "in_band_" + quantity.replace("_w_sr", "_stderr_w_sr")
+                    found.append((quantity, (float(row["in_band_" + quantity]) - float(other["in_band_" + quantity]))
+                                  / math.hypot(float(row[stderr]), float(other[stderr]))))
+        self.check("windows at another range", found)
+
     def test_the_whole_band_is_what_is_stored(self):
         for band, limits in (("mwir", "3,5"), ("lwir", "8,12")):
             stored = {key(row): row for row in table(self.path / "stored.sigdb", "--band", band)}
