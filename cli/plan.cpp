@@ -1,16 +1,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <optional>
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/printable.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
+#include "view/atomic_file.h"
+#include "view/plot_frame.h"
 #include "view/print.h"
+#include "view/refine.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -22,6 +28,10 @@ struct PlanAsked {
   std::uint32_t workers = 0;
   AccuracyAsked accuracy;
   OutputOptions output;
+  std::string refine_db, refine_sweep, refine_quantity = "intensity", refine_left_out;
+  std::optional<double> refine_range_m;
+  double refine_error = 0.05;
+  std::size_t refine_most = 1000;
 };
 
 constexpr double kTablePercent[] = {10, 3, 1, 0.3, 0.1, 0.03};
@@ -191,7 +201,123 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
   return (*writer)->finish();
 }
 
+// Each viewpoint as the others have it.
+absl::Status write_left_out(const std::vector<SignatureField>& fields, bool is_signed,
+                            const std::string& file) {
+  if (!file.ends_with(".csv"))
+    return absl::InvalidArgumentError(
+        fmt::format("--left-out {}: expected a name that ends in .csv", file));
+  return replace_file(file, [&](const std::string& name) -> absl::Status {
+    std::ofstream out(name, std::ios::binary);
+    auto writer = make_table_writer("csv",
+                                    {{"season"},
+                                     {"time_utc"},
+                                     {"band"},
+                                     {"aspect_azimuth_deg"},
+                                     {"aspect_elevation_deg"},
+                                     {"value"},
+                                     {"interpolated"},
+                                     {"error"},
+                                     {"relative_deviation"}},
+                                    out);
+    if (!writer.ok()) return writer.status();
+    for (const SignatureField& field : fields) {
+      const auto left_out = leave_one_out(field, is_signed);
+      if (!left_out.ok()) return left_out.status();
+      for (const LeftOut& l : *left_out) {
+        const StoredSignature& s = field.signature[l.sample];
+        (*writer)->row({s.season, s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg,
+                        l.value, l.interpolated, l.error, l.relative_deviation});
+      }
+    }
+    return (*writer)->finish();
+  });
+}
+
+// Viewpoints that interpolation needs, as lines for the sweep file.
+absl::Status plan_refinement(const PlanAsked& asked) {
+  if (!asked.sweep_path.empty())
+    return absl::InvalidArgumentError("--refine reads a database: no SWEEP with it");
+  const double error = asked.refine_error;
+  if (!(error > 0 && error <= 1))
+    return absl::InvalidArgumentError(
+        fmt::format("--interpolation-error {:g}: expected more than 0, at most 1", error));
+  Query query;
+  query.sweep = asked.refine_sweep;
+  query.at_range_m = asked.refine_range_m;
+  const auto quantity = quantity_named(asked.refine_quantity);
+  if (!quantity.ok()) return quantity.status();
+  query.quantity = *quantity;
+  auto reader = StoreReader::open(asked.refine_db);
+  if (!reader.ok()) return reader.status();
+  const auto rows = signatures_to_plot(**reader, query);
+  if (!rows.ok()) return rows.status();
+  const auto fields = fields_of(*rows, *quantity);
+  for (const SignatureField& f : fields)
+    if (f.signature.size() != fields.front().signature.size())
+      return absl::FailedPreconditionError(fmt::format(
+          "{} {} {} has {} viewpoints, others have {}: the sweep is not complete",
+          f.signature.front().season, f.signature.front().time_utc, f.signature.front().band,
+          f.signature.size(), fields.front().signature.size()));
+  const bool is_signed = columns_of(*quantity).is_signed();
+  if (!asked.refine_left_out.empty()) {
+    const auto written = write_left_out(fields, is_signed, asked.refine_left_out);
+    if (!written.ok()) return written;
+  }
+  const auto found = refine(fields, is_signed, error, asked.refine_most);
+  if (!found.ok()) return found.status();
+  print_note(
+      "irsig: note: {} viewpoints, {} fields of the {}: interpolation between them states up to "
+      "{:.2g} % (one sigma); more than {:.2g} % at {:.3g} % of the directions\n",
+      fields.front().signature.size(), fields.size(), columns_of(*quantity).name,
+      100 * found->largest_before, 100 * error,
+      100 * static_cast<double>(found->above_before) / static_cast<double>(found->directions));
+  if (found->add.empty()) {
+    print_note("irsig: note: no viewpoint is needed\n");
+    return absl::OkStatus();
+  }
+  print_note(
+      "irsig: note: with {} more it would state up to {:.2g} %, more than {:.2g} % at {:.3g} % of "
+      "the directions{}\n",
+      found->add.size(), 100 * found->largest_after, 100 * error,
+      100 * static_cast<double>(found->above_after) / static_cast<double>(found->directions),
+      found->above_after > 0 ? " (--most)" : "");
+  return asked.output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
+    if (format == "text") {
+      fmt::print(out,
+                 "# Viewpoints besides, of irsig plan --refine: for the end of [viewpoints]\n");
+      for (const ProposedViewpoint& v : found->add) {
+        const StoredSignature& s = fields[v.field].signature.front();
+        fmt::print(out,
+                   "[[viewpoints.aspect]]  # {:.2g} % in {} {}, {}\nazimuth_deg = {:.2f}\n"
+                   "elevation_deg = {:.2f}\n",
+                   100 * v.relative_error, one_line(s.season), s.time_utc, one_line(s.band),
+                   v.azimuth_deg, v.elevation_deg);
+      }
+      return absl::OkStatus();
+    }
+    auto writer = make_table_writer(format,
+                                    {{"aspect_azimuth_deg"},
+                                     {"aspect_elevation_deg"},
+                                     {"relative_error"},
+                                     {"season"},
+                                     {"time_utc"},
+                                     {"band"}},
+                                    out);
+    if (!writer.ok()) return writer.status();
+    for (const ProposedViewpoint& v : found->add) {
+      const StoredSignature& s = fields[v.field].signature.front();
+      (*writer)->row(
+          {v.azimuth_deg, v.elevation_deg, v.relative_error, s.season, s.time_utc, s.band});
+    }
+    return (*writer)->finish();
+  });
+}
+
 absl::Status plan_sweep(const PlanAsked& asked) {
+  if (!asked.refine_db.empty()) return plan_refinement(asked);
+  if (asked.sweep_path.empty())
+    return absl::InvalidArgumentError("SWEEP is missing, or --refine DB");
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
@@ -229,10 +355,41 @@ void add_plan(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand(
       "plan", "before a run: jobs, rows, database size, CPU and wall time, and time against error");
   auto asked = std::make_shared<PlanAsked>(*command);
-  command->add_option("SWEEP", asked->sweep_path, "the sweep file")->required();
+  command->add_option("SWEEP", asked->sweep_path, "the sweep file");
   add_accuracy_options(*command, asked->accuracy, asked->workers);
   command->add_option("--db", asked->db_path,
                       "store the prediction here for `irsig report`; made if it does not exist");
+  auto* refine =
+      command
+          ->add_option("--refine", asked->refine_db,
+                       "instead: the viewpoints that this database lacks for an interpolation "
+                       "between them to --interpolation-error, as lines for the sweep file")
+          ->type_name("DB");
+  const auto of_refine = [&](CLI::Option* option) { option->needs(refine); };
+  of_refine(command
+                ->add_option("--interpolation-error", asked->refine_error,
+                             "one sigma, as a share of the value beside it (of the contrast: of "
+                             "its rms)")
+                ->type_name("SHARE")
+                ->capture_default_str());
+  of_refine(command->add_option("--most", asked->refine_most, "no more viewpoints than these")
+                ->type_name("N")
+                ->check(CLI::Range(1, 100000))
+                ->capture_default_str());
+  of_refine(command->add_option("--sweep", asked->refine_sweep, "of several sweeps"));
+  of_refine(command->add_option("--at-range-m", asked->refine_range_m, "of several ranges")
+                ->type_name("R"));
+  of_refine(command
+                ->add_option("--quantity", asked->refine_quantity,
+                             "intensity, apparent_intensity, contrast_intensity or "
+                             "background_radiance")
+                ->check(CLI::IsMember(quantity_names()))
+                ->capture_default_str());
+  of_refine(command
+                ->add_option("--left-out", asked->refine_left_out,
+                             "each viewpoint as the others have it, with the error that this "
+                             "states (.csv)")
+                ->type_name("FILE"));
   command->callback([=, &exit_code] { exit_code = report(plan_sweep(*asked)); });
   command->footer(
       "A few viewpoints are computed with few samples by a worker of this machine, and thrown\n"

@@ -11,6 +11,7 @@
 #include "core/atmosphere/imported_path.h"
 #include "core/atmosphere/light_path.h"
 #include "jobs/check_weather.h"
+#include "jobs/resolve.h"
 
 namespace irsig {
 namespace {
@@ -61,9 +62,8 @@ void check_hidden(const schema::ResolvedSweep& resolved, int s, const WeatherSpe
     const auto path = look_between(weather.air.profile, sight.sensor_m, target_m, sight.range_m,
                                    weather.refraction);
     if (path.ok()) continue;
-    findings.add(resolved.sweep().viewpoints().kind() == "list"
-                     ? absl::StrCat("viewpoints.aspect[", v, "]")
-                     : std::string("viewpoints"),
+    findings.add(viewpoint_path(resolved.sweep().viewpoints(), static_cast<std::size_t>(v),
+                                static_cast<std::size_t>(resolved.viewpoint_size())),
                  absl::StrCat(text_of(v, view), " does not see the target in season \"",
                               resolved.sweep().season(s).name(), "\": ", path.status().message()));
   }

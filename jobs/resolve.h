@@ -78,6 +78,10 @@ void check_complete_surroundings(const schema::Sweep& sweep, const schema::Surro
 [[nodiscard]] schema::Surroundings overridden(schema::Surroundings base,
                                               const schema::Surroundings& season);
 
+// The key that viewpoint `index` of `all` comes from.
+[[nodiscard]] std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index,
+                                         std::size_t all);
+
 // [viewpoints]: writes ResolvedSweep.viewpoint.
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings);
 

@@ -32,13 +32,16 @@ void check_aspects(const schema::Viewpoints& set, Findings& findings) {
   }
 }
 
-// How many viewpoints the set has; its keys are checked on the way.
+// How many viewpoints the set has at one range; its keys are checked on the way.
 double checked_count(const schema::Viewpoints& set, const SectionCheck& check, Findings& findings) {
   (void)check.at_most_one({"range_m", "ranges_m"});
   if (set.kind() != "list" && set.ranges_m_size() == 0)
     check.require({"range_m"}, "expected the distance to the target in metres");
+  check_aspects(set, findings);
+  const double aspects = set.aspect_size();
   if (set.kind() == "fibonacci") {
-    check.only({"kind", "range_m", "ranges_m", "count", "elevation_min_deg", "elevation_max_deg"},
+    check.only({"kind", "range_m", "ranges_m", "count", "elevation_min_deg", "elevation_max_deg",
+                "aspect"},
                "to kind \"fibonacci\"");
     check.require({"count"}, "expected how many viewpoints");
     const double least = set.has_elevation_min_deg() ? set.elevation_min_deg() : 0;
@@ -48,27 +51,28 @@ double checked_count(const schema::Viewpoints& set, const SectionCheck& check, F
                   absl::StrCat("leaves no zone from ", least, " to ", most,
                                ", expected minimum below maximum"));
     }
-    return set.count();
+    return set.count() + aspects;
   }
   if (set.kind() == "ring") {
-    check.only({"kind", "range_m", "ranges_m", "count", "elevation_deg"}, "to kind \"ring\"");
+    check.only({"kind", "range_m", "ranges_m", "count", "elevation_deg", "aspect"},
+               "to kind \"ring\"");
     check.require({"count"}, "expected how many viewpoints");
     check.require({"elevation_deg"}, "expected the elevation of each ring");
-    return static_cast<double>(set.count()) * set.elevation_deg_size();
+    return static_cast<double>(set.count()) * set.elevation_deg_size() + aspects;
   }
   if (set.kind() == "grid") {
-    check.only({"kind", "range_m", "ranges_m", "azimuth_deg", "elevation_deg"}, "to kind \"grid\"");
+    check.only({"kind", "range_m", "ranges_m", "azimuth_deg", "elevation_deg", "aspect"},
+               "to kind \"grid\"");
     check.require({"azimuth_deg"}, "expected the azimuths of the grid");
     check.require({"elevation_deg"}, "expected the elevations of the grid");
-    return static_cast<double>(set.azimuth_deg_size()) * set.elevation_deg_size();
+    return static_cast<double>(set.azimuth_deg_size()) * set.elevation_deg_size() + aspects;
   }
   check.only({"kind", "range_m", "ranges_m", "aspect"}, "to kind \"list\"");
   check.require({"aspect"}, "expected one or more [[viewpoints.aspect]]");
-  check_aspects(set, findings);
-  return set.aspect_size();
+  return aspects;
 }
 
-std::vector<Viewpoint> at_one_range(const schema::Viewpoints& set) {
+std::vector<Viewpoint> spread(const schema::Viewpoints& set) {
   if (set.kind() == "fibonacci") {
     return fibonacci_viewpoints(set.count(), set.range_m(), set.elevation_min_deg(),
                                 set.has_elevation_max_deg() ? set.elevation_max_deg() : 90);
@@ -77,13 +81,16 @@ std::vector<Viewpoint> at_one_range(const schema::Viewpoints& set) {
   const std::vector<double> elevations(set.elevation_deg().begin(), set.elevation_deg().end());
   if (set.kind() == "ring") return ring_viewpoints(set.count(), elevations, set.range_m());
   if (set.kind() == "grid") return grid_viewpoints(azimuths, elevations, set.range_m());
-  std::vector<Viewpoint> list;
-  for (const schema::Aspect& aspect : set.aspect()) {
-    list.push_back({.aspect_azimuth_deg = aspect.azimuth_deg(),
-                    .aspect_elevation_deg = aspect.elevation_deg(),
-                    .range_m = aspect.has_range_m() ? aspect.range_m() : set.range_m()});
-  }
-  return list;
+  return {};
+}
+
+std::vector<Viewpoint> at_one_range(const schema::Viewpoints& set) {
+  std::vector<Viewpoint> out = spread(set);
+  for (const schema::Aspect& aspect : set.aspect())
+    out.push_back({.aspect_azimuth_deg = aspect.azimuth_deg(),
+                   .aspect_elevation_deg = aspect.elevation_deg(),
+                   .range_m = aspect.has_range_m() ? aspect.range_m() : set.range_m()});
+  return out;
 }
 
 // Range by range.
@@ -117,6 +124,14 @@ double height_above_surface_m(const Viewpoint& view) {
 
 }  // namespace
 
+std::string viewpoint_path(const schema::Viewpoints& set, std::size_t index, std::size_t all) {
+  const std::size_t of_range = all / static_cast<std::size_t>(std::max(1, set.ranges_m_size()));
+  const std::size_t spread_ones = of_range - static_cast<std::size_t>(set.aspect_size());
+  const std::size_t at = index % of_range;
+  return at < spread_ones ? "viewpoints"
+                          : absl::StrCat("viewpoints.aspect[", at - spread_ones, "]");
+}
+
 void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   const schema::Sweep& sweep = resolved.sweep();
   if (!sweep.has_viewpoints()) {
@@ -143,10 +158,7 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
     Viewpoint view = views[i];
     view.aspect_azimuth_deg = normalized_azimuth_deg(view.aspect_azimuth_deg);
     view.aspect_elevation_deg += 0.0;  // no negative zero
-    const std::string path =
-        set.kind() == "list" ? absl::StrCat("viewpoints.aspect[",
-                                            i % static_cast<std::size_t>(set.aspect_size()), "]")
-                             : "viewpoints";
+    const std::string path = viewpoint_path(set, i, views.size());
     const std::string what =
         absl::StrCat("viewpoint ", i, " (azimuth ", view.aspect_azimuth_deg, ", elevation ",
                      view.aspect_elevation_deg, ", range ", view.range_m, " m)");

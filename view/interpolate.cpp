@@ -180,6 +180,7 @@ absl::StatusOr<SphereFit> SphereFit::at(const SphereSamples& samples, Vec<Body> 
     if (!chosen.ok()) return chosen.status();
     kernel = *chosen;
   }
+  fit.kernel_ = *kernel;
   const auto factored = factor_covariance(local, *kernel);
   if (!factored) return absl::InternalError("interpolation: two viewpoints coincide");
 

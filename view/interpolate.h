@@ -61,6 +61,10 @@ class SphereFit {
   [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
   [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
 
+  // interpolation_error^2 = s^2 x this: of directions, kernel and standard errors alone.
+  [[nodiscard]] double variance_factor() const { return variance_factor_; }
+  [[nodiscard]] const SphereKernel& kernel() const { return kernel_; }
+
   // Value and error of a quantity; both vectors are in the order of used().
   [[nodiscard]] SphereEstimate estimate(const std::vector<double>& value,
                                         const std::vector<double>& value_stderr) const;
@@ -69,7 +73,8 @@ class SphereFit {
   std::vector<std::size_t> used_;
   std::vector<double> weight_;
   std::vector<double> projector_;  // Q = C^-1 - C^-1 1 1' C^-1 / (1' C^-1 1), row-major
-  double variance_factor_ = 0;     // interpolation_error^2 = s^2 x this
+  double variance_factor_ = 0;
+  SphereKernel kernel_{};
 };
 
 // The value alone, at many directions of one set of samples: one solve for all of them (pictures).

@@ -2,6 +2,8 @@
 
 usage: plan_test.py <irsig executable> <source folder>
 """
+import csv
+import io
 import pathlib
 import re
 import sqlite3
@@ -44,6 +46,36 @@ class Plan(unittest.TestCase):
         with sqlite3.connect(f"file:{self.db}?mode=ro", uri=True) as connection:
             connection.row_factory = sqlite3.Row
             return [dict(row) for row in connection.execute("SELECT * FROM prediction")]
+
+    def test_viewpoints_that_interpolation_lacks(self):
+        """The lines go into the sweep file as they are; only their viewpoints are computed, and then no more are needed than a few."""
+        self.sweep.write_text(SWEEP.replace("count = 7", "count = 24").replace("relative_error = 0.01", "samples_per_replicate = 128"))
+        irsig("run", self.sweep, "--db", self.db)
+        refine = ["plan", "--refine", self.db, "--interpolation-error", 0.04]
+        lines = irsig(*refine, "--left-out", self.path / "left.csv")
+        count = lines.count("[[viewpoints.aspect]]")
+        self.assertTrue(5 < count < 150, lines)
+        self.assertEqual(len(csv.DictReader(io.StringIO(irsig(*refine, "--format", "csv"))).__iter__().__next__()), 6)
+        left = list(csv.DictReader(io.StringIO((self.path / "left.csv").read_text())))
+        self.assertEqual({(r["season"], r["band"]) for r in left}, {(s, b) for s in ("winter", "spring", "summer") for b in ("mwir", "lwir")})
+        for r in left:
+            self.assertAlmostEqual(float(r["relative_deviation"]), abs(float(r["interpolated"]) / float(r["value"]) - 1), delta=1e-9)
+        # At the end of [viewpoints].
+        text = self.sweep.read_text()
+        at = text.index("\n[", text.index("[viewpoints]") + 1)
+        self.sweep.write_text(text[:at] + "\n" + lines + text[at:])
+        with sqlite3.connect(self.db) as connection:
+            before = dict(connection.execute("SELECT job_key, count(*) FROM signature_view GROUP BY job_key"))
+        irsig("run", self.sweep, "--db", self.db)
+        with sqlite3.connect(self.db) as connection:
+            after = dict(connection.execute("SELECT job_key, count(*) FROM signature_view GROUP BY job_key"))
+        self.assertEqual(len(after), 24 + count)
+        self.assertLessEqual(before.items(), after.items())
+        self.assertLess(irsig(*refine).count("[[viewpoints.aspect]]"), count / 2)
+        for arguments, said in ((["plan"], "SWEEP is missing, or --refine DB"), (["plan", self.sweep, "--refine", self.db], "no SWEEP with it"),
+                                ([*refine[:4], 0], "--interpolation-error 0"), ([*refine, "--at-range-m", 7], "no signature matches"),
+                                ([*refine, "--left-out", "left.svg"], "ends in .csv"), (["plan", self.sweep, "--most", 4], "--most requires --refine")):
+            self.assertIn(said, irsig(*arguments, code=2))
 
     def test_plan_run_report(self):
         plan = irsig("plan", self.sweep, "--workers", 2, "--db", self.db)
