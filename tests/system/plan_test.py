@@ -73,7 +73,7 @@ class Plan(unittest.TestCase):
         self.assertLessEqual(before.items(), after.items())
         self.assertLess(irsig(*refine).count("[[viewpoints.aspect]]"), count / 2)
         for arguments, said in ((["plan"], "SWEEP is missing, or --refine DB"), (["plan", self.sweep, "--refine", self.db], "no SWEEP with it"),
-                                ([*refine[:4], 0], "--interpolation-error 0"), ([*refine, "--at-range-m", 7], "no signature matches"),
+                                ([*refine[:4], 0], "--interpolation-error 0"), ([*refine, "--at-range-m", 7], "no viewpoint at 7 m"),
                                 ([*refine, "--left-out", "left.svg"], "ends in .csv"), (["plan", self.sweep, "--most", 4], "--most requires --refine")):
             self.assertIn(said, irsig(*arguments, code=2))
 
