@@ -1,0 +1,52 @@
+# What is installed, and the Debian package: `cpack` in the build folder, or ops/package.sh.
+#
+# All executables lie in one folder, because some start others beside them; those that people type are links to it.
+# A package is made of what is built; ops/package.sh builds it.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY TRUE)
+set(IRSIG_PROGRAMS lib/irsig)
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/links)
+set(IRSIG_SHARE share/irsig)
+install(TARGETS irsig irsig-coordinator irsig-worker irsig-import irsig-volume irsig-picture RUNTIME DESTINATION ${IRSIG_PROGRAMS})
+foreach(program irsig irsig-coordinator irsig-worker)
+  file(CREATE_LINK ../${IRSIG_PROGRAMS}/${program} ${PROJECT_BINARY_DIR}/links/${program} SYMBOLIC)
+  install(FILES ${PROJECT_BINARY_DIR}/links/${program} DESTINATION bin)
+endforeach()
+# Examples name their models beside them.
+install(DIRECTORY jobs/examples jobs/models DESTINATION ${IRSIG_SHARE}/jobs FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN "*.csv" PATTERN "*.epw" PATTERN "*.md"
+        PATTERN "LICENCE*")
+install(DIRECTORY docs/ DESTINATION share/doc/irsig FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
+install(FILES README.md NOTICE DESTINATION share/doc/irsig)
+install(FILES LICENSE DESTINATION share/doc/irsig RENAME copyright)
+install(FILES python/irsig.py DESTINATION lib/python3/dist-packages)
+install(FILES ops/systemd/irsig-coordinator.service ops/systemd/irsig-worker@.service DESTINATION lib/systemd/system)
+install(FILES ops/systemd/irsig.sysusers DESTINATION lib/sysusers.d RENAME irsig.conf)
+foreach(shell bash zsh)
+  set(folder_bash bash-completion/completions)
+  set(folder_zsh zsh/vendor-completions)
+  set(file_bash irsig)
+  set(file_zsh _irsig)
+  set(script ${PROJECT_BINARY_DIR}/completion.${shell})
+  add_custom_command(OUTPUT ${script} COMMAND irsig completion ${shell} > ${script} DEPENDS irsig VERBATIM)
+  add_custom_target(completion_${shell} ALL DEPENDS ${script})
+  install(FILES ${script} DESTINATION share/${folder_${shell}} RENAME ${file_${shell}})
+endforeach()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME irsig)
+set(CPACK_PACKAGE_CONTACT "irsig maintainers <irsig@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "infrared signature databases of 3-D targets")
+set(CPACK_PACKAGE_DESCRIPTION "Computes spectral radiant intensities of a target in its surroundings, seen from many viewpoints under many conditions,
+each with its error and its provenance, into one SQLite file; queries, plots and exports it.")
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# The page and databases need nothing else; irsig.py reads them with numpy.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-numpy)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-xarray, slurm-client")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/ops/package/postinst;${PROJECT_SOURCE_DIR}/ops/package/prerm")
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_OUTPUT_FILE_PREFIX ${PROJECT_BINARY_DIR}/package)
+include(CPack)
