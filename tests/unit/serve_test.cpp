@@ -97,7 +97,7 @@ TEST(CommandLine, IsOneOfAShell) {
 }
 
 TEST(Answers, SayWhatIsWrong) {
-  const PageSources sources{{"/nonexistent.sigdb"}, {}};
+  const PageSources sources{{"/nonexistent.sigdb"}, {}, {}};
   const auto asked = [&](const char* path, Parameters parameters) {
     return answer(sources, path, parameters);
   };
