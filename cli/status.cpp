@@ -4,9 +4,12 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "cli/commands.h"
 #include "cli/coordinator_options.h"
 #include "cli/output_options.h"
+#include "coordinator/client/certificate.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/ostream.h"
 #include "view/table.h"
@@ -56,14 +59,19 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
     for (const auto& failure : sweep.failure()) fmt::print(out, "  failed: {}\n", failure);
   }
   fmt::print(out, "{} worker{}\n", status.workers(), status.workers() == 1 ? "" : "s");
+  for (const auto& warning : status.warning()) fmt::print(out, "warning: {}\n", warning);
   return absl::OkStatus();
 }
 
 absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output) {
   const auto address = coordinator.address();
   if (!address.ok()) return address.status();
-  const auto status = farm_status(*address);
+  auto status = farm_status(*address);
   if (!status.ok()) return status.status();
+  if (address->tls)
+    for (const std::string& end :
+         running_out(*address->tls, absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch())))
+      status->add_warning("on this side " + end);
   return output.write([&](std::string_view format, std::ostream& out) {
     return format == "text" ? write_text(*status, out) : write_rows(*status, format, out);
   });

@@ -1,5 +1,6 @@
 #include "coordinator/farm_server.h"
 
+#include <grpc/support/log.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
@@ -11,15 +12,18 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <optional>
 #include <random>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm_service.h"
+#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -75,6 +79,25 @@ std::shared_ptr<grpc::ServerCredentials> credentials(const Address& listen) {
   return grpc::SslServerCredentials(options);
 }
 
+// Of gRPC's own lines the one that says why somebody was refused before any call. How many of them
+// a second is up to whoever is refused: one is logged, the others are counted.
+void log_handshakes() {
+  if (std::getenv("GRPC_VERBOSITY") != nullptr) return;
+  gpr_set_log_function([](gpr_log_func_args* line) {
+    static std::atomic<std::int64_t> logged_at_s = -1, untold = 0;
+    const std::string_view message = line->message;
+    if (message.find("Handshake failed") == std::string_view::npos) return;
+    const std::int64_t now_s = std::chrono::duration_cast<std::chrono::seconds>(
+                                   std::chrono::steady_clock::now().time_since_epoch())
+                                   .count();
+    if (logged_at_s.exchange(now_s) == now_s) {
+      ++untold;
+      return;
+    }
+    spdlog::warn("refused: a TLS handshake ({} more before): {}", untold.exchange(0), message);
+  });
+}
+
 std::string random_id() {
   std::random_device device;
   return absl::StrCat(absl::Hex(device(), absl::kZeroPad8), absl::Hex(device(), absl::kZeroPad8));
@@ -90,12 +113,15 @@ class Server final : public FarmServer {
   ~Server() override { (void)stop(); }
 
   absl::Status start() {
+    auto door = Doorkeeper::make(options_.listen.tls, options_.tls_crl, options_.unix_clock);
+    if (!door.ok()) return door.status();
+    door_ = *std::move(door);
     auto store = StoreWriter::open(options_.db_path);
     if (!store.ok()) return store.status();
     store_ = *std::move(store);
     if (auto status = take_over(); !status.ok()) return status;
     farm_.emplace(*store_, options_.rules, options_.clock, options_.unix_clock, random_id());
-    service_.use(farm_->leases());
+    service_.use(farm_->leases(), *door_);
     loop_.start(*farm_, *store_, [this](absl::Status status) {
       failed_ = true;
       if (options_.on_failure) options_.on_failure(status);
@@ -144,6 +170,7 @@ class Server final : public FarmServer {
       if (auto status = prepare_socket(listen); !status.ok()) return status;
     }
     silence_grpc();
+    if (listen.tls) log_handshakes();
     grpc::ServerBuilder builder;
     builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
@@ -174,6 +201,7 @@ class Server final : public FarmServer {
 
   FarmServerOptions options_;
   CommitLoop loop_;
+  std::unique_ptr<Doorkeeper> door_;
   FarmService service_;
   std::string address_;
   std::unique_ptr<grpc::Server> server_;

@@ -19,6 +19,8 @@ struct FarmServerOptions {
       on_failure;  // the store cannot go on; called at most once
   // A database that this coordinator made goes again when nobody submitted anything to it.
   bool remove_unused = false;
+  // With TLS: the authority's list of revoked certificates, read anew when it changes; empty: none.
+  std::string tls_crl = {};
 };
 
 // A coordinator in this process: one database, one address. Belongs to one thread.

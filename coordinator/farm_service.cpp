@@ -42,6 +42,19 @@ absl::Status safely(Work work) {
   }
 }
 
+// A call that was refused at the door.
+grpc::ServerUnaryReactor* refuse(grpc::CallbackServerContext* context, const absl::Status& why) {
+  auto* reactor = context->DefaultReactor();
+  reactor->Finish(to_grpc(why));
+  return reactor;
+}
+template <class Stream>
+class RefusedStream final : public Stream {
+ public:
+  explicit RefusedStream(const absl::Status& why) { this->Finish(to_grpc(why)); }
+  void OnDone() override { delete this; }
+};
+
 // Reads a stream of chunks to its end, then finishes once. The derived class takes the chunks; it
 // deletes itself when gRPC is done with it.
 template <class Chunk>
@@ -329,6 +342,11 @@ class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
   schema::AssetChunk chunk_;
 };
 
+const std::set<Role> kWorks = {Role::kWork};
+const std::set<Role> kSubmits = {Role::kSubmit};
+const std::set<Role> kLooks = {Role::kSubmit, Role::kRead};
+const std::set<Role> kFetches = {Role::kWork, Role::kRead};
+
 }  // namespace
 
 using Kind = CommitLoop::Kind;
@@ -336,6 +354,8 @@ using Kind = CommitLoop::Kind;
 grpc::ServerUnaryReactor* FarmService::Register(grpc::CallbackServerContext* context,
                                                 const schema::RegisterRequest* request,
                                                 schema::RegisterReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Register", kWorks); !status.ok())
+    return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.register_worker(*request); });
 }
@@ -343,6 +363,8 @@ grpc::ServerUnaryReactor* FarmService::Register(grpc::CallbackServerContext* con
 grpc::ServerUnaryReactor* FarmService::Lease(grpc::CallbackServerContext* context,
                                              const schema::LeaseRequest* request,
                                              schema::LeaseReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Lease", kWorks); !status.ok())
+    return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.lease(*request); });
 }
@@ -350,18 +372,24 @@ grpc::ServerUnaryReactor* FarmService::Lease(grpc::CallbackServerContext* contex
 grpc::ServerUnaryReactor* FarmService::Heartbeat(grpc::CallbackServerContext* context,
                                                  const schema::HeartbeatRequest* request,
                                                  schema::HeartbeatReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Heartbeat", kWorks); !status.ok())
+    return refuse(context, status);
   return answer(desk_.loop, Kind::kReads, context, reply,
                 [request](Farm& farm) { return farm.heartbeat(*request); });
 }
 
 grpc::ServerReadReactor<schema::CompleteChunk>* FarmService::Complete(
     grpc::CallbackServerContext* context, schema::CompleteReply* /*reply*/) {
+  if (auto status = desk_.door->admit(*context, "Complete", kWorks); !status.ok())
+    return new RefusedStream<grpc::ServerReadReactor<schema::CompleteChunk>>(status);
   return new CompleteCall(context, desk_);
 }
 
 grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context,
                                             const schema::FailRequest* request,
                                             schema::FailReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Fail", kWorks); !status.ok())
+    return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) -> absl::StatusOr<schema::FailReply> {
                   if (auto status = farm.fail(*request); !status.ok()) return status;
@@ -370,24 +398,37 @@ grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context
 }
 
 grpc::ServerWriteReactor<schema::AssetChunk>* FarmService::FetchAsset(
-    grpc::CallbackServerContext* /*context*/, const schema::FetchAssetRequest* request) {
+    grpc::CallbackServerContext* context, const schema::FetchAssetRequest* request) {
+  if (auto status = desk_.door->admit(*context, "FetchAsset", kFetches); !status.ok())
+    return new RefusedStream<grpc::ServerWriteReactor<schema::AssetChunk>>(status);
   return new FetchCall(desk_.loop, request->sha256());
 }
 
 grpc::ServerReadReactor<schema::SubmitChunk>* FarmService::Submit(
     grpc::CallbackServerContext* context, schema::SubmitReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Submit", kSubmits); !status.ok())
+    return new RefusedStream<grpc::ServerReadReactor<schema::SubmitChunk>>(status);
   return new SubmitCall(context, desk_, reply);
 }
 
 grpc::ServerUnaryReactor* FarmService::Status(grpc::CallbackServerContext* context,
                                               const schema::StatusRequest* /*request*/,
                                               schema::StatusReply* reply) {
-  return answer(desk_.loop, Kind::kReads, context, reply, [](Farm& farm) { return farm.status(); });
+  if (auto status = desk_.door->admit(*context, "Status", kLooks); !status.ok())
+    return refuse(context, status);
+  return answer(desk_.loop, Kind::kReads, context, reply, [this](Farm& farm) {
+    auto status = farm.status();
+    if (status.ok())
+      for (const std::string& warning : desk_.door->warnings()) status->add_warning(warning);
+    return status;
+  });
 }
 
 grpc::ServerUnaryReactor* FarmService::Cancel(grpc::CallbackServerContext* context,
                                               const schema::CancelRequest* request,
                                               schema::CancelReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Cancel", kSubmits); !status.ok())
+    return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.cancel(request->sweep_sha256()); });
 }

@@ -6,6 +6,7 @@
 
 #include "coordinator/background_thread.h"
 #include "coordinator/commit_loop.h"
+#include "coordinator/doorkeeper.h"
 #include "coordinator/limits.h"
 #include "coordinator/open_calls.h"
 #include "schema/farm.grpc.pb.h"
@@ -25,6 +26,7 @@ class FarmService final : public schema::Farm::CallbackService {
     CommitLoop& loop;
     std::string folder;  // of the database: files on their way into it are kept there
     const LeaseBook* leases = nullptr;
+    Doorkeeper* door = nullptr;
     SharedLimit result_bytes{512 << 20};
     SharedLimit submissions{4};
     SharedLimit submitted_bytes{8'000'000'000};
@@ -35,7 +37,10 @@ class FarmService final : public schema::Farm::CallbackService {
   FarmService(CommitLoop& loop, std::string folder) : desk_(loop, std::move(folder)) {}
 
   // Before the first call.
-  void use(const LeaseBook& leases) { desk_.leases = &leases; }
+  void use(const LeaseBook& leases, Doorkeeper& door) {
+    desk_.leases = &leases;
+    desk_.door = &door;
+  }
   // No more submissions are looked at. Before the loop stops.
   void stop() { desk_.clerk.stop(); }
 

@@ -39,13 +39,19 @@ int report(const absl::Status& status) {
 
 int main(int argc, char** argv) {
   CLI::App app{"hands out the jobs of a signature database to workers and stores their results"};
-  std::string db_path, listen;
+  std::string db_path, listen, tls_crl;
   bool remove_unused = false;
   irsig::NetworkOptions network;
   irsig::FarmRules rules;
   app.add_option("--db", db_path, "the database; made if it does not exist")->required();
-  app.add_option("--listen", listen, "unix:PATH or HOST:PORT (0: any free port)")->required();
+  app.add_option(
+      "--listen", listen,
+      "unix:PATH (mode 0600) or HOST:PORT (0: any free port); without it unix:FILE-farm, "
+      "beside the database");
   irsig::add_network_options(app, network);
+  app.add_option(
+      "--tls-crl", tls_crl,
+      "PEM file: certificates that the authority has revoked; read anew when it changes");
   app.add_option("--heartbeat-s", rules.heartbeat_s, "how often workers report")
       ->capture_default_str()
       ->check(CLI::Range(0.05, 3600.0));
@@ -63,6 +69,7 @@ int main(int argc, char** argv) {
     return report(
         absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));
   }
+  if (listen.empty()) listen = "unix:" + db_path + "-farm";
   const auto address = irsig::parse_address(listen, network);
   if (!address.ok()) return report(address.status());
 
@@ -81,7 +88,7 @@ int main(int argc, char** argv) {
                                   failure = status;
                                   sem_post(&end_asked);
                                 },
-                                remove_unused});
+                                remove_unused, tls_crl});
   if (!server.ok()) return report(server.status());
   // Until here a signal ends it at once: what opening a database leaves half done is undone by the
   // next one who opens it.

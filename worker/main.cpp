@@ -38,7 +38,10 @@ std::string default_name() {
 int report(const absl::Status& status) {
   const std::string what = irsig::printable(std::string(status.message()));
   std::fprintf(stderr, "irsig-worker: %s\n", what.c_str());
-  return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ? 2 : 1;
+  return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ||
+                 absl::IsPermissionDenied(status) || absl::IsUnauthenticated(status)
+             ? 2
+             : 1;
 }
 
 absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(

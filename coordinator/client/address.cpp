@@ -14,10 +14,7 @@ namespace {
 
 absl::Status refuse(std::string_view text, std::string_view why) {
   return absl::InvalidArgumentError(
-      fmt::format("address \"{}\": {}; expected unix:PATH, a loopback port such as "
-                  "127.0.0.1:50051, or HOST:PORT "
-                  "with TLS",
-                  text, why));
+      fmt::format("address \"{}\": {}; expected unix:PATH, or HOST:PORT with TLS", text, why));
 }
 
 absl::StatusOr<Address> parse_unix(std::string_view text) {
@@ -87,12 +84,20 @@ absl::StatusOr<Address> parse_address(std::string_view text, const NetworkOption
   }
   auto place = parse_port(text);
   if (!place.ok()) return place.status();
-  if (network.tls.any() && network.insecure_network)
-    return refuse(text, "--insecure-network is for addresses without TLS");
+  if (network.tls.any() && (network.insecure_network || network.insecure_loopback))
+    return refuse(text, network.insecure_network
+                            ? "--insecure-network is for addresses without TLS"
+                            : "--insecure-loopback is for addresses without TLS");
   if (network.tls.any()) {
     auto identity = read_tls(network.tls);
     if (!identity.ok()) return identity.status();
     place->address.tls = std::make_shared<const TlsIdentity>(*std::move(identity));
+  } else if (place->loopback && !network.insecure_loopback && !network.insecure_network) {
+    return refuse(
+        text,
+        "whoever uses this machine could do everything there; use a Unix socket, give --tls-cert, "
+        "--tls-key and --tls-ca, or --insecure-loopback where all users of the machine are "
+        "trusted");
   } else if (!place->loopback && !network.insecure_network) {
     return refuse(
         text,

@@ -21,12 +21,14 @@ struct Address {
 // What a user says of the network.
 struct NetworkOptions {
   TlsFiles tls;
-  bool insecure_network = false;  // other machines may reach it without TLS
+  bool insecure_loopback = false;  // so may everybody on this machine
+  bool insecure_network = false;   // and on other machines
 };
 
-// "unix:PATH", or HOST:PORT with 127.x.y.z, [::1] or localhost (which stands for 127.0.0.1) as
-// host; other hosts (IPv4, [IPv6], a name) only with TLS or with insecure_network. INVALID_ARGUMENT
-// for everything else, and if the files of TLS are not what read_tls expects.
+// "unix:PATH", or HOST:PORT with TLS: an IPv4 address, [IPv6] or a name. Without TLS, 127.x.y.z,
+// [::1] and localhost (which stands for 127.0.0.1) only with insecure_loopback or insecure_network,
+// other hosts only with the latter. INVALID_ARGUMENT for everything else, and if the files of TLS
+// are not what read_tls expects.
 [[nodiscard]] absl::StatusOr<Address> parse_address(std::string_view text,
                                                     const NetworkOptions& network = {});
 
@@ -37,6 +39,8 @@ void add_network_options(App& app, NetworkOptions& network) {
   app.add_option("--tls-key", network.tls.key, "PEM file: its private key, of mode 0600");
   app.add_option("--tls-ca", network.tls.ca,
                  "PEM file: the authority that has signed the certificates of both sides");
+  app.add_flag("--insecure-loopback", network.insecure_loopback,
+               "a port of this machine without TLS: everybody on it may do everything");
   app.add_flag(
       "--insecure-network", network.insecure_network,
       "an address of other machines without TLS: everybody who reaches it may do everything");

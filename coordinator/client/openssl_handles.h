@@ -27,6 +27,8 @@ using CertificateStore = std::unique_ptr<X509_STORE, Freed<X509_STORE_free>>;
 std::vector<Certificate> certificates_of(const std::string& pem);
 // Null: it is none, or has a password, which nobody is asked for.
 PrivateKey private_key_of(const std::string& pem);
+// As text: lower-case hex.
+std::string hex_of(const ASN1_INTEGER* serial);
 // Of an authority.
 CertificateStore store_of(const std::vector<Certificate>& trusted);
 

@@ -42,8 +42,12 @@ finish() {
 trap finish EXIT
 trap 'exit 1' TERM INT
 
-"$root/ops/farm-certificates.sh" "$scratch/tls" "$host"
+# One certificate for the coordinator, one for workers, one for the commands below.
 tls=$scratch/tls
+"$bin/irsig" ca init "$tls" --days 366
+"$bin/irsig" ca issue "$tls" coordinator --out "$tls" --days 365 --host "$host"
+"$bin/irsig" ca issue "$tls" worker --out "$tls" --days 365 --role work
+"$bin/irsig" ca issue "$tls" user --out "$tls" --days 365 --role submit --role read
 said=$scratch/coordinator
 "$bin/irsig-coordinator" --db "$database" --listen "$host:0" --tls-cert "$tls/coordinator.pem" \
   --tls-key "$tls/coordinator.key" --tls-ca "$tls/ca.pem" > "$said" &
@@ -52,11 +56,13 @@ until address=$(sed -n 's/.*listening on //p' "$said") && [[ -n $address ]]; do
   kill -0 "$coordinator" 2> /dev/null || { coordinator=; exit 1; }  # it has said why
   sleep 0.1
 done
-reach=(--coordinator "$address" --tls-cert "$tls/client.pem" --tls-key "$tls/client.key" --tls-ca "$tls/ca.pem")
+reach=(--coordinator "$address" --tls-ca "$tls/ca.pem")
+as_user=("${reach[@]}" --tls-cert "$tls/user.pem" --tls-key "$tls/user.key")
+as_worker=("${reach[@]}" --tls-cert "$tls/worker.pem" --tls-key "$tls/worker.key")
 
-"$bin/irsig" submit "$sweep" "${reach[@]}"
+"$bin/irsig" submit "$sweep" "${as_user[@]}"
 # A task that fails is one worker less; the others go on.
-srun --kill-on-bad-exit=0 "$bin/irsig-worker" --exit-when-finished "${reach[@]}" &
+srun --kill-on-bad-exit=0 "$bin/irsig-worker" --exit-when-finished "${as_worker[@]}" &
 workers=$!
 # Signals come through while it is waited for, and workers that were asked to end do so by themselves.
 trap 'kill -TERM "$workers" 2> /dev/null || :' TERM INT
@@ -64,8 +70,8 @@ while kill -0 "$workers" 2> /dev/null; do wait "$workers" || :; done
 workers=
 trap 'exit 1' TERM INT
 
-"$bin/irsig" status "${reach[@]}"
-open=$("$bin/irsig" status --format csv "${reach[@]}" |
+"$bin/irsig" status "${as_user[@]}"
+open=$("$bin/irsig" status --format csv "${as_user[@]}" |
   awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
            { open += $at["jobs"] - $at["done"] - $at["cancelled"] } END { print open + 0 }')
 if ((open > 0)); then

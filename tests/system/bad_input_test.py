@@ -151,7 +151,7 @@ class BadInput(unittest.TestCase):
             taken.bind(("127.0.0.1", 0))
             taken.listen()
             address = f"127.0.0.1:{taken.getsockname()[1]}"
-            done = subprocess.run([COORDINATOR, "--db", "out.sigdb", "--listen", address], cwd=self.path, capture_output=True, text=True, timeout=60)
+            done = subprocess.run([COORDINATOR, "--db", "out.sigdb", "--listen", address, "--insecure-loopback"], cwd=self.path, capture_output=True, text=True, timeout=60)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn(address, done.stderr)
         self.assertEqual([], list(self.path.glob("*.sigdb")))

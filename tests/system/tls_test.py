@@ -4,7 +4,7 @@ usage: tls_test.py <irsig> <irsig-coordinator> <irsig-worker> <repository>
 
 Ports of the loopback interface only.
 """
-import os, pathlib, re, subprocess, sys, tempfile, unittest
+import os, pathlib, re, subprocess, sys, tempfile, time, unittest
 
 IRSIG, COORDINATOR, WORKER, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:5])
 PATIENCE_S = 240
@@ -21,7 +21,11 @@ class Tls(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = pathlib.Path(cls.folder.name)
         for farm in ("farm", "other"):
-            subprocess.run([ROOT / "ops/farm-certificates.sh", cls.path / farm, "127.0.0.1", "localhost"], check=True)
+            folder = cls.path / farm
+            subprocess.run([IRSIG, "ca", "init", folder], check=True)
+            for name, *what in (("coordinator", "--host=127.0.0.1", "--host=localhost"), ("user", "--role=submit"),
+                                ("worker", "--role=work"), ("reader", "--role=read")):
+                subprocess.run([IRSIG, "ca", "issue", folder, name, "--out", folder, *what], check=True)
         (cls.path / "sweep.toml").write_text(SWEEP)
 
     @classmethod
@@ -39,29 +43,66 @@ class Tls(unittest.TestCase):
     def listen(self, *arguments):
         process = subprocess.Popen([COORDINATOR, "--db", self.path / f"{self._testMethodName}.sigdb", "--listen",
                                     "127.0.0.1:0", *arguments], cwd=self.path, text=True, stdout=subprocess.PIPE,
-                                   stderr=subprocess.DEVNULL)
-        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
+                                   stderr=subprocess.PIPE)
+        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close(), process.stderr.close()))
         return process, re.search(r"listening on (\S+)", process.stdout.readline())[1]
 
     def test_a_sweep_is_computed(self):
-        coordinator, address = self.listen(*self.files("coordinator"))
+        coordinator, address = self.listen(*self.files("coordinator"), "--tls-crl", self.path / "farm/crl.pem")
         for there in (address, address.replace("127.0.0.1", "localhost")):
-            reach = [f"--coordinator={there}", *self.files("client")]
-            submitted = self.run_program(IRSIG, "submit", "sweep.toml", *reach)
+            reach = f"--coordinator={there}"
+            submitted = self.run_program(IRSIG, "submit", "sweep.toml", reach, *self.files("user"))
             self.assertEqual(submitted.returncode, 0, submitted.stderr)
-            worked = self.run_program(WORKER, "--exit-when-finished", *reach)
+            worked = self.run_program(WORKER, "--exit-when-finished", reach, *self.files("worker"))
             self.assertEqual(worked.returncode, 0, worked.stderr)
-            status = self.run_program(IRSIG, "status", "--format", "csv", *reach)
+            status = self.run_program(IRSIG, "status", "--format", "csv", reach, *self.files("reader"))
             self.assertEqual(status.returncode, 0, status.stderr)
             self.assertEqual(status.stdout.splitlines()[1].split(",")[:3], ["disk", "1", "1"])
         # Without a certificate, and with one of another farm: at once, with the reason.
-        for more, why in (([], "speaks TLS only"), (self.files("client", "other"), "shows a certificate")):
+        for more, why in ((["--insecure-loopback"], "speaks TLS only"), (self.files("user", "other"), "shows a certificate")):
             for program in ([IRSIG, "status"], [IRSIG, "submit", "sweep.toml"], [IRSIG, "cancel", "disk"], [WORKER]):
                 refused = self.run_program(*program, f"--coordinator={address}", *more)
                 self.assertNotEqual(refused.returncode, 0, program)
                 self.assertIn(why, refused.stderr)
+        # With one of this farm, and the wrong role.
+        for who, program in (("reader", [IRSIG, "submit", "sweep.toml"]), ("worker", [IRSIG, "status"]),
+                             ("reader", [IRSIG, "cancel", "disk"]), ("user", [WORKER])):
+            refused = self.run_program(*program, f"--coordinator={address}", *self.files(who))
+            self.assertEqual(refused.returncode, 2 if program == [WORKER] else 1, refused.stderr)
+            self.assertIn(f'the certificate "{who}" has', refused.stderr)
+        # Revoked while the coordinator runs.
+        crl = self.path / "farm/crl.pem"
+        revoked = self.run_program(IRSIG, "ca", "revoke", self.path / "farm", "reader")
+        self.assertEqual(revoked.returncode, 0, revoked.stderr)
+        self.assertIn(f"1 certificate revoked; {crl}", revoked.stdout)
+        until = time.monotonic() + PATIENCE_S
+        while (asked := self.run_program(IRSIG, "status", f"--coordinator={address}", *self.files("reader"))).returncode == 0:
+            self.assertLess(time.monotonic(), until)
+        self.assertIn('"reader" was revoked', asked.stderr)
+        listed = self.run_program(IRSIG, "ca", "list", self.path / "farm", "--csv").stdout.splitlines()
+        self.assertEqual([line.split(",")[0] for line in listed], ["name", "coordinator", "reader", "user", "worker"])
+        self.assertIn(",revoked,", listed[2])
         coordinator.terminate()
-        self.assertEqual(coordinator.wait(timeout=PATIENCE_S), 0)
+        _, log = coordinator.communicate(timeout=PATIENCE_S)
+        self.assertEqual(coordinator.returncode, 0)
+        for line in ('refused: Submit by "reader" (certificate ', 'refused: Register by "user" (certificate ',
+                     "refused: a TLS handshake"):
+            self.assertIn(line, log)
+
+    def test_what_an_authority_refuses(self):
+        for arguments, why in ((("issue", "farm", "../x", "--role=read"), 'name "../x"'),
+                               (("issue", "farm", "x", "--role=admin"), 'role "admin", expected submit, work or read'),
+                               (("issue", "farm", "x", "--host=*.example"), 'host "*.example"'),
+                               (("issue", "farm", "x"), "--host"),
+                               (("issue", "nowhere", "x", "--role=read"), "nowhere/ca.pem"),
+                               (("revoke", "farm", "nobody"), '"nobody" is neither name nor serial'),
+                               (("list", "nowhere"), "nowhere/ca.pem")):
+            refused = self.run_program(IRSIG, "ca", *arguments)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertIn(why, refused.stderr)
+        again = self.run_program(IRSIG, "ca", "init", "farm")
+        self.assertEqual(again.returncode, 1, again.stderr)
+        self.assertIn("is there already", again.stderr)
 
     def test_other_machines_only_with_tls(self):
         for program in ([COORDINATOR, "--db", "never.sigdb", "--listen=192.0.2.7:0"],
@@ -72,18 +113,38 @@ class Tls(unittest.TestCase):
             for said in ("not a loopback address", "--tls-cert", "--insecure-network"):
                 self.assertIn(said, refused.stderr)
         self.assertFalse((self.path / "never.sigdb").exists())
-        # Asked for, it is tried; of a loopback port the option changes nothing.
+        # Of this machine, too.
+        for program in ([COORDINATOR, "--db", "never.sigdb", "--listen=127.0.0.1:0"], [WORKER, "--coordinator=localhost:5"],
+                        [IRSIG, "status", "--coordinator=[::1]:5"]):
+            refused = self.run_program(*program)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertIn("--insecure-loopback", refused.stderr)
+        self.assertFalse((self.path / "never.sigdb").exists())
+        # Asked for, it is tried.
+        _, address = self.listen("--insecure-loopback")
+        asked = self.run_program(IRSIG, "status", f"--coordinator={address}", "--insecure-loopback")
+        self.assertEqual(asked.returncode, 0, asked.stderr)
+
+    def test_a_coordinator_listens_beside_its_database(self):
+        process = subprocess.Popen([COORDINATOR, "--db", "beside.sigdb"], cwd=self.path, text=True, stdout=subprocess.PIPE)
+        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
+        self.assertIn("listening on unix:beside.sigdb-farm", process.stdout.readline())
+        self.assertEqual((self.path / "beside.sigdb-farm").stat().st_mode & 0o777, 0o600)
+        asked = self.run_program(IRSIG, "status", "--coordinator=unix:beside.sigdb-farm")
+        self.assertEqual(asked.returncode, 0, asked.stderr)
+
+    def test_other_machines_only_where_it_is_said(self):
         _, address = self.listen("--insecure-network")
         asked = self.run_program(IRSIG, "status", f"--coordinator={address}", "--insecure-network")
         self.assertEqual(asked.returncode, 0, asked.stderr)
 
     def test_a_key_that_others_may_read(self):
-        key = self.path / "farm/client.key"
+        key = self.path / "farm/user.key"
         os.chmod(key, 0o644)
         self.addCleanup(os.chmod, key, 0o600)
-        refused = self.run_program(IRSIG, "status", "--coordinator=127.0.0.1:1", *self.files("client"))
+        refused = self.run_program(IRSIG, "status", "--coordinator=127.0.0.1:1", *self.files("user"))
         self.assertEqual(refused.returncode, 2, refused.stderr)
-        self.assertIn("client.key: a private key that others may use (mode 0644)", refused.stderr)
+        self.assertIn("user.key: a private key that others may use (mode 0644)", refused.stderr)
 
 
 if __name__ == "__main__":

@@ -24,11 +24,24 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(Address, OnlyThisMachineIsAcceptedUnlessOthersAreAskedFor) {
-  for (const char* good : {"unix:/run/x", "unix:relative/x", "unix:///run/x", "127.0.0.1:50051",
-                           "127.3.2.1:1", "localhost:0", "[::1]:7"}) {
+// A port without TLS is asked for: --insecure-loopback.
+Address loopback(const std::string& text) {
+  return *parse_address(text, {.tls = {}, .insecure_loopback = true});
+}
+
+TEST(Address, WithoutTlsOnlyAUnixSocketUnlessMoreIsAskedFor) {
+  for (const char* good : {"unix:/run/x", "unix:relative/x", "unix:///run/x"})
     EXPECT_TRUE(parse_address(good).ok()) << good;
+  for (const char* port : {"127.0.0.1:50051", "127.3.2.1:1", "localhost:0", "[::1]:7"}) {
+    EXPECT_THAT(std::string(parse_address(port).status().message()),
+                HasSubstr("--insecure-loopback"))
+        << port;
+    EXPECT_TRUE(parse_address(port, {.tls = {}, .insecure_loopback = true}).ok()) << port;
   }
+  for (const char* elsewhere : {"0.0.0.0:50051", "192.168.1.2:50051", "example.org:80", "[::]:5"})
+    EXPECT_TRUE(absl::IsInvalidArgument(
+        parse_address(elsewhere, {.tls = {}, .insecure_loopback = true}).status()))
+        << elsewhere;
   for (const char* bad : {"", "unix:", "0.0.0.0:50051", "192.168.1.2:50051", "example.org:80",
                           "[::]:50051", "127.0.0.1", "127.0.0.1:", "127.0.0.1:70000",
                           "127.0.0.1:5x", "127.0.0.1.example.org:80", "*:50051"}) {
@@ -36,15 +49,15 @@ TEST(Address, OnlyThisMachineIsAcceptedUnlessOthersAreAskedFor) {
   }
   EXPECT_THAT(std::string(parse_address("10.1.2.3:4").status().message()),
               HasSubstr("not a loopback address"));
-  const NetworkOptions insecure{{}, true};
+  const NetworkOptions insecure{.tls = {}, .insecure_network = true};
   for (const char* good : {"0.0.0.0:50051", "192.168.1.2:50051", "example.org:80", "[::]:50051",
                            "127.0.0.1.example.org:80", "127.0.0.1:7", "unix:/run/x"})
     EXPECT_TRUE(parse_address(good, insecure).ok()) << good;
   for (const char* bad : {"", ":80", "*:50051", "example.org", "300.1.1.1:80", "[example.org]:80",
                           "a b:80", "../x:80"})
     EXPECT_TRUE(absl::IsInvalidArgument(parse_address(bad, insecure).status())) << bad;
-  EXPECT_EQ(parse_address("localhost:7")->host, "localhost");
-  EXPECT_EQ(parse_address("[::1]:7")->host, "::1");
+  EXPECT_EQ(loopback("localhost:7").host, "localhost");
+  EXPECT_EQ(loopback("[::1]:7").host, "::1");
   EXPECT_THAT(std::string(parse_address("unix:/" + std::string(200, 'x')).status().message()),
               HasSubstr("107 bytes"));
 }
@@ -111,7 +124,7 @@ class ServerTest : public testing::Test {
 
   [[nodiscard]] absl::StatusOr<std::unique_ptr<FarmServer>> start(
       const std::string& address, const std::string& db = "test.sigdb") {
-    auto parsed = parse_address(address);
+    auto parsed = parse_address(address, {.tls = {}, .insecure_loopback = true});
     if (!parsed.ok()) return parsed.status();
     const auto seconds = [] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
@@ -198,7 +211,7 @@ TEST_F(ServerTest, APortInUseIsSaidAndLeavesNoDatabase) {
   auto second = start((*first)->address(), "second.sigdb");
   EXPECT_TRUE(absl::IsAlreadyExists(second.status())) << second.status();
   EXPECT_FALSE(std::filesystem::exists(folder_ + "/second.sigdb"));
-  EXPECT_TRUE(farm_status(*parse_address((*first)->address())).ok());
+  EXPECT_TRUE(farm_status(loopback((*first)->address())).ok());
 }
 
 TEST_F(ServerTest, ASocketInUseIsNotStolenAndAStaleOneIsReplaced) {

@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "absl/strings/str_cat.h"
+#include "coordinator/client/certificate.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/handshake.h"
@@ -56,7 +57,10 @@ class Tls : public testing::Test {
   }
   static void make(const std::string& name, const std::string& ca, const std::string& hosts,
                    const std::string& days) {
-    std::ofstream(path(name, "ext")) << "subjectAltName=" << hosts << "\n";
+    std::ofstream(path(name, "ext"))
+        << "subjectAltName=" << hosts << "\nextendedKeyUsage=serverAuth,clientAuth,"
+        << role_oid(Role::kSubmit) << "," << role_oid(Role::kWork) << "," << role_oid(Role::kRead)
+        << "\n";
     openssl(absl::StrCat("req -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -subj /CN=", name,
                          " -keyout ", path(name, "key"), " -out ", path(name, "csr")));
     openssl(absl::StrCat("x509 -req -in ", path(name, "csr"), " -CA ", path(ca, "pem"), " -CAkey ",
@@ -67,9 +71,12 @@ class Tls : public testing::Test {
   static TlsFiles files(const std::string& name, const std::string& ca) {
     return {path(name, "pem"), path(name, "key"), path(ca, "pem")};
   }
+  static Address insecure(const std::string& text) {
+    return *parse_address(text, {.tls = {}, .insecure_loopback = true});
+  }
   // As a user would give them; without the checks of read_tls, which stand before all of this.
   static Address address(const std::string& text, const std::string& name, const std::string& ca) {
-    Address out = *parse_address(text);
+    Address out = insecure(text);
     const auto bytes = [](const std::string& file) {
       std::ifstream in(file);
       return std::string(std::istreambuf_iterator<char>(in), {});
@@ -95,14 +102,14 @@ class Tls : public testing::Test {
 };
 
 TEST_F(Tls, ASweepIsSubmittedComputedAndAskedForOverIt) {
-  const auto listen = parse_address("127.0.0.1:0", {files("here", "ca"), false});
+  const auto listen = parse_address("127.0.0.1:0", {.tls = files("here", "ca")});
   ASSERT_TRUE(listen.ok()) << listen.status();
   const auto server = start(*listen);
   ASSERT_TRUE(server);
   const std::string port = server->address().substr(server->address().rfind(':'));
   // A certificate names the host as it is typed.
   for (const std::string& host : {std::string("127.0.0.1"), std::string("localhost")}) {
-    const auto there = parse_address(host + port, {files("here", "ca"), false});
+    const auto there = parse_address(host + port, {.tls = files("here", "ca")});
     ASSERT_TRUE(there.ok()) << there.status();
     ASSERT_TRUE(submit(*there, frigate_sweep(3), {}, 1).ok()) << host;
     EXPECT_TRUE(check_handshake(*there).ok()) << check_handshake(*there);
@@ -128,7 +135,7 @@ TEST_F(Tls, WhoIsRefusedIsToldWhy) {
   const auto server = start(address("127.0.0.1:0", "here", "ca"));
   ASSERT_TRUE(server);
   const std::string text = server->address();
-  Address plain = *parse_address(text);
+  const Address plain = insecure(text);
   struct Case {
     Address address;
     std::string why;
@@ -177,7 +184,7 @@ TEST_F(Tls, ACoordinatorThatIsNotWhatItShouldBeIsRefused) {
                 HasSubstr("shows a certificate that is not accepted"));
     EXPECT_TRUE(server->stop().ok());
   }
-  const auto plain = start(*parse_address("127.0.0.1:0"));
+  const auto plain = start(insecure("127.0.0.1:0"));
   ASSERT_TRUE(plain);
   EXPECT_THAT(std::string(farm_status(address(plain->address(), "here", "ca")).status().message()),
               HasSubstr("does not speak TLS: start it with"));
@@ -220,17 +227,20 @@ TEST_F(Tls, FilesThatCannotServeAreRefusedByName) {
   };
   ASSERT_TRUE(read_tls({here, key, ca}).ok()) << read_tls({here, key, ca}).status();
   for (const Case& wrong : cases) {
-    const absl::Status status = parse_address("127.0.0.1:7", {wrong.files, false}).status();
+    const absl::Status status = parse_address("127.0.0.1:7", {.tls = wrong.files}).status();
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << wrong.why << ": " << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr(wrong.why));
   }
-  const auto refused = [&](const char* text, bool insecure) {
-    return std::string(parse_address(text, {{here, key, ca}, insecure}).status().message());
+  const auto refused = [&](const char* text, bool of_loopback, bool of_network) {
+    return std::string(
+        parse_address(text, {{here, key, ca}, of_loopback, of_network}).status().message());
   };
-  EXPECT_THAT(refused("unix:/run/x", false), HasSubstr("TLS is for ports"));
-  EXPECT_THAT(refused("10.1.2.3:4", true),
+  EXPECT_THAT(refused("unix:/run/x", false, false), HasSubstr("TLS is for ports"));
+  EXPECT_THAT(refused("10.1.2.3:4", false, true),
               HasSubstr("--insecure-network is for addresses without"));
-  EXPECT_EQ(refused("10.1.2.3:4", false), "");
+  EXPECT_THAT(refused("127.0.0.1:4", true, false),
+              HasSubstr("--insecure-loopback is for addresses without"));
+  EXPECT_EQ(refused("10.1.2.3:4", false, false), "");
 }
 
 }  // namespace

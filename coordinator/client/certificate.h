@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/tls.h"
+
+namespace irsig {
+
+// What whoever shows a certificate may do at a coordinator.
+enum class Role {
+  kSubmit,  // submit and cancel sweeps, ask how far they are
+  kWork,    // compute jobs
+  kRead     // ask how far sweeps are, fetch them
+};
+inline constexpr Role kRoles[] = {Role::kSubmit, Role::kWork, Role::kRead};
+[[nodiscard]] std::string_view role_name(Role role);
+// INVALID_ARGUMENT: there is no such role.
+[[nodiscard]] absl::StatusOr<Role> role_by_name(std::string_view name);
+// "submit or read".
+[[nodiscard]] std::string role_list(const std::set<Role>& roles, std::string_view word);
+
+// A role is a key purpose of the certificate's extended key usage (RFC 5280, 4.2.1.12): the UUID
+// acc0ccce-a7ea-482a-8189-ffc958fec560 below 2.25 (ITU-T X.667), and 1, 2 or 3 for submit, work or
+// read.
+[[nodiscard]] std::string role_oid(Role role);
+
+// What a certificate says of who shows it.
+struct CertificateFacts {
+  std::string name;        // its common name; may be anything that an authority has signed
+  std::string serial_hex;  // lower case
+  std::set<Role> roles;
+  bool of_a_server = false;  // may be shown by a coordinator
+  double valid_from_unix_s = 0, valid_until_unix_s = 0;
+};
+// Of the first certificate of a PEM text. INVALID_ARGUMENT: there is none.
+[[nodiscard]] absl::StatusOr<CertificateFacts> certificate_facts(const std::string& pem);
+
+// "expires in 3 days", "has expired": a certificate is soon at its end when less than 14 days, or
+// less than a tenth of its time, is left. Empty: there is time.
+[[nodiscard]] std::string running_out(const CertificateFacts& facts, double now_unix_s);
+// One line for each of an identity's own certificate and the authority's that is soon at its end.
+[[nodiscard]] std::vector<std::string> running_out(const TlsIdentity& identity, double now_unix_s);
+
+// The serial numbers (as above) that an authority has revoked: a revocation list in PEM, signed by
+// one of the authorities in `ca`. INVALID_ARGUMENT: it is none.
+[[nodiscard]] absl::StatusOr<std::set<std::string>> revoked_serials(const std::string& crl,
+                                                                    const std::string& ca);
+
+}  // namespace irsig

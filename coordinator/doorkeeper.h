@@ -1,0 +1,68 @@
+#pragma once
+
+#include <grpcpp/server_context.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "coordinator/client/certificate.h"
+#include "coordinator/farm.h"
+
+namespace irsig {
+
+// Who may make which call. Over TLS it is asked of the caller's certificate, with every call anew:
+// its roles, its dates, whether the authority has revoked it. Where there is no TLS (a Unix socket
+// of mode 0600, --insecure-loopback, --insecure-network) whoever gets through may do everything.
+// Thread-safe.
+class Doorkeeper {
+ public:
+  // tls: null without TLS. crl_path: a file that is read anew when it has changed; empty: none.
+  // INVALID_ARGUMENT: the list cannot be read, or is not the authority's.
+  static absl::StatusOr<std::unique_ptr<Doorkeeper>> make(std::shared_ptr<const TlsIdentity> tls,
+                                                          std::string crl_path, Clock unix_clock);
+
+  // PERMISSION_DENIED: none of the roles that do; UNAUTHENTICATED: revoked, or expired since it
+  // connected. Both leave a line in the log: the call, who, and why.
+  absl::Status admit(const grpc::ServerContextBase& context, std::string_view call,
+                     const std::set<Role>& enough);
+
+  // Certificates that are soon at their end (the coordinator's, the authority's, those of callers
+  // of the last hour), a revocation list that cannot be read. Each is logged once a day.
+  std::vector<std::string> warnings();
+
+ private:
+  struct Caller {
+    CertificateFacts facts;
+    double seen_unix_s;
+  };
+  Doorkeeper(std::shared_ptr<const TlsIdentity> tls, std::string crl_path, Clock unix_clock)
+      : tls_(std::move(tls)), crl_path_(std::move(crl_path)), unix_clock_(std::move(unix_clock)) {}
+  absl::Status look(const grpc::ServerContextBase& context, std::string_view call,
+                    const std::set<Role>& enough, std::string& who);
+  absl::Status read_revocations(double now_unix_s);
+  std::vector<std::string> find_warnings(double now_unix_s);
+  void log_warnings(double now_unix_s);
+  void log_refusal(std::string_view call, const std::string& who, const absl::Status& why,
+                   double now_unix_s);
+
+  const std::shared_ptr<const TlsIdentity> tls_;
+  const std::string crl_path_;
+  const Clock unix_clock_;
+
+  std::mutex mutex_;
+  std::map<std::string, Caller> callers_;  // by certificate
+  std::set<std::string> revoked_;
+  std::string crl_stamp_, crl_problem_;
+  double crl_looked_unix_s_ = -1e9, warned_unix_s_ = -1e9;
+  std::map<std::string, double> logged_;  // warning -> when
+  double refusals_since_unix_s_ = -1e9;
+  std::uint64_t refusals_ = 0, refusals_untold_ = 0;
+};
+
+}  // namespace irsig
