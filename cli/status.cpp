@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/strings/str_join.h"
@@ -12,6 +13,7 @@
 #include "coordinator/client/certificate.h"
 #include "coordinator/client/farm_client.h"
 #include "fmt/ostream.h"
+#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -58,12 +60,62 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
       fmt::print(out, "  temperatures: {} of {} jobs done\n", sweep.heat_done(), sweep.heat_jobs());
     for (const auto& failure : sweep.failure()) fmt::print(out, "  failed: {}\n", failure);
   }
-  fmt::print(out, "{} worker{}\n", status.workers(), status.workers() == 1 ? "" : "s");
+  std::size_t computing = 0;
+  for (const auto& worker : status.worker())
+    computing += worker.state() == schema::WorkerStatus::STATE_COMPUTING ? 1 : 0;
+  fmt::print(out, "{} worker{}, {} computing", status.workers(), status.workers() == 1 ? "" : "s",
+             computing);
+  if (status.audited() > 0)
+    fmt::print(out, "; {} job{} computed by two workers", status.audited(),
+               status.audited() == 1 ? "" : "s");
+  if (status.differing() > 0) fmt::print(out, ", {} with other results", status.differing());
+  fmt::print(out, "\n");
+  for (const auto& worker : status.worker()) {
+    if (worker.state() == schema::WorkerStatus::STATE_SET_ASIDE)
+      fmt::print(out, "  set aside: {}: {}\n", worker.name(), worker.reason());
+  }
   for (const auto& warning : status.warning()) fmt::print(out, "warning: {}\n", warning);
   return absl::OkStatus();
 }
 
-absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output) {
+std::string_view state_name(schema::WorkerStatus::State state) {
+  switch (state) {
+    case schema::WorkerStatus::STATE_IDLE:
+      return "idle";
+    case schema::WorkerStatus::STATE_COMPUTING:
+      return "computing";
+    case schema::WorkerStatus::STATE_SET_ASIDE:
+      return "set aside";
+    default:
+      return "";
+  }
+}
+
+// One line a worker.
+absl::Status write_workers(const schema::StatusReply& status, std::string_view format,
+                           std::ostream& out) {
+  auto writer = make_table_writer(format,
+                                  {{"worker"},
+                                   {"state"},
+                                   {"job_s"},
+                                   {"memory_bytes"},
+                                   {"reason"},
+                                   {"job_key", false},
+                                   {"determinism_class", false}},
+                                  out);
+  if (!writer.ok()) return writer.status();
+  for (const auto& worker : status.worker()) {
+    const bool computes = worker.state() == schema::WorkerStatus::STATE_COMPUTING;
+    (*writer)->row({worker.name(), std::string(state_name(worker.state())),
+                    computes ? Cell(worker.job_s()) : Cell(),
+                    worker.memory_bytes() > 0 ? Cell(std::uint64_t{worker.memory_bytes()}) : Cell(),
+                    worker.reason(), worker.job_key(), worker.determinism_class()});
+  }
+  return (*writer)->finish();
+}
+
+absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output,
+                         bool workers) {
   const auto address = coordinator.address();
   if (!address.ok()) return address.status();
   auto status = farm_status(*address);
@@ -73,6 +125,9 @@ absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOpti
          running_out(*address->tls, absl::ToDoubleSeconds(absl::Now() - absl::UnixEpoch())))
       status->add_warning("on this side " + end);
   return output.write([&](std::string_view format, std::ostream& out) {
+    if (format != "text" || workers)
+      for (const std::string& warning : status->warning()) print_note("warning: {}\n", warning);
+    if (workers) return write_workers(*status, format, out);
     return format == "text" ? write_text(*status, out) : write_rows(*status, format, out);
   });
 }
@@ -84,7 +139,10 @@ void add_status(CLI::App& app, int& exit_code) {
   auto coordinator = std::make_shared<CoordinatorOptions>(*command);
   auto output =
       std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
-  command->callback([=, &exit_code] { exit_code = report(show_status(*coordinator, *output)); });
+  auto workers = std::make_shared<bool>(false);
+  command->add_flag("--workers", *workers, "a line for each worker instead of each sweep");
+  command->callback(
+      [=, &exit_code] { exit_code = report(show_status(*coordinator, *output, *workers)); });
 }
 
 }  // namespace irsig

@@ -20,7 +20,7 @@ constexpr auto kTick = std::chrono::milliseconds(250);  // how often silence is 
 // A refusal concerns one request, and what it has written (a failure that was counted) is meant.
 bool is_refusal(const absl::Status& status) {
   return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
-         absl::IsNotFound(status) || absl::IsAlreadyExists(status);
+         absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsAborted(status);
 }
 
 // The store itself cannot go on: a full or damaged disk, no memory, a lock that stays.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "core/base/printable.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
@@ -16,8 +17,11 @@ namespace {
 
 // An idle worker asks again after this long: short against any job, long against a database query.
 constexpr double kIdleWait_s = 0.2;
-// As the store counts: failures on so many distinct workers quarantine a job.
-constexpr std::size_t kFailuresToQuarantine = 3;
+// Workers that a job may be lost with, one after the other, before it is given up.
+constexpr std::size_t kLossesToQuarantine = 3;
+// A fencing token that is no lease of the queue: of a job that is computed for the second time.
+constexpr std::uint64_t kDuplicate = std::uint64_t{1} << 63;
+constexpr int kMostWorkersTold = 1000;
 
 StoredPrediction as_stored(const schema::Prediction& message, const std::string& sweep_sha256) {
   return {.sweep_sha256 = sweep_sha256,
@@ -36,13 +40,6 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
 }
 
 std::string short_key(const std::string& key) { return key.substr(0, 12); }
-
-// Of a worker's own words, as much as anybody reads.
-std::string short_message(const std::string& message) {
-  constexpr std::size_t kMost = 4000;
-  if (message.size() <= kMost) return message;
-  return absl::StrCat(message.substr(0, kMost), " ... (", message.size(), " bytes)");
-}
 
 constexpr std::size_t kMostSessions = 10000;
 constexpr std::size_t kMostSweepsInMind = 100;
@@ -79,7 +76,8 @@ Farm::Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_c
       clock_(std::move(clock)),
       unix_clock_(std::move(unix_clock)),
       coordinator_id_(std::move(coordinator_id)),
-      checked_at_s_(clock_()) {}
+      checked_at_s_(clock_()),
+      double_check_(rules.audit_share, coordinator_id_) {}
 
 absl::StatusOr<schema::RegisterReply> Farm::register_worker(
     const schema::RegisterRequest& request) {
@@ -100,32 +98,32 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
   if (sessions_.size() >= kMostSessions)
     return absl::FailedPreconditionError(
         absl::StrCat("there are ", kMostSessions, " workers already"));
-  Session session{request.worker_name(),
-                  request.determinism_class(),
-                  request.physics_version(),
-                  SessionState::kIdle,
-                  "",
-                  "",
-                  0,
-                  clock_()};
+  if (const auto aside = aside_.find(request.worker_name()); aside != aside_.end())
+    return absl::AbortedError(absl::StrCat("this worker was set aside: ", aside->second));
+  Session session{.worker_name = request.worker_name(),
+                  .determinism_class = request.determinism_class(),
+                  .physics_version = request.physics_version(),
+                  .memory_bytes = request.memory_bytes(),
+                  .heard_at_s = clock_()};
   if (auto status = check_class(session); !status.ok()) return status;
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     if (it->second.worker_name != request.worker_name()) {
       ++it;
       continue;
     }
-    const auto step = next(it->second.state, SessionEvent::kSuccessor);
+    const auto& step = next(it->second.state, SessionEvent::kSuccessor);
     if (step.action == SessionAction::kRelease) {
-      if (auto status = end_lease(it->second, "its worker was started again"); !status.ok()) {
+      if (auto status = end_lease(it->second, "its worker was started again", true); !status.ok()) {
         return status;
       }
     }
-    leases_.drop(it->first);
+    leases_.forget(it->first);
     it = sessions_.erase(it);
   }
   schema::RegisterReply reply;
   reply.set_worker_id(absl::StrCat(coordinator_id_, "-", ++registrations_));
   reply.set_heartbeat_s(rules_.heartbeat_s);
+  leases_.registered(reply.worker_id());
   sessions_.emplace(reply.worker_id(), std::move(session));
   return reply;
 }
@@ -143,25 +141,33 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   const auto heard = hear(request.worker_id());
   if (!heard.ok()) return heard.status();
   Session& session = **heard;
-  const auto step = next(session.state, SessionEvent::kAskForJob);
+  const auto& step = next(session.state, SessionEvent::kAskForJob);
   session.state = step.next;
-  if (step.action == SessionAction::kReleaseThenLease) {
+  if (step.action == SessionAction::kRefuse)
+    return absl::AbortedError(
+        absl::StrCat("this worker was set aside: ", aside_[session.worker_name]));
+  if (step.action == SessionAction::kReleaseThenLease && !session.is_duplicate) {
     if (auto status = store_.release(session.fencing_token, "its worker asked for another job");
         !status.ok() && !absl::IsFailedPrecondition(status)) {
       return status;
     }
-    leases_.drop(request.worker_id());
     all_settled_.reset();
   }
+  leases_.release(request.worker_id());
   schema::LeaseReply reply;
-  if (all_settled_ && *all_settled_) {
-    reply.set_state(schema::LeaseReply::STATE_FINISHED);
-    reply.set_wait_s(kIdleWait_s);
-    return reply;
-  }
-  if (auto status = check_class(session); !status.ok()) return status;
-  auto job = next_to_compute(request.worker_id(), session);
+  auto job = audit_for(session);
   if (!job.ok()) return job.status();
+  bool is_duplicate = job->has_value();
+  if (!is_duplicate && !(all_settled_ && *all_settled_)) {
+    if (auto status = check_class(session); !status.ok()) return status;
+    job = next_to_compute(request.worker_id(), session);
+    if (!job.ok()) return job.status();
+    if (!job->has_value()) {
+      job = straggling_job_for(session);
+      if (!job.ok()) return job.status();
+      is_duplicate = job->has_value();
+    }
+  }
   if (!job->has_value()) {
     const auto finished = all_settled();
     if (!finished.ok()) return finished.status();
@@ -172,8 +178,9 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   }
   session.state = SessionState::kComputing;
   session.fencing_token = (*job)->fencing_token;
-  session.job_key = (*job)->spec.job_key();
-  session.sweep_sha256 = (*job)->spec.sweep_sha256();
+  session.job = {(*job)->spec.sweep_sha256(), (*job)->spec.job_key()};
+  session.is_duplicate = is_duplicate;
+  session.leased_at_s = clock_();
   leases_.hold(request.worker_id(), session.fencing_token);
   reply.set_state(schema::LeaseReply::STATE_LEASED);
   reply.set_fencing_token(session.fencing_token);
@@ -184,6 +191,50 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   }
   *reply.mutable_job() = std::move((*job)->spec);
   return reply;
+}
+
+absl::StatusOr<std::optional<QueuedJob>> Farm::duplicate(const JobName& job, JobState expected) {
+  auto known = store_.find_job(job.sweep_sha256, job.job_key);
+  if (absl::IsNotFound(known.status())) return std::nullopt;  // its sweep was changed
+  if (!known.ok()) return known.status();
+  if (!known->has_value() || (*known)->job.state != expected) return std::nullopt;
+  (*known)->job.fencing_token = kDuplicate | ++duplicates_;
+  return std::move((*known)->job);
+}
+
+absl::StatusOr<std::optional<QueuedJob>> Farm::audit_for(const Session& session) {
+  while (const auto job = double_check_.next_for(session.worker_name)) {
+    auto found = duplicate(*job, JobState::kDone);
+    if (!found.ok()) return found.status();
+    if (found->has_value() && check_class(session).ok() && check_physics(session, *job).ok())
+      return found;
+  }
+  return std::nullopt;
+}
+
+// Of the jobs that take long, the one that takes longest: once, and not to whom it failed on.
+absl::StatusOr<std::optional<QueuedJob>> Farm::straggling_job_for(const Session& session) {
+  const Session* slowest = nullptr;
+  for (const auto& [id, other] : sessions_) {
+    if (other.state != SessionState::kComputing || other.is_duplicate ||
+        other.worker_name == session.worker_name ||
+        !stragglers_.is_one(clock_() - other.leased_at_s) ||
+        should_go_to_another(session, other.job.job_key))
+      continue;
+    const bool twice = std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& third) {
+      return third.second.state == SessionState::kComputing && third.second.is_duplicate &&
+             third.second.job == other.job;
+    });
+    if (!twice && (slowest == nullptr || other.leased_at_s < slowest->leased_at_s))
+      slowest = &other;
+  }
+  if (slowest == nullptr) return std::nullopt;
+  auto found = duplicate(slowest->job, JobState::kLeased);
+  if (!found.ok() || !found->has_value()) return found;
+  if (auto status = check_physics(session, slowest->job); !status.ok()) return std::nullopt;
+  spdlog::info("job {} takes long on {}: {} computes it, too", short_key(slowest->job.job_key),
+               slowest->worker_name, session.worker_name);
+  return found;
 }
 
 // Temperatures that another sweep of the database has are not computed again: the sweeps of a pilot
@@ -220,12 +271,7 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::next_job_for(const std::string& w
     if (auto status = store_.release(token, "left to another worker"); !status.ok()) return status;
   }
   if (!chosen) return chosen;
-  auto status = check_physics(session, *chosen);
-  if (status.ok()) {
-    const auto bound = store_.determinism_class();
-    if (!bound.ok()) return bound.status();
-    if (bound->empty()) status = store_.bind_determinism_class(session.determinism_class);
-  }
+  const auto status = admit(session, {chosen->spec.sweep_sha256(), chosen->spec.job_key()});
   if (status.ok()) return chosen;
   if (auto released = store_.release(chosen->fencing_token, "not for this worker");
       !released.ok()) {
@@ -234,12 +280,23 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::next_job_for(const std::string& w
   return status;
 }
 
+absl::Status Farm::admit(const Session& session, const JobName& job) {
+  if (auto status = check_class(session); !status.ok()) return status;
+  if (auto status = check_physics(session, job); !status.ok()) return status;
+  const auto bound = store_.determinism_class();
+  if (!bound.ok()) return bound.status();
+  return bound->empty() ? store_.bind_determinism_class(session.determinism_class)
+                        : absl::OkStatus();
+}
+
 bool Farm::should_go_to_another(const Session& session, const std::string& job_key) const {
+  if (const auto tried = out_of_memory_.find(job_key); tried != out_of_memory_.end() &&
+                                                       !has_more_memory(session, tried->second) &&
+                                                       somebody_has_more_memory(tried->second))
+    return true;
   const auto failed = failed_on_.find(job_key);
   if (failed == failed_on_.end() || !failed->second.contains(session.worker_name)) return false;
-  return std::any_of(sessions_.begin(), sessions_.end(), [&](const auto& other) {
-    return !failed->second.contains(other.second.worker_name);
-  });
+  return somebody_besides(failed->second);
 }
 
 absl::Status Farm::check_class(const Session& session) {
@@ -270,8 +327,8 @@ Farm::SweepRules& Farm::remember(const std::string& sweep_sha256,
 
 // Job keys hold the physics version of whoever submitted the sweep; a worker with another one would
 // store its numbers under a key that promises different ones.
-absl::Status Farm::check_physics(const Session& session, const QueuedJob& job) {
-  const std::string& sha256 = job.spec.sweep_sha256();
+absl::Status Farm::check_physics(const Session& session, const JobName& job) {
+  const std::string& sha256 = job.sweep_sha256;
   auto known = sweeps_.find(sha256);
   if (known == sweeps_.end() || !known->second.physics_version) {
     const auto bytes = store_.asset(sha256);
@@ -286,7 +343,7 @@ absl::Status Farm::check_physics(const Session& session, const QueuedJob& job) {
     // All keys of a sweep were made with one version: of a coordinator that was started again it is
     // known when one key is found again.
     for (const auto& spec : expand_jobs(sweep, static_cast<int>(session.physics_version))) {
-      if (spec.job_key() != job.spec.job_key()) continue;
+      if (spec.job_key() != job.job_key) continue;
       remember(sha256, sweep).physics_version = session.physics_version;
       return absl::OkStatus();
     }
@@ -296,35 +353,6 @@ absl::Status Farm::check_physics(const Session& session, const QueuedJob& job) {
   return absl::FailedPreconditionError(absl::StrCat(
       "this sweep was submitted for another physics version than the worker's (",
       session.physics_version, "): submit it again with the irsig of the worker's build"));
-}
-
-// What the store does not know: who computed it, and how long spectra and how large pictures of
-// this sweep are.
-absl::Status Farm::check_against_session(const Session& session, const schema::JobResult& result) {
-  if (result.determinism_class() != session.determinism_class)
-    return absl::InvalidArgumentError(
-        absl::StrCat("the result is of the determinism class \"", result.determinism_class(),
-                     "\", its worker registered as \"", session.determinism_class, "\""));
-  if (result.physics_version() != session.physics_version)
-    return absl::InvalidArgumentError(
-        absl::StrCat("the result is of physics version ", result.physics_version(),
-                     ", its worker registered with ", session.physics_version));
-  const auto known = sweeps_.find(session.sweep_sha256);
-  if (known == sweeps_.end()) return absl::OkStatus();
-  const SweepRules& rules = known->second;
-  for (const schema::SignatureRow& row : result.view().row()) {
-    const auto wavelengths = static_cast<std::size_t>(row.spectrum().lambda_um_size());
-    if (row.band_index() < rules.wavelengths.size() &&
-        wavelengths != rules.wavelengths[row.band_index()])
-      return absl::InvalidArgumentError(
-          absl::StrCat("result: a spectrum of band ", row.band_index(), " has ", wavelengths,
-                       " wavelengths, its sweep asks for ", rules.wavelengths[row.band_index()]));
-    if (std::max(row.thumbnail().width_px(), row.thumbnail().height_px()) > rules.thumbnail_px)
-      return absl::InvalidArgumentError(absl::StrCat(
-          "result: a thumbnail is ", row.thumbnail().width_px(), " x ", row.thumbnail().height_px(),
-          " pixels, its sweep asks for ", rules.thumbnail_px));
-  }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<bool> Farm::all_settled() {
@@ -344,7 +372,7 @@ absl::StatusOr<schema::HeartbeatReply> Farm::heartbeat(const schema::HeartbeatRe
   const std::uint64_t own =
       (*heard)->state == SessionState::kComputing ? (*heard)->fencing_token : 0;
   const bool ours = request.fencing_token() == 0 || request.fencing_token() == own;
-  const auto step =
+  const auto& step =
       next((*heard)->state, ours ? SessionEvent::kHeartbeat : SessionEvent::kForeignHeartbeat);
   (*heard)->state = step.next;
   schema::HeartbeatReply reply;
@@ -352,76 +380,27 @@ absl::StatusOr<schema::HeartbeatReply> Farm::heartbeat(const schema::HeartbeatRe
   return reply;
 }
 
-absl::Status Farm::complete(const std::string& worker_id, std::uint64_t fencing_token,
-                            const schema::JobResult& result, const absl::Status& checked) {
-  const auto heard = hear(worker_id);
-  if (!heard.ok()) return heard.status();
-  Session& session = **heard;
-  const bool own = fencing_token != 0 && fencing_token == session.fencing_token;
-  const auto step = next(session.state, own ? SessionEvent::kReturn : SessionEvent::kForeignReturn);
-  session.state = step.next;
-  if (step.action != SessionAction::kSettle) {
-    return absl::FailedPreconditionError(
-        "the lease of this result is not current: it was given to another worker");
-  }
+absl::Status Farm::end_lease(Session& session, const std::string& reason, bool blame_the_job) {
   all_settled_.reset();
-  leases_.drop(worker_id);
-  absl::Status stored = checked;
-  if (stored.ok()) stored = check_against_session(session, result);
-  if (stored.ok()) stored = store_.complete(fencing_token, result, session.worker_name);
-  if (stored.ok()) {
-    failed_on_.erase(session.job_key);
-    losses_.erase(session.job_key);
-  } else if (absl::IsInvalidArgument(stored)) {
-    spdlog::warn("result of job {} refused: {}", short_key(session.job_key), stored.ToString());
-    if (auto status = count_failure(session, std::string(stored.message())); !status.ok()) {
-      return status;
+  const std::string& key = session.job.job_key;
+  spdlog::warn("worker {} lost its job {}: {}", session.worker_name, short_key(key), reason);
+  if (session.is_duplicate) return absl::OkStatus();
+  if (blame_the_job) {
+    Losses& losses = losses_[key];
+    ++losses.count;
+    losses.workers.insert(session.worker_name);
+    if (losses.workers.size() >= kLossesToQuarantine) {
+      auto status =
+          store_.fail(session.fencing_token, session.worker_name,
+                      absl::StrCat(losses.workers.size(), " workers were lost with it: ",
+                                   absl::StrJoin(losses.workers, ", "), " (", reason, ")"),
+                      true);
+      losses_.erase(key);
+      return absl::IsFailedPrecondition(status) ? absl::OkStatus() : status;
     }
-  }
-  session.fencing_token = 0;
-  return stored;
-}
-
-absl::Status Farm::fail(const schema::FailRequest& request) {
-  const auto heard = hear(request.worker_id());
-  if (!heard.ok()) return heard.status();
-  Session& session = **heard;
-  const bool own = request.fencing_token() != 0 && request.fencing_token() == session.fencing_token;
-  const auto step = next(session.state, own ? SessionEvent::kReturn : SessionEvent::kForeignReturn);
-  session.state = step.next;
-  if (step.action != SessionAction::kSettle) {
-    return absl::FailedPreconditionError("the lease of this failure is not current");
-  }
-  all_settled_.reset();
-  leases_.drop(request.worker_id());
-  const auto status = count_failure(session, short_message(request.message()));
-  session.fencing_token = 0;
-  return status;
-}
-
-// A job that fails again on the same worker, because there is no other one to try it, counts as
-// failed on one more: with fewer than three workers it would never settle otherwise.
-absl::Status Farm::count_failure(Session& session, const std::string& message) {
-  auto& workers = failed_on_[session.job_key];
-  std::string counted_as = session.worker_name;
-  for (int attempt = 2; workers.contains(counted_as); ++attempt) {
-    counted_as = absl::StrCat(session.worker_name, " (attempt ", attempt, ")");
-  }
-  workers.insert(counted_as);
-  spdlog::warn("job {} failed on {}: {}", short_key(session.job_key), counted_as, message);
-  const bool settled = workers.size() >= kFailuresToQuarantine;
-  auto status = store_.fail(session.fencing_token, counted_as, message);
-  if (absl::IsFailedPrecondition(status)) status = absl::OkStatus();  // cancelled meanwhile
-  if (settled) failed_on_.erase(session.job_key);
-  return status;
-}
-
-absl::Status Farm::end_lease(Session& session, const std::string& reason) {
-  all_settled_.reset();
-  spdlog::warn("worker {} lost its job {}: {}", session.worker_name, short_key(session.job_key),
-               reason);
-  if (++losses_[session.job_key] > rules_.tolerated_losses) {
-    return count_failure(session, absl::StrCat("its worker was lost (", reason, ")"));
+    if (losses.count > rules_.tolerated_losses)
+      return count_failure(session, absl::StrCat("its worker was lost (", reason, ")"),
+                           schema::FailRequest::KIND_OTHER);
   }
   const auto status = store_.release(session.fencing_token, reason);
   return absl::IsFailedPrecondition(status) ? absl::OkStatus() : status;
@@ -442,18 +421,22 @@ bool Farm::somebody_is_silent() {
 
 absl::Status Farm::drop_silent_workers() {
   const double now_s = clock_();
+  // What takes several at once is a machine's or a network's doing, and none of their jobs'.
+  const auto silent = std::count_if(sessions_.begin(), sessions_.end(), [&](const auto& session) {
+    return now_s - session.second.heard_at_s > rules_.lost_after_s;
+  });
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     Session& session = it->second;
     if (now_s - session.heard_at_s <= rules_.lost_after_s) {
       ++it;
       continue;
     }
-    const auto step = next(session.state, SessionEvent::kSilence);
+    const auto& step = next(session.state, SessionEvent::kSilence);
     if (step.action == SessionAction::kRelease) {
-      const auto status = end_lease(session, "no heartbeat");
+      const auto status = end_lease(session, "no heartbeat", silent == 1);
       if (!status.ok()) return status;
     }
-    leases_.drop(it->first);
+    leases_.forget(it->first);
     it = sessions_.erase(it);
   }
   return absl::OkStatus();
@@ -528,6 +511,30 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     out->set_heat_done(sweep.heat_done);
   }
   reply.set_workers(static_cast<std::uint32_t>(sessions_.size()));
+  for (const auto& [name, reason] : aside_) {
+    if (reply.worker_size() >= kMostWorkersTold) break;
+    auto* out = reply.add_worker();
+    out->set_name(name);
+    out->set_state(schema::WorkerStatus::STATE_SET_ASIDE);
+    out->set_reason(reason);
+  }
+  for (const auto& [id, session] : sessions_) {
+    if (session.state == SessionState::kAside || reply.worker_size() >= kMostWorkersTold) continue;
+    auto* out = reply.add_worker();
+    out->set_name(session.worker_name);
+    out->set_determinism_class(session.determinism_class);
+    out->set_memory_bytes(session.memory_bytes);
+    out->set_state(schema::WorkerStatus::STATE_IDLE);
+    if (session.state != SessionState::kComputing) continue;
+    out->set_state(schema::WorkerStatus::STATE_COMPUTING);
+    out->set_job_key(session.job.job_key);
+    out->set_job_s(clock_() - session.leased_at_s);
+  }
+  for (const std::string& line : differing_) reply.add_warning(line);
+  reply.set_audited(double_check_.audited());
+  const auto aside = store_.results_aside();
+  if (!aside.ok()) return aside.status();
+  reply.set_differing(*aside);
   return reply;
 }
 

@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "coordinator/double_check.h"
+#include "coordinator/farm_table.h"
 #include "coordinator/lease_book.h"
-#include "coordinator/session.h"
 #include "schema/farm.pb.h"
 #include "schema/store/store.h"
 
@@ -23,9 +24,11 @@ using Clock = std::function<double()>;
 struct FarmRules {
   double heartbeat_s = 2;
   double lost_after_s = 10;
-  // So many workers may be lost with a job before it counts as failed on the next ones too: what
-  // kills its worker would otherwise be tried for ever.
+  // A job that three workers were lost with, one at a time, is given up. Where there are fewer, so
+  // many losses are tolerated before the next ones count as failures: what kills its worker would
+  // otherwise be tried for ever.
   std::uint32_t tolerated_losses = 5;
+  double audit_share = 0.005;  // of jobs that a second worker computes, too
 };
 
 // A sweep as it is to be stored: everything that can be worked out without the store.
@@ -43,14 +46,26 @@ struct Submission {
                                                          std::uint32_t physics_version,
                                                          std::vector<Asset> assets);
 
+// What a worker returns. `checked`: what was found in the result by itself (check_plausible),
+// before it came here.
+struct Returned {
+  std::string worker_id;
+  std::uint64_t fencing_token = 0;  // of its lease; 0: it comes from a spool
+  std::string sweep_sha256;
+  const schema::JobResult& result;
+  std::string content_sha256 = {};  // schema/store/content.h; empty: it is worked out
+  absl::Status checked = absl::OkStatus();
+};
+
 // What the coordinator decides: who gets which job, whose result is taken. The queue itself is in
 // the store, so that it survives a restart; only the workers' sessions are here, and they register
 // anew. Knows neither threads nor gRPC. Not thread-safe: the commit loop's thread owns it, and
 // opens and commits the store's transactions around its calls.
 //
-// Errors: NOT_FOUND = the worker is unknown (lost, or of an earlier coordinator): it registers
-// again. FAILED_PRECONDITION = refused for good: a foreign or late result, a worker of another
-// class.
+// What follows what is in farm_table.h. Errors: NOT_FOUND = the worker is unknown (lost, or of an
+// earlier coordinator): it registers again. FAILED_PRECONDITION = refused for good: a foreign
+// failure, a worker of another class. ABORTED = the worker was set aside, with the reason.
+// INVALID_ARGUMENT = the result is not that of its job; it counts as a failure of its lease.
 class Farm {
  public:
   // clock: never goes back, for timeouts. unix_clock: for the record of who leased what and when.
@@ -61,11 +76,7 @@ class Farm {
   absl::StatusOr<schema::RegisterReply> register_worker(const schema::RegisterRequest& request);
   absl::StatusOr<schema::LeaseReply> lease(const schema::LeaseRequest& request);
   absl::StatusOr<schema::HeartbeatReply> heartbeat(const schema::HeartbeatRequest& request);
-  // `checked`: what was found in the result by itself (check_plausible), before it came here; a
-  // result that is refused counts as a failure of its job.
-  absl::Status complete(const std::string& worker_id, std::uint64_t fencing_token,
-                        const schema::JobResult& result,
-                        const absl::Status& checked = absl::OkStatus());
+  absl::StatusOr<schema::CompleteReply> complete(const Returned& returned);
   absl::Status fail(const schema::FailRequest& request);
   absl::StatusOr<std::shared_ptr<const std::string>> asset(const std::string& sha256);
 
@@ -86,10 +97,17 @@ class Farm {
   struct Session {
     std::string worker_name, determinism_class;
     std::uint32_t physics_version;
-    SessionState state;
-    std::string job_key, sweep_sha256;
-    std::uint64_t fencing_token;
+    std::uint64_t memory_bytes;
     double heard_at_s;
+    SessionState state = SessionState::kIdle;
+    JobName job = {};  // that it computes
+    std::uint64_t fencing_token = 0;
+    bool is_duplicate = false;  // another worker has it, or had it: the queue knows nothing of this
+    double leased_at_s = 0;
+  };
+  struct Losses {
+    std::uint32_t count = 0;
+    std::set<std::string> workers;
   };
   // What is asked of a sweep with every lease and every result.
   struct SweepRules {
@@ -99,18 +117,40 @@ class Farm {
   };
   static SweepRules rules_for(const schema::ResolvedSweep& sweep);
   absl::StatusOr<Session*> hear(const std::string& worker_id);
-  absl::Status end_lease(Session& session, const std::string& reason);
-  absl::Status count_failure(Session& session, const std::string& message);
+  absl::Status end_lease(Session& session, const std::string& reason, bool blame_the_job);
+  absl::Status count_failure(Session& session, const std::string& message,
+                             schema::FailRequest::Kind kind);
   absl::StatusOr<std::optional<QueuedJob>> next_to_compute(const std::string& worker_id,
                                                            const Session& session);
   absl::StatusOr<std::optional<QueuedJob>> next_job_for(const std::string& worker_id,
                                                         const Session& session);
+  // A job for the second time.
+  absl::StatusOr<std::optional<QueuedJob>> audit_for(const Session& session);
+  absl::StatusOr<std::optional<QueuedJob>> straggling_job_for(const Session& session);
+  absl::StatusOr<std::optional<QueuedJob>> duplicate(const JobName& job, JobState expected);
   absl::Status check_class(const Session& session);
-  absl::Status check_physics(const Session& session, const QueuedJob& job);
+  absl::Status check_physics(const Session& session, const JobName& job);
+  // Whether this worker's results may be stored here; the first one binds the database's class.
+  absl::Status admit(const Session& session, const JobName& job);
   SweepRules& remember(const std::string& sweep_sha256, const schema::ResolvedSweep& sweep);
-  absl::Status check_against_session(const Session& session, const schema::JobResult& result);
+  absl::Status check_against_session(const Session& session, const std::string& sweep_sha256,
+                                     const schema::JobResult& result);
   [[nodiscard]] bool should_go_to_another(const Session& session, const std::string& job_key) const;
+  [[nodiscard]] static bool has_more_memory(const Session& session, std::uint64_t bytes);
+  [[nodiscard]] bool somebody_has_more_memory(std::uint64_t bytes) const;
   absl::StatusOr<bool> all_settled();
+
+  // Of a result.
+  absl::StatusOr<schema::CompleteReply> take(const Session& session, const JobName& job,
+                                             const Returned& returned);
+  absl::StatusOr<schema::CompleteReply> store_now(const Session& session, const JobName& job,
+                                                  const KnownJob& known, const Returned& returned);
+  absl::StatusOr<schema::CompleteReply> compare(const Session& session, const JobName& job,
+                                                const KnownJob& known, const Returned& returned);
+  absl::Status was_stored(const Session& session, const JobName& job);
+  [[nodiscard]] bool somebody_besides(const std::set<std::string>& workers) const;
+  absl::Status contradicted(const std::string& worker_name, const std::string& reason);
+  absl::Status set_aside(const std::string& worker_name, const std::string& reason);
 
   StoreWriter& store_;
   FarmRules rules_;
@@ -120,7 +160,16 @@ class Farm {
   double checked_at_s_;
   std::map<std::string, Session> sessions_;                 // by worker id
   std::map<std::string, std::set<std::string>> failed_on_;  // job key -> worker names
-  std::map<std::string, std::uint32_t> losses_;             // job key -> lost workers
+  std::map<std::string, Losses> losses_;                    // job key -> lost workers
+  std::map<std::string, std::uint64_t>
+      out_of_memory_;  // job key -> of the worker that had too little
+  // Worker name -> jobs that failed on it and that another one has done.
+  std::map<std::string, std::set<std::string>> failed_alone_;
+  std::map<std::string, std::string> aside_;  // worker name -> why
+  std::vector<std::string> differing_;        // messages, for status
+  DoubleCheck double_check_;
+  Stragglers stragglers_;
+  std::uint64_t duplicates_ = 0;
   std::map<std::string, std::shared_ptr<const std::string>> assets_;
   std::map<std::string, SweepRules> sweeps_;  // by hash; a cache
   LeaseBook leases_;

@@ -9,7 +9,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "jobs/expand.h"
 #include "schema/store/check_plausible.h"
+#include "schema/store/content.h"
 #include "schema/wire_size.h"
 
 namespace irsig {
@@ -111,8 +113,13 @@ std::uint64_t most_memory(std::size_t bytes) { return 8 * bytes + (16 << 20); }
 
 class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
  public:
-  CompleteCall(grpc::CallbackServerContext* context, FarmService::Desk& desk)
-      : ChunkReader(context, desk.calls), desk_(desk), memory_(desk.result_bytes) {
+  CompleteCall(grpc::CallbackServerContext* context, FarmService::Desk& desk,
+               schema::CompleteReply* reply)
+      : ChunkReader(context, desk.calls),
+        desk_(desk),
+        reply_(reply),
+        leased_(desk.result_bytes),
+        late_(desk.late_result_bytes) {
     start();
   }
 
@@ -123,15 +130,22 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
       worker_id_ = chunk.worker_id();
       fencing_token_ = chunk.fencing_token();
       expected_ = chunk.result_bytes();
+      sweep_sha256_ = chunk.sweep_sha256();
+      result_sha256_ = chunk.result_sha256();
+      if (sweep_sha256_.size() > kHashText || result_sha256_.size() > kHashText)
+        return absl::InvalidArgumentError("a hash that is longer than a hash");
+      holds_lease_ = desk_.leases->holds(worker_id_, fencing_token_);
       if (expected_ == 0 || expected_ > kMaxResultBytes)
         return absl::InvalidArgumentError(
             absl::StrCat("a result of ", expected_, " bytes, expected 1 to ", kMaxResultBytes));
     }
-    // Nobody's bytes are kept but those of who holds the lease, all the time.
-    if (!desk_.leases->holds(worker_id_, fencing_token_)) return not_current();
+    // Nobody's bytes are kept who is not registered; of those without a lease less.
+    if (!desk_.leases->knows(worker_id_))
+      return absl::NotFoundError(absl::StrCat("unknown worker: register again"));
     if (bytes_.size() + chunk.piece().size() > expected_)
       return absl::InvalidArgumentError("more bytes than announced");
-    if (!memory_.take(chunk.piece().size())) return busy(absl::StatusCode::kUnavailable, "results");
+    if (!(holds_lease_ ? leased_ : late_).take(chunk.piece().size()))
+      return busy(absl::StatusCode::kUnavailable, "results");
     bytes_ += chunk.piece();
     return absl::OkStatus();
   }
@@ -140,12 +154,13 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
   absl::Status finish_reading() override {
     if (!begun_) return absl::InvalidArgumentError("an empty result");
     auto result = std::make_unique<schema::JobResult>();
-    if (bytes_.size() != expected_) return damaged();
+    if (bytes_.size() != expected_ || sha256_hex(bytes_) != result_sha256_) return damaged();
     absl::Status checked =
         check_wire_size(bytes_, *schema::JobResult::descriptor(), most_memory(bytes_.size()));
     if (checked.ok()) {
       if (!result->ParseFromString(bytes_)) return damaged();
       checked = check_plausible(*result);
+      content_sha256_ = content_sha256(*result);
     } else if (absl::IsInvalidArgument(checked)) {
       return damaged();
     } else {
@@ -154,8 +169,16 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
     bytes_ = std::string();
     desk_.loop.post(
         CommitLoop::Kind::kWrites,
-        [this, kept = std::move(result), checked](Farm& farm) {
-          return farm.complete(worker_id_, fencing_token_, *kept, checked);
+        [this, kept = std::move(result), checked](Farm& farm) -> absl::Status {
+          auto got = farm.complete({.worker_id = worker_id_,
+                                    .fencing_token = fencing_token_,
+                                    .sweep_sha256 = sweep_sha256_,
+                                    .result = *kept,
+                                    .content_sha256 = content_sha256_,
+                                    .checked = checked});
+          if (!got.ok()) return got.status();
+          *reply_ = *std::move(got);
+          return absl::OkStatus();
         },
         [this](const absl::Status& status) { end(status); });
     return absl::OkStatus();
@@ -163,22 +186,21 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
 
   void let_go() override {
     bytes_ = std::string();
-    memory_.release();
+    leased_.release();
+    late_.release();
   }
 
   static absl::Status damaged() {
     return absl::DataLossError("the result arrived damaged: send it again");
   }
-  // Who is unknown learns it when it asks for the next job.
-  absl::Status not_current() const {
-    return absl::FailedPreconditionError(
-        "the lease of this result is not current: it was given to another worker");
-  }
+
+  static constexpr std::size_t kHashText = 64;
 
   FarmService::Desk& desk_;
-  Share memory_;
-  bool begun_ = false;
-  std::string worker_id_, bytes_;
+  schema::CompleteReply* reply_;
+  Share leased_, late_;
+  bool begun_ = false, holds_lease_ = false;
+  std::string worker_id_, sweep_sha256_, result_sha256_, content_sha256_, bytes_;
   std::uint64_t fencing_token_ = 0, expected_ = 0;
 };
 
@@ -379,10 +401,10 @@ grpc::ServerUnaryReactor* FarmService::Heartbeat(grpc::CallbackServerContext* co
 }
 
 grpc::ServerReadReactor<schema::CompleteChunk>* FarmService::Complete(
-    grpc::CallbackServerContext* context, schema::CompleteReply* /*reply*/) {
+    grpc::CallbackServerContext* context, schema::CompleteReply* reply) {
   if (auto status = desk_.door->admit(*context, "Complete", kWorks); !status.ok())
     return new RefusedStream<grpc::ServerReadReactor<schema::CompleteChunk>>(status);
-  return new CompleteCall(context, desk_);
+  return new CompleteCall(context, desk_, reply);
 }
 
 grpc::ServerUnaryReactor* FarmService::Fail(grpc::CallbackServerContext* context,

@@ -28,6 +28,7 @@ class FarmService final : public schema::Farm::CallbackService {
     const LeaseBook* leases = nullptr;
     Doorkeeper* door = nullptr;
     SharedLimit result_bytes{512 << 20};
+    SharedLimit late_result_bytes{256 << 20};  // of workers without their lease
     SharedLimit submissions{4};
     SharedLimit submitted_bytes{8'000'000'000};
     OpenCalls calls;

@@ -7,17 +7,28 @@
 
 namespace irsig {
 
-// Which worker holds which lease: the farm writes it, and whoever receives a result asks before it
-// takes the result's bytes. Thread-safe.
+// Who is registered, and who holds which lease: the farm writes it, and whoever receives a result
+// asks before it takes the result's bytes. Thread-safe.
 class LeaseBook {
  public:
+  void registered(const std::string& worker_id) { hold(worker_id, 0); }
   void hold(const std::string& worker_id, std::uint64_t fencing_token) {
     const std::lock_guard lock(mutex_);
     token_[worker_id] = fencing_token;
   }
-  void drop(const std::string& worker_id) {
+  // It stays registered.
+  void release(const std::string& worker_id) {
+    const std::lock_guard lock(mutex_);
+    const auto found = token_.find(worker_id);
+    if (found != token_.end()) found->second = 0;
+  }
+  void forget(const std::string& worker_id) {
     const std::lock_guard lock(mutex_);
     token_.erase(worker_id);
+  }
+  [[nodiscard]] bool knows(const std::string& worker_id) const {
+    const std::lock_guard lock(mutex_);
+    return token_.contains(worker_id);
   }
   [[nodiscard]] bool holds(const std::string& worker_id, std::uint64_t fencing_token) const {
     const std::lock_guard lock(mutex_);

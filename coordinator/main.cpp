@@ -58,6 +58,10 @@ int main(int argc, char** argv) {
   app.add_option("--lost-after-s", rules.lost_after_s, "silence after which a worker is lost")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 86400.0));
+  app.add_option("--audit-share", rules.audit_share,
+                 "of jobs that a second worker computes, too, so that their bits can be compared")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--remove-unused", remove_unused,
                "a database that it made and nobody used is removed at the end");
   try {

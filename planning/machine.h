@@ -5,15 +5,12 @@
 
 #include "absl/status/status.h"
 #include "bridge/job_memory.h"
+#include "coordinator/client/machine_memory.h"
 
 namespace irsig {
 
 // Cores that this process may use, which a container or a batch system may have restricted.
 [[nodiscard]] std::uint32_t usable_cores();
-
-// Memory that so many processes may still take together: of the machine, of the containers around
-// this process, and of the limits that it hands on to each of its children. [bytes]
-[[nodiscard]] double usable_memory_bytes(std::uint32_t processes);
 
 // "about 1.35 GB in each of 2 workers (16.1 MB for each of 72 conditions)".
 [[nodiscard]] std::string memory_text(const JobMemory& memory, std::uint64_t conditions,

@@ -6,8 +6,11 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <list>
 #include <mutex>
+#include <new>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -15,6 +18,7 @@
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/handshake.h"
+#include "jobs/expand.h"
 #include "spdlog/spdlog.h"
 
 namespace irsig {
@@ -27,6 +31,9 @@ using Seconds = std::chrono::duration<double>;
 constexpr double kAnswer_s = 30;
 // Results and assets may be large and the disk slow.
 constexpr double kStream_s = 300;
+constexpr std::uint64_t kMostSpoolBytes = 4'000'000'000;
+constexpr std::chrono::seconds kSpoolEvery(5);  // an idle worker looks for what others have left
+constexpr int kTimesDamaged = 3;
 constexpr double kFirstRetry_s = 0.1, kLastRetry_s = 2;
 
 void set_deadline(grpc::ClientContext& context, double seconds) {
@@ -101,10 +108,22 @@ class LeaseLoop {
         heart_(*farm_) {}
 
   absl::Status run() {
+    if (!plan_.spool_folder.empty()) {
+      auto spool = Spool::open(plan_.spool_folder, kMostSpoolBytes, plan_.at_spool_step);
+      if (!spool.ok()) return spool.status();
+      spool_ = *std::move(spool);
+    }
     while (!stop_) {
       if (worker_id_.empty()) {
         const auto status = register_here();
         if (!status.ok()) return stopped_or(status);
+        look_into_spool();
+      }
+      if (const auto status = deliver(); absl::IsNotFound(status)) {
+        worker_id_.clear();
+        continue;
+      } else if (!status.ok()) {
+        return stopped_or(status);
       }
       const auto lease = ask_for_job();
       if (absl::IsNotFound(lease.status())) {  // the coordinator has restarted, or took us for lost
@@ -117,17 +136,38 @@ class LeaseLoop {
         const auto status = compute(*lease);
         heart_.computing(0);
         if (absl::IsNotFound(status)) worker_id_.clear();
-        if (is_unreachable(status)) return stopped_or(status);
+        if (ends_all(status)) return stopped_or(status);
+      } else if (look_into_spool()) {
+        continue;
       } else if (lease->state() == schema::LeaseReply::STATE_FINISHED && plan_.exit_when_finished) {
         return absl::OkStatus();
       } else {
         rest(lease->wait_s());
       }
     }
+    // Asked to end with a result that the coordinator has not taken: that is worth a last attempt,
+    // as a worker that it may not know any more.
+    if (undelivered_.empty()) return absl::OkStatus();
+    if (worker_id_.empty())
+      if (auto status = register_here(true); !status.ok()) return absl::OkStatus();
+    static_cast<void>(deliver());
     return absl::OkStatus();
   }
 
  private:
+  // A result that no coordinator has acknowledged yet.
+  struct Undelivered {
+    schema::SpooledResult result;
+    std::uint64_t fencing_token = 0;  // 0: its lease was an earlier worker's
+    std::string file;                 // of the spool; empty: in memory alone
+    int damaged = 0;
+  };
+
+  // The coordinator is gone, or wants nothing of this worker.
+  static bool ends_all(const absl::Status& status) {
+    return is_unreachable(status) || absl::IsAborted(status) || absl::IsPermissionDenied(status) ||
+           absl::IsUnauthenticated(status);
+  }
   absl::Status stopped_or(const absl::Status& status) const {
     return stop_ ? absl::OkStatus() : status;
   }
@@ -143,12 +183,18 @@ class LeaseLoop {
   // we are to stop, a finished result is still worth one wait of a few seconds.
   template <class Call>
   absl::Status persist(Call call) {
+    return persist(call, [] {});
+  }
+  // on_away: once, when it was not there for the first time.
+  template <class Call, class OnAway>
+  absl::Status persist(Call call, OnAway on_away) {
     const auto since = Steady::now();
     double pause_s = kFirstRetry_s;
     bool said = false;
     while (true) {
       const absl::Status status = call();
       if (!is_unreachable(status)) return status;
+      if (!said) on_away();
       const double away_s = Seconds(Steady::now() - since).count();
       if (away_s > (stop_ ? std::min(5.0, plan_.give_up_after_s) : plan_.give_up_after_s)) {
         return absl::UnavailableError(absl::StrCat(
@@ -165,15 +211,16 @@ class LeaseLoop {
     }
   }
 
-  absl::Status register_here() {
+  absl::Status register_here(bool although_stopped = false) {
     schema::RegisterRequest request;
     request.set_worker_name(plan_.worker_name);
     request.set_determinism_class(plan_.determinism_class);
     request.set_build_id(plan_.build_id);
     request.set_physics_version(plan_.physics_version);
+    request.set_memory_bytes(plan_.memory_bytes);
     schema::RegisterReply reply;
     const auto status = persist([&] {
-      if (stop_) return absl::FailedPreconditionError("stopped");
+      if (stop_ && !although_stopped) return absl::FailedPreconditionError("stopped");
       grpc::ClientContext context;
       set_deadline(context, kAnswer_s);
       return to_absl(farm_->Register(&context, request, &reply));
@@ -181,6 +228,7 @@ class LeaseLoop {
     if (!status.ok()) return status;
     worker_id_ = reply.worker_id();
     heart_.registered(reply);
+    foreign_sweeps_.clear();
     return absl::OkStatus();
   }
 
@@ -201,20 +249,23 @@ class LeaseLoop {
   // Computes and returns one job. UNAVAILABLE: the coordinator is gone. Everything else that goes
   // wrong with the job itself is reported to the coordinator.
   absl::Status compute(const schema::LeaseReply& lease) {
-    auto result = attempt(lease);
+    schema::FailRequest request;
+    auto result = attempt(lease, request);
     if (result.ok()) {
-      const auto status = send(lease.fencing_token(), *result);
-      if (!status.ok() && !is_unreachable(status)) {
-        spdlog::warn("result of job {} not taken: {}", lease.job().job_key(), status.ToString());
-      }
-      return status;
+      Undelivered& made = undelivered_.emplace_back();
+      made.fencing_token = lease.fencing_token();
+      made.result.set_sweep_sha256(lease.job().sweep_sha256());
+      made.result.set_job_key(lease.job().job_key());
+      made.result.set_determinism_class(plan_.determinism_class);
+      made.result.set_physics_version(plan_.physics_version);
+      made.result.set_result(result->SerializeAsString());
+      return deliver();
     }
-    if (is_unreachable(result.status()) || absl::IsNotFound(result.status())) {
+    if (ends_all(result.status()) || absl::IsNotFound(result.status())) {
       return result.status();
     }
     spdlog::warn("job {} failed: {}", lease.job().job_key(), result.status().ToString());
     forget_runner();  // the next attempt starts from nothing
-    schema::FailRequest request;
     request.set_worker_id(worker_id_);
     request.set_fencing_token(lease.fencing_token());
     request.set_message(std::string(result.status().message()));
@@ -226,13 +277,22 @@ class LeaseLoop {
     });
   }
 
-  absl::StatusOr<schema::JobResult> attempt(const schema::LeaseReply& lease) {
+  // Why it failed: in request.kind.
+  absl::StatusOr<schema::JobResult> attempt(const schema::LeaseReply& lease,
+                                            schema::FailRequest& request) {
+    request.set_kind(schema::FailRequest::KIND_OTHER);
     try {
-      if (auto status = have_runner(lease); !status.ok()) return status;
+      if (auto status = have_runner(lease, request); !status.ok()) return status;
       auto result = runner_->run(lease.job());
+      if (result.ok()) return result;
+      if (absl::IsInvalidArgument(result.status()))
+        request.set_kind(schema::FailRequest::KIND_BAD_INPUT);
+      if (absl::IsInternal(result.status())) request.set_kind(schema::FailRequest::KIND_GUARD);
       // What the computation calls unavailable or not found is no matter of the connection.
-      if (!result.ok()) return absl::InternalError(result.status().message());
-      return result;
+      return absl::InternalError(result.status().message());
+    } catch (const std::bad_alloc&) {
+      request.set_kind(schema::FailRequest::KIND_OUT_OF_MEMORY);
+      return absl::InternalError("out of memory");
     } catch (const std::exception& error) {
       return absl::InternalError(absl::StrCat("exception: ", error.what()));
     }
@@ -256,7 +316,7 @@ class LeaseLoop {
 
   // The scene stays from job to job; a worker computes one sweep at a time. A runner that was made
   // before the outputs were there still runs what needs none.
-  absl::Status have_runner(const schema::LeaseReply& lease) {
+  absl::Status have_runner(const schema::LeaseReply& lease, schema::FailRequest& request) {
     const std::string& sweep_sha256 = lease.job().sweep_sha256();
     std::vector<std::string> outputs;
     for (const schema::JobOutput& output : lease.output())
@@ -282,6 +342,8 @@ class LeaseLoop {
     for (std::size_t i = 0; i < outputs.size(); ++i)
       if (status = fetch(outputs[i], heat[i]); !status.ok()) return status;
     auto runner = make_runner_(*sweep, assets_, heat);
+    if (absl::IsInvalidArgument(runner.status()))
+      request.set_kind(schema::FailRequest::KIND_BAD_INPUT);
     if (!runner.ok()) return absl::InternalError(runner.status().message());
     runner_ = *std::move(runner);
     runner_sweep_ = sweep_sha256;
@@ -289,25 +351,87 @@ class LeaseLoop {
     return absl::OkStatus();
   }
 
-  absl::Status send(std::uint64_t token, const schema::JobResult& result) {
-    const std::string bytes = result.SerializeAsString();
-    return persist([&] {
-      grpc::ClientContext context;
-      set_deadline(context, kStream_s);
-      schema::CompleteReply reply;
-      const auto stream = farm_->Complete(&context, &reply);
-      bool open = true;
-      for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
-        schema::CompleteChunk chunk;
-        chunk.set_worker_id(worker_id_);
-        chunk.set_fencing_token(token);
-        chunk.set_result_bytes(bytes.size());
-        chunk.set_piece(bytes.substr(at, kPieceBytes));
-        open = stream->Write(chunk);
-      }
-      stream->WritesDone();
-      return to_absl(stream->Finish());
+  // Results of workers that have died. True: there were some.
+  bool look_into_spool() {
+    if (!spool_ || Steady::now() < look_again_) return false;
+    look_again_ = Steady::now() + kSpoolEvery;
+    auto found = spool_->take_over([&](const schema::SpooledResult& result) {
+      return result.determinism_class() == plan_.determinism_class &&
+             result.physics_version() == plan_.physics_version &&
+             !foreign_sweeps_.contains(result.sweep_sha256());
     });
+    for (Spool::Found& one : found)
+      undelivered_.push_back({std::move(one.record), 0, std::move(one.name)});
+    return !found.empty();
+  }
+
+  // Everything that is not acknowledged yet. NOT_FOUND: the coordinator does not know us (any
+  // more); other errors: it is gone, or wants nothing of this worker. What is left then is kept.
+  absl::Status deliver() {
+    for (auto at = undelivered_.begin(); at != undelivered_.end();) {
+      schema::CompleteReply reply;
+      const absl::Status status =
+          persist([&] { return send_once(*at, reply); }, [&] { keep_on_disk(*at); });
+      const std::string& key = at->result.job_key();
+      if (absl::IsNotFound(status)) {
+        keep_on_disk(*at);
+        for (Undelivered& one : undelivered_) one.fencing_token = 0;  // leases of another life
+        return status;
+      }
+      if (absl::IsDataLoss(status) && ++at->damaged < kTimesDamaged) continue;
+      if (ends_all(status) && !absl::IsAborted(status)) return status;
+      const bool unknown_sweep =
+          status.ok() && reply.state() == schema::CompleteReply::STATE_UNKNOWN_SWEEP;
+      if (!status.ok()) {
+        spdlog::warn("result of job {} not taken: {}", key, status.ToString());
+      } else if (unknown_sweep) {
+        spdlog::info("result of job {} is of a sweep that this coordinator does not have", key);
+      } else if (reply.state() == schema::CompleteReply::STATE_ASIDE) {
+        spdlog::warn("result of job {} differs from another worker's: kept aside", key);
+      } else if (reply.state() == schema::CompleteReply::STATE_NOT_WANTED) {
+        spdlog::info("result of job {} is not wanted any more", key);
+      }
+      // Whatever is wrong with this coordinator, another one may take it.
+      const bool settled =
+          status.ok() ? !unknown_sweep : absl::IsInvalidArgument(status) || absl::IsAborted(status);
+      if (!settled) foreign_sweeps_.insert(at->result.sweep_sha256());
+      if (!at->file.empty()) settled ? spool_->remove(at->file) : spool_->leave(at->file);
+      at = undelivered_.erase(at);
+      if (absl::IsAborted(status)) return status;
+    }
+    return absl::OkStatus();
+  }
+
+  void keep_on_disk(Undelivered& one) {
+    if (!spool_ || !one.file.empty()) return;
+    auto name = spool_->keep(one.result);
+    if (name.ok()) {
+      one.file = *std::move(name);
+    } else {
+      spdlog::warn("a result is kept in memory alone: {}", name.status().ToString());
+    }
+  }
+
+  absl::Status send_once(const Undelivered& one, schema::CompleteReply& reply) {
+    const std::string& bytes = one.result.result();
+    grpc::ClientContext context;
+    set_deadline(context, kStream_s);
+    const auto stream = farm_->Complete(&context, &reply);
+    schema::CompleteChunk chunk;
+    chunk.set_worker_id(worker_id_);
+    chunk.set_fencing_token(one.fencing_token);
+    chunk.set_result_bytes(bytes.size());
+    chunk.set_sweep_sha256(one.result.sweep_sha256());
+    chunk.set_result_sha256(sha256_hex(bytes));
+    bool open = true;
+    for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
+      chunk.set_piece(bytes.substr(at, kPieceBytes));
+      open = stream->Write(chunk);
+      chunk.clear_sweep_sha256();
+      chunk.clear_result_sha256();
+    }
+    stream->WritesDone();
+    return to_absl(stream->Finish());
   }
 
   const WorkerPlan& plan_;
@@ -319,6 +443,10 @@ class LeaseLoop {
   std::string runner_sweep_;
   std::vector<std::string> runner_outputs_;  // hashes of what the runner was given
   Assets assets_;
+  std::unique_ptr<Spool> spool_;
+  std::list<Undelivered> undelivered_;
+  std::set<std::string> foreign_sweeps_;  // that this coordinator takes no results of
+  Steady::time_point look_again_{};
   Heart heart_;
 };
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "worker/spool.h"
 
 namespace irsig {
 
@@ -23,17 +24,22 @@ struct WorkerPlan {
   std::string determinism_class;
   std::string build_id;
   std::uint32_t physics_version = 0;
+  std::uint64_t memory_bytes = 0;  // that a job may take here; 0: not known
   bool exit_when_finished = false;
   double give_up_after_s = 600;  // without any answer of the coordinator
+  std::string spool_folder;      // of results that wait for a coordinator; empty: in memory alone
+  Spool::AtStep at_spool_step = {};
 };
 
 // Leases jobs, computes them with runners from `make_runner`, returns the results; meanwhile a
-// second thread sends heartbeats. A coordinator that restarts is waited for. A result that is
-// refused (its lease has gone to another worker) is dropped, and the next job is leased.
+// second thread sends heartbeats. A coordinator that restarts is waited for. A result that cannot
+// be delivered goes to the spool, and stays there until a coordinator that knows its sweep has
+// acknowledged it: to this worker or, when this one has ended, to another one with the same spool.
 //
 // Returns OK when `stop` becomes true (the current job is finished and returned first) or, if so
 // asked, when every job is settled; FAILED_PRECONDITION when the coordinator refuses this worker
-// for good; UNAVAILABLE when the coordinator has not answered for give_up_after_s.
+// for good (PERMISSION_DENIED, UNAUTHENTICATED: because of its certificate); ABORTED when it has
+// set this worker aside; UNAVAILABLE when the coordinator has not answered for give_up_after_s.
 [[nodiscard]] absl::Status run_lease_loop(const WorkerPlan& plan, const RunnerFactory& make_runner,
                                           const std::atomic<bool>& stop);
 

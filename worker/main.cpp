@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "coordinator/client/machine_memory.h"
 #include "coordinator/client/plain_log.h"
 #include "core/base/printable.h"
 #include "core/image/image.h"
@@ -34,10 +35,12 @@ std::string default_name() {
   return absl::StrCat(host, "-", getpid(), "-", absl::Hex(std::random_device()() & 0xffff));
 }
 
-// 2: what was given is wrong, or the coordinator refuses this worker for good; 1: anything else.
+// 2: what was given is wrong, or the coordinator refuses this worker for good; 3: it has set it
+// aside; 1: anything else.
 int report(const absl::Status& status) {
   const std::string what = irsig::printable(std::string(status.message()));
   std::fprintf(stderr, "irsig-worker: %s\n", what.c_str());
+  if (absl::IsAborted(status)) return 3;
   return absl::IsInvalidArgument(status) || absl::IsFailedPrecondition(status) ||
                  absl::IsPermissionDenied(status) || absl::IsUnauthenticated(status)
              ? 2
@@ -75,6 +78,9 @@ int main(int argc, char** argv) {
                  "end when the coordinator has not answered for so long")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e9));
+  app.add_option("--spool", plan.spool_folder,
+                 "a folder for results that wait for their coordinator; workers of one machine may "
+                 "share it");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -85,6 +91,7 @@ int main(int argc, char** argv) {
   plan.coordinator = *std::move(address);
   plan.determinism_class = irsig::determinism_class();
   plan.build_id = irsig::build_id();
+  plan.memory_bytes = static_cast<std::uint64_t>(irsig::usable_memory_bytes(1));
   plan.physics_version = static_cast<std::uint32_t>(irsig::physics_version());
 
   spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -92,8 +93,8 @@ absl::Status LocalFarm::start_worker(std::size_t slot) {
   // place, and the dead one's job is free at once.
   const std::string name = absl::StrCat("local-", getpid(), "-", slot + 1);
   std::vector<std::string> arguments = {
-      plan_.worker_executable, "--coordinator", address_.text, "--name", name,
-      "--exit-when-finished"};
+      plan_.worker_executable, "--coordinator", address_.text,         "--name", name,
+      "--exit-when-finished",  "--spool",       folder_->file("spool")};
   arguments.insert(arguments.end(), plan_.worker_arguments.begin(), plan_.worker_arguments.end());
   auto child = ChildProcess::start(
       arguments, folder_->file(absl::StrCat("worker-", slot + 1, ".log")), SIGKILL);
@@ -121,6 +122,13 @@ absl::Status LocalFarm::keep_alive(std::uint64_t jobs_settled) {
   for (std::size_t slot = 0; slot < workers_.size(); ++slot) {
     const auto ending = workers_[slot]->ended();
     if (!ending || workers_[slot]->succeeded()) continue;
+    if (*ending == "exit code 3") {  // set aside; the others go on
+      const bool all = std::all_of(workers_.begin(), workers_.end(), [](const auto& worker) {
+        return worker->ended() == "exit code 3";
+      });
+      if (!all) continue;
+      return absl::AbortedError(last_message(workers_[slot]->last_words(), "irsig-worker"));
+    }
     if (*ending == "exit code 2") {  // refused by the coordinator, as the next one would be
       return absl::FailedPreconditionError(
           last_message(workers_[slot]->last_words(), "irsig-worker"));

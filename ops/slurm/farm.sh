@@ -62,7 +62,7 @@ as_worker=("${reach[@]}" --tls-cert "$tls/worker.pem" --tls-key "$tls/worker.key
 
 "$bin/irsig" submit "$sweep" "${as_user[@]}"
 # A task that fails is one worker less; the others go on.
-srun --kill-on-bad-exit=0 "$bin/irsig-worker" --exit-when-finished "${as_worker[@]}" &
+srun --kill-on-bad-exit=0 "$bin/irsig-worker" --exit-when-finished --spool "$scratch/spool" "${as_worker[@]}" &
 workers=$!
 # Signals come through while it is waited for, and workers that were asked to end do so by themselves.
 trap 'kill -TERM "$workers" 2> /dev/null || :' TERM INT

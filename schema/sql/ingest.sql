@@ -36,8 +36,8 @@ WHERE viewpoint_id = ?2
 INSERT OR REPLACE INTO provenance (
   job_id, seed_hex, physics_version, determinism_class, build_id, worker_name, samples, replicates, target_paths,
   rays, seconds, guarded_backface_hits, guarded_nonfinite, guarded_path_limit, worst_relative_error,
-  guarded_negative)
-VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16);
+  guarded_negative, content_sha256)
+VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17);
 
 -- The columns of the catalogue of quantities (core/accuracy/quantities.h), and as many parameters, are put in by
 -- name where QUANTITIES and PARAMETERS stand.

@@ -63,6 +63,57 @@ WHERE state = 0 AND job_id IN (
     UNION SELECT n.job_id FROM job_need n JOIN dependent d ON n.needs_job_id = d.job_id)
   SELECT job_id FROM dependent);
 
+-- A job of the sweep ?1 as it stands.
+-- name: known_job
+SELECT j.job_id, coalesce((SELECT a.fencing_token FROM attempt a WHERE a.job_id = j.job_id AND a.outcome = 0), 0),
+       coalesce(p.content_sha256, ''), coalesce(p.worker_name, '')
+FROM job j LEFT JOIN provenance p USING (job_id)
+WHERE j.sweep_id = ?1 AND j.job_key = ?2 AND j.superseded = 0;
+
+-- Waiting or quarantined: a result that comes without a lease is taken.
+-- name: job_open_to_a_result
+SELECT job_id FROM job WHERE sweep_id = ?1 AND job_key = ?2 AND superseded = 0 AND state IN (0, 3);
+
+-- What was given up because of ?1 alone, directly or through others, waits again.
+-- name: revive_dependents
+UPDATE job SET state = 0
+WHERE state = 3 AND failures = 0 AND job_id IN (
+  WITH RECURSIVE dependent (job_id) AS (
+    SELECT job_id FROM job_need WHERE needs_job_id = ?1
+    UNION SELECT n.job_id FROM job_need n JOIN dependent d ON n.needs_job_id = d.job_id)
+  SELECT job_id FROM dependent)
+  AND NOT EXISTS (SELECT 1 FROM job_need n JOIN job needed ON needed.job_id = n.needs_job_id
+                  WHERE n.job_id = job.job_id AND needed.state = 3 AND needed.failures > 0);
+
+-- A done job (?1 sweep_sha256, ?2 job_key) is to be stored again.
+-- name: reopen_job
+UPDATE job SET state = 0
+WHERE state = 2 AND superseded = 0 AND job_key = ?2
+  AND sweep_id = (SELECT sweep_id FROM sweep WHERE sweep_sha256 = ?1);
+
+-- What the worker ?1 has computed, and what needs it.
+-- name: reopen_jobs_of_worker
+UPDATE job SET state = 0
+WHERE state = 2 AND superseded = 0 AND job_id IN (
+  WITH RECURSIVE suspect (job_id) AS (
+    SELECT job_id FROM provenance WHERE worker_name = ?1
+    UNION SELECT n.job_id FROM job_need n JOIN suspect s ON n.needs_job_id = s.job_id)
+  SELECT job_id FROM suspect);
+
+-- name: recount_all_needs
+UPDATE job
+SET unmet_needs = (SELECT count(*) FROM job_need n JOIN job needed ON needed.job_id = n.needs_job_id
+                   WHERE n.job_id = job.job_id AND needed.state <> 2)
+WHERE job_id IN (SELECT job_id FROM job_need);
+
+-- name: insert_result_aside
+INSERT OR IGNORE INTO result_aside (job_id, worker_name, received_unix_s, content_sha256, result)
+SELECT j.job_id, ?3, ?4, ?5, ?6 FROM job j JOIN sweep w USING (sweep_id)
+WHERE w.sweep_sha256 = ?1 AND j.job_key = ?2 AND j.superseded = 0;
+
+-- name: count_results_aside
+SELECT count(*) FROM result_aside;
+
 -- name: count_failure
 UPDATE job SET failures = failures + 1 WHERE job_id = ?1 RETURNING failures;
 

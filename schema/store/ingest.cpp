@@ -21,13 +21,14 @@ namespace irsig {
 namespace {
 
 absl::Status insert_provenance(Database& database, std::int64_t job_id,
-                               const schema::JobResult& result, const std::string& worker_name) {
+                               const schema::JobResult& result, const std::string& worker_name,
+                               const std::string& content) {
   return database.run(sql::insert_provenance, job_id, result.seed_hex(), result.physics_version(),
                       result.determinism_class(), result.build_id(), worker_name, result.samples(),
                       result.replicates(), result.target_paths(), result.rays(), result.seconds(),
                       result.guarded_backface_hits(), result.guarded_nonfinite(),
                       result.guarded_path_limit(), worst_relative_error(result),
-                      result.guarded_negative());
+                      result.guarded_negative(), content);
 }
 
 // The band's record, after its wavelengths were compared with those of the spectrum (or stored, the
@@ -198,11 +199,12 @@ absl::Status remove_superseded(Database& database, const LeasedJob& job) {
 }
 
 absl::Status store_temperatures(Database& database, const LeasedJob& job,
-                                const schema::JobResult& result, const std::string& worker_name) {
+                                const schema::JobResult& result, const std::string& worker_name,
+                                const std::string& content) {
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();
   IRSIG_STORE_TRY(store_heat(database, job, result));
-  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
+  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name, content));
   IRSIG_STORE_TRY(remove_superseded(database, job));
   return (*savepoint)->keep();
 }
@@ -218,7 +220,7 @@ absl::StatusOr<std::vector<std::string>> uncertain_inputs_of(Database& database,
 }
 
 absl::Status store_view(Database& database, const LeasedJob& job, const schema::JobResult& result,
-                        const std::string& worker_name) {
+                        const std::string& worker_name, const std::string& content) {
   const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
   if (!parts.ok()) return parts.status();
   const absl::StatusOr<std::int64_t> thumbnail =
@@ -244,7 +246,7 @@ absl::Status store_view(Database& database, const LeasedJob& job, const schema::
   absl::StatusOr<std::unique_ptr<Savepoint>> savepoint = Savepoint::open(database);
   if (!savepoint.ok()) return savepoint.status();
   IRSIG_STORE_TRY(make_room(database, job, result.view()));
-  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name));
+  IRSIG_STORE_TRY(insert_provenance(database, job.job_id, result, worker_name, content));
   for (const schema::SignatureRow& row : result.view().row()) {
     IRSIG_STORE_TRY(insert_row(database, job, *parts, *names, row));
   }
@@ -279,12 +281,12 @@ absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database, std::int6
 }
 
 absl::Status store_result(Database& database, const LeasedJob& job, const schema::JobResult& result,
-                          const std::string& worker_name) {
+                          const std::string& worker_name, const std::string& content) {
   switch (job.kind) {
     case JobKind::kView:
-      return store_view(database, job, result, worker_name);
+      return store_view(database, job, result, worker_name, content);
     case JobKind::kHeat:
-      return store_temperatures(database, job, result, worker_name);
+      return store_temperatures(database, job, result, worker_name, content);
   }
   return absl::InternalError("a job of no known kind");
 }

@@ -13,11 +13,12 @@
 namespace irsig {
 
 // Checks the result against its job and stores it in place of whatever lay at its places of the
-// sweep. Does not touch the queue. INVALID_ARGUMENT: the result is not that of the job; then
-// nothing was stored.
+// sweep; content_sha256: content.h. Does not touch the queue. INVALID_ARGUMENT: the result is not
+// that of the job; then nothing was stored.
 [[nodiscard]] absl::Status store_result(Database& database, const LeasedJob& job,
                                         const schema::JobResult& result,
-                                        const std::string& worker_name);
+                                        const std::string& worker_name,
+                                        const std::string& content_sha256);
 
 // Of the sweep's parts, in order.
 [[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> part_ids(Database& database,

@@ -154,7 +154,7 @@ absl::Status end_lease_done(Database& database, std::uint64_t fencing_token, std
 
 absl::StatusOr<std::uint64_t> fail_lease(Database& database, std::uint64_t fencing_token,
                                          const LeasedJob& job, const std::string& worker_name,
-                                         const std::string& message) {
+                                         const std::string& message, bool for_good) {
   IRSIG_STORE_TRY(end_lease(database, fencing_token, job.job_id, AttemptOutcome::kFailed,
                             JobState::kWaiting, message, worker_name));
   const absl::StatusOr<std::int64_t> failures = database.integer(sql::count_failure, job.job_id);
@@ -162,11 +162,50 @@ absl::StatusOr<std::uint64_t> fail_lease(Database& database, std::uint64_t fenci
   const absl::StatusOr<std::int64_t> workers =
       database.integer(sql::count_failed_workers, job.job_id);
   if (!workers.ok()) return workers.status();
-  if (*workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine) return 0;
+  if (!for_good && *workers < kFailedWorkersToQuarantine && *failures < kFailuresToQuarantine)
+    return 0;
   IRSIG_STORE_TRY(
       database.run(sql::set_job_state, job.job_id, static_cast<int>(JobState::kQuarantined)));
   IRSIG_STORE_TRY(database.run(sql::quarantine_dependents, job.job_id));
   return 1 + database.changes();
+}
+
+absl::StatusOr<std::optional<KnownJob>> known_job(Database& database,
+                                                  const std::string& sweep_sha256,
+                                                  const std::string& job_key) {
+  const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
+  if (!sweep_id.ok()) return sweep_id.status();
+  absl::StatusOr<Rows> row = database.query(sql::known_job, *sweep_id, job_key);
+  if (!row.ok()) return row.status();
+  const absl::StatusOr<bool> found = row->next();
+  if (!found.ok()) return found.status();
+  if (!*found) return std::nullopt;
+  const std::int64_t job_id = row->integer();
+  const std::uint64_t token = row->count();
+  KnownJob known{{}, row->text(), row->text()};
+  absl::StatusOr<QueuedJob> job = queued_job(database, job_id, token);
+  if (!job.ok()) return job.status();
+  known.job = *std::move(job);
+  return known;
+}
+
+absl::StatusOr<std::uint64_t> lease_this_job(Database& database, const std::string& sweep_sha256,
+                                             const std::string& job_key,
+                                             const std::string& worker_id, double now_s) {
+  const absl::StatusOr<std::int64_t> sweep_id = sweep_id_of(database, sweep_sha256);
+  if (!sweep_id.ok()) return sweep_id.status();
+  const absl::StatusOr<std::int64_t> job_id =
+      database.integer(sql::job_open_to_a_result, *sweep_id, job_key);
+  if (absl::IsNotFound(job_id.status()))
+    return absl::FailedPreconditionError(
+        absl::StrCat("the job ", job_key, " is neither waiting nor quarantined"));
+  if (!job_id.ok()) return job_id.status();
+  const absl::StatusOr<std::int64_t> token =
+      database.integer(sql::insert_attempt, *job_id, worker_id, now_s);
+  if (!token.ok()) return token.status();
+  IRSIG_STORE_TRY(database.run(sql::set_job_state, *job_id, static_cast<int>(JobState::kLeased)));
+  IRSIG_STORE_TRY(database.run(sql::revive_dependents, *job_id));
+  return static_cast<std::uint64_t>(*token);
 }
 
 absl::StatusOr<std::vector<std::uint64_t>> running_lease_tokens(Database& database) {

@@ -64,7 +64,16 @@ struct LeasedJob {
                                                        std::uint64_t fencing_token,
                                                        const LeasedJob& job,
                                                        const std::string& worker_name,
-                                                       const std::string& message);
+                                                       const std::string& message, bool for_good);
+// As StoreWriter has them.
+[[nodiscard]] absl::StatusOr<std::optional<KnownJob>> known_job(Database& database,
+                                                                const std::string& sweep_sha256,
+                                                                const std::string& job_key);
+[[nodiscard]] absl::StatusOr<std::uint64_t> lease_this_job(Database& database,
+                                                           const std::string& sweep_sha256,
+                                                           const std::string& job_key,
+                                                           const std::string& worker_id,
+                                                           double now_s);
 [[nodiscard]] absl::StatusOr<std::vector<std::uint64_t>> running_lease_tokens(Database& database);
 [[nodiscard]] absl::Status release_all_leases(Database& database);
 [[nodiscard]] absl::StatusOr<std::int64_t> sweep_id_of(Database& database,

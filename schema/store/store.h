@@ -44,6 +44,13 @@ struct QueuedJob {
   std::vector<std::string> output = {};
 };
 
+// A job as it stands, and of a done one what its result was (content.h) and who computed it. Empty:
+// an older version of the format stored it, and did not say.
+struct KnownJob {
+  QueuedJob job;
+  std::string content_sha256, worker_name;
+};
+
 struct SweepProgress {
   std::string name;
   std::string sweep_sha256;
@@ -156,19 +163,42 @@ class StoreWriter {
                                                               double now_s) = 0;
   // Back to waiting, unless the token is no longer the job's (FAILED_PRECONDITION).
   virtual absl::Status release(std::uint64_t fencing_token, const std::string& reason) = 0;
+  // NOT_FOUND: no sweep has this hash. nullopt: it does not have this job (any more).
+  virtual absl::StatusOr<std::optional<KnownJob>> find_job(const std::string& sweep_sha256,
+                                                           const std::string& job_key) = 0;
+  // Leases this job to who has its result already; its token. FAILED_PRECONDITION unless the job
+  // is waiting or quarantined; of the latter, what was given up because of it alone waits again.
+  virtual absl::StatusOr<std::uint64_t> lease_job(const std::string& sweep_sha256,
+                                                  const std::string& job_key,
+                                                  const std::string& worker_id, double now_s) = 0;
+  // Keeps a result that differs from what is stored of its job; of equal ones the first. False:
+  // there are kMostAside already.
+  static constexpr std::int64_t kMostAside = 1000;
+  virtual absl::StatusOr<bool> keep_aside(const std::string& sweep_sha256,
+                                          const schema::JobResult& result,
+                                          const std::string& content_sha256,
+                                          const std::string& worker_name, double now_s) = 0;
+  virtual absl::StatusOr<std::uint64_t> results_aside() = 0;
+  // A done job waits again: another result than the stored one turned out to be right.
+  virtual absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key) = 0;
+  // The same for every job that this worker has computed, and what needs one of them; how many.
+  // What is stored of them stays until it is replaced.
+  virtual absl::StatusOr<std::uint64_t> reopen_all_of(const std::string& worker_name) = 0;
   // The tokens of all current leases.
   virtual absl::StatusOr<std::vector<std::uint64_t>> running_tokens() = 0;
   // Every lease of an earlier coordinator goes back to waiting: called once after open.
   virtual absl::Status release_all() = 0;
   // Counts a failure on this worker; after failures on 3 distinct workers, or 6 in all, the job is
-  // quarantined.
+  // quarantined; for_good: at once.
   virtual absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
-                            const std::string& message) = 0;
+                            const std::string& message, bool for_good = false) = 0;
   // Stores the result and marks the job done, replacing the rows of earlier jobs for the same
   // viewpoint and conditions. FAILED_PRECONDITION: the token is not the current one.
-  // INVALID_ARGUMENT: the result does not match its job.
+  // INVALID_ARGUMENT: the result does not match its job. content_sha256: of the result, if it is
+  // known already.
   virtual absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
-                                const std::string& worker_name) = 0;
+                                const std::string& worker_name,
+                                const std::string& content_sha256 = {}) = 0;
   // Marks the job done with what a job of the same key has left in another sweep of the database,
   // computed in this determinism class; false: there is none, and the lease goes on. Views are
   // never taken over: their rows are of their own sweep's places.

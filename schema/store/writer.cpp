@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "schema/store/content.h"
 #include "schema/store/cost.h"
 #include "schema/store/ingest.h"
 #include "schema/store/ingest_heat.h"
@@ -109,24 +110,71 @@ class SqliteWriter final : public StoreWriter {
     return release_all_leases(database_);
   }
 
+  absl::StatusOr<std::optional<KnownJob>> find_job(const std::string& sweep_sha256,
+                                                   const std::string& job_key) override {
+    return known_job(database_, sweep_sha256, job_key);
+  }
+
+  absl::StatusOr<std::uint64_t> lease_job(const std::string& sweep_sha256,
+                                          const std::string& job_key, const std::string& worker_id,
+                                          double now_s) override {
+    IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();  // it is rare
+    return lease_this_job(database_, sweep_sha256, job_key, worker_id, now_s);
+  }
+
+  absl::StatusOr<bool> keep_aside(const std::string& sweep_sha256, const schema::JobResult& result,
+                                  const std::string& content, const std::string& worker_name,
+                                  double now_s) override {
+    IRSIG_STORE_TRY(require_transaction());
+    const absl::StatusOr<std::uint64_t> there = results_aside();
+    if (!there.ok()) return there.status();
+    if (*there >= static_cast<std::uint64_t>(kMostAside)) return false;
+    IRSIG_STORE_TRY(database_.run(sql::insert_result_aside, sweep_sha256, result.job_key(),
+                                  worker_name, now_s, content, Blob{result.SerializeAsString()}));
+    return true;
+  }
+
+  absl::StatusOr<std::uint64_t> results_aside() override {
+    const absl::StatusOr<std::int64_t> count = database_.integer(sql::count_results_aside);
+    if (!count.ok()) return count.status();
+    return static_cast<std::uint64_t>(*count);
+  }
+
+  absl::Status reopen(const std::string& sweep_sha256, const std::string& job_key) override {
+    IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();
+    return database_.run(sql::reopen_job, sweep_sha256, job_key);
+  }
+
+  absl::StatusOr<std::uint64_t> reopen_all_of(const std::string& worker_name) override {
+    IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();
+    IRSIG_STORE_TRY(database_.run(sql::reopen_jobs_of_worker, worker_name));
+    const std::uint64_t jobs = database_.changes();
+    IRSIG_STORE_TRY(database_.run(sql::recount_all_needs));
+    return jobs;
+  }
+
   absl::Status fail(std::uint64_t fencing_token, const std::string& worker_name,
-                    const std::string& message) override {
+                    const std::string& message, bool for_good) override {
     IRSIG_STORE_TRY(require_transaction());
     const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
     if (!job.ok()) return job.status();
     const absl::StatusOr<std::uint64_t> quarantined =
-        fail_lease(database_, fencing_token, *job, worker_name, message);
+        fail_lease(database_, fencing_token, *job, worker_name, message, for_good);
     if (!quarantined.ok()) return quarantined.status();
     counters_.failed(job->sweep_id, *quarantined);
     return absl::OkStatus();
   }
 
   absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
-                        const std::string& worker_name) override {
+                        const std::string& worker_name, const std::string& content) override {
     IRSIG_STORE_TRY(require_transaction());
     const absl::StatusOr<LeasedJob> job = leased_job(database_, fencing_token);
     if (!job.ok()) return job.status();
-    IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name));
+    IRSIG_STORE_TRY(store_result(database_, *job, result, worker_name,
+                                 content.empty() ? content_sha256(result) : content));
     IRSIG_STORE_TRY(end_lease_done(database_, fencing_token, job->job_id, worker_name));
     counters_.done(*job, result.rays(), worst_relative_error(result));
     return absl::OkStatus();

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <new>
 #include <random>
 #include <sstream>
 #include <thread>
@@ -77,7 +78,12 @@ class SyntheticRunner final : public JobRunner {
       return absl::InternalError(
           absl::StrCat("viewpoint ", job.view().viewpoint_index(), " is cursed"));
     }
-    return synthetic_result(sweep_, job);
+    if (work_.needed_bytes > work_.memory_bytes) throw std::bad_alloc();
+    auto result = synthetic_result(sweep_, job);
+    if (work_.wrong.contains(job.view().viewpoint_index()))
+      result.mutable_view()->mutable_row(0)->set_sun_azimuth_deg(
+          std::nextafter(result.view().row(0).sun_azimuth_deg(), 400.0));
+    return result;
   }
 
  private:

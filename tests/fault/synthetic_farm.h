@@ -31,6 +31,9 @@ struct SyntheticWork {
   std::set<std::uint32_t> failing;            // viewpoints whose jobs fail
   std::set<std::uint32_t> crashing;           // viewpoints whose jobs kill the worker
   std::set<std::uint32_t> failing_heat = {};  // heat runs whose jobs fail
+  std::set<std::uint32_t> wrong = {};         // viewpoints whose results have another last bit
+  std::uint64_t needed_bytes = 0;             // that a view takes
+  std::uint64_t memory_bytes = 0;             // that there are
 };
 
 // Refuses views without what each job that they need has left.

@@ -13,6 +13,9 @@ SWEEP = (ROOT / "jobs/examples/disk.toml").read_text() \
     .replace("relative_error = 1e-4", "samples_per_replicate = 64")
 for made in ("triangles = 1000\n", "samples_per_replicate = 64"):
     assert made in SWEEP, made
+ONE_VIEW = "aspect = [ { azimuth_deg = 0, elevation_deg = 0 } ]"
+assert ONE_VIEW in SWEEP
+VIEWS = SWEEP.replace(ONE_VIEW, "aspect = [" + ", ".join(f"{{ azimuth_deg = {a}, elevation_deg = 0 }}" for a in range(6)) + "]")
 
 
 class Tls(unittest.TestCase):
@@ -130,8 +133,43 @@ class Tls(unittest.TestCase):
         self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
         self.assertIn("listening on unix:beside.sigdb-farm", process.stdout.readline())
         self.assertEqual((self.path / "beside.sigdb-farm").stat().st_mode & 0o777, 0o600)
-        asked = self.run_program(IRSIG, "status", "--coordinator=unix:beside.sigdb-farm")
-        self.assertEqual(asked.returncode, 0, asked.stderr)
+        reach = "--coordinator=unix:beside.sigdb-farm"
+        workers = [subprocess.Popen([WORKER, reach, "--name", name], cwd=self.path, stderr=subprocess.DEVNULL)
+                   for name in ("first", "second")]
+        for worker in workers:
+            self.addCleanup(lambda w=worker: (w.kill(), w.wait()))
+        rows = self.wait_for(["--workers", "--csv", reach], lambda out: out.count(",idle,") == 2).splitlines()
+        self.assertEqual(rows[0], "worker,state,job_s,memory_bytes,reason,job_key,determinism_class")
+        self.assertEqual([row.split(",")[0] for row in rows[1:]], ["first", "second"])
+        self.assertGreater(float(rows[1].split(",")[3]), 1e8)
+
+    def test_two_workers_compute_the_same_bits(self):
+        (self.path / "views.toml").write_text(VIEWS)
+        process = subprocess.Popen([COORDINATOR, "--db", "audited.sigdb", "--audit-share=1"], cwd=self.path, text=True,
+                                   stdout=subprocess.PIPE)
+        self.addCleanup(lambda: (process.kill(), process.wait(), process.stdout.close()))
+        process.stdout.readline()
+        reach = "--coordinator=unix:audited.sigdb-farm"
+        workers = [subprocess.Popen([WORKER, reach], cwd=self.path, stderr=subprocess.DEVNULL) for _ in range(2)]
+        for worker in workers:
+            self.addCleanup(lambda w=worker: (w.kill(), w.wait()))
+        self.wait_for(["--workers", "--csv", reach], lambda out: out.count(",idle,") == 2)
+        submitted = self.run_program(IRSIG, "submit", "views.toml", reach)
+        self.assertEqual(submitted.returncode, 0, submitted.stderr)
+        told = self.wait_for([reach], lambda out: "; 6 jobs computed by two workers" in out)
+        self.assertIn("2 workers, ", told)
+        for never in ("other results", "set aside", "warning"):
+            self.assertNotIn(never, told)
+
+    def wait_for(self, arguments, wanted):
+        until = time.monotonic() + PATIENCE_S
+        while True:
+            asked = self.run_program(IRSIG, "status", *arguments)
+            self.assertEqual(asked.returncode, 0, asked.stderr)
+            if wanted(asked.stdout):
+                return asked.stdout
+            self.assertLess(time.monotonic(), until, asked.stdout)
+            time.sleep(0.05)
 
     def test_other_machines_only_where_it_is_said(self):
         _, address = self.listen("--insecure-network")

@@ -1,169 +1,14 @@
-// What the coordinator decides, without threads or sockets: the session table row by row, and the
-// farm on a real store with a clock that the test sets.
+// What the coordinator decides, without threads or sockets: the farm on a real store with a clock
+// that the test sets.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
-#include "coordinator/farm.h"
-#include "coordinator/session.h"
-#include "tests/fault/synthetic_farm.h"
+#include "tests/unit/farm_fixture.h"
 
 namespace irsig {
 namespace {
 
-using S = SessionState;
-using E = SessionEvent;
-using A = SessionAction;
-
-TEST(Session, EveryRowOfTheTable) {
-  struct Row {
-    S state;
-    E event;
-    SessionStep step;
-  };
-  const Row rows[] = {
-      {S::kIdle, E::kAskForJob, {S::kIdle, A::kLease}},
-      {S::kIdle, E::kHeartbeat, {S::kIdle, A::kNone}},
-      {S::kIdle, E::kForeignHeartbeat, {S::kIdle, A::kAnswerInvalid}},
-      {S::kIdle, E::kReturn, {S::kIdle, A::kRefuse}},
-      {S::kIdle, E::kForeignReturn, {S::kIdle, A::kRefuse}},
-      {S::kIdle, E::kSilence, {S::kLost, A::kNone}},
-      {S::kIdle, E::kSuccessor, {S::kLost, A::kNone}},
-      {S::kComputing, E::kAskForJob, {S::kIdle, A::kReleaseThenLease}},
-      {S::kComputing, E::kHeartbeat, {S::kComputing, A::kNone}},
-      {S::kComputing, E::kForeignHeartbeat, {S::kComputing, A::kAnswerInvalid}},
-      {S::kComputing, E::kReturn, {S::kIdle, A::kSettle}},
-      {S::kComputing, E::kForeignReturn, {S::kComputing, A::kRefuse}},
-      {S::kComputing, E::kSilence, {S::kLost, A::kRelease}},
-      {S::kComputing, E::kSuccessor, {S::kLost, A::kRelease}},
-      {S::kLost, E::kAskForJob, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kHeartbeat, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kForeignHeartbeat, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kReturn, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kForeignReturn, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kSilence, {S::kLost, A::kRefuse}},
-      {S::kLost, E::kSuccessor, {S::kLost, A::kRefuse}},
-  };
-  for (const Row& row : rows) {
-    EXPECT_EQ(next(row.state, row.event), row.step)
-        << "state " << static_cast<int>(row.state) << ", event " << static_cast<int>(row.event);
-  }
-}
-
-class FarmTest : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + "/farm-" + std::to_string(getpid()) + "-" +
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-    open("first");
-  }
-  void TearDown() override {
-    farm_.reset();
-    store_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-
-  // A coordinator starts, or starts again, on the same database.
-  void open(const std::string& coordinator_id) {
-    farm_.reset();
-    store_.reset();
-    auto store = StoreWriter::open(folder_ + "/test.sigdb");
-    ASSERT_TRUE(store.ok()) << store.status();
-    store_ = *std::move(store);
-    ASSERT_TRUE(store_->begin().ok());
-    ASSERT_TRUE(store_->release_all().ok());
-    ASSERT_TRUE(store_->commit().ok());
-    farm_ = std::make_unique<Farm>(
-        *store_, FarmRules{2, 10, 5}, [this] { return now_s_; }, [] { return 1.7e9; },
-        coordinator_id);
-  }
-
-  template <class Ask>
-  auto ask(Ask call) {
-    EXPECT_TRUE(store_->begin().ok());
-    auto answer = call();
-    EXPECT_TRUE(store_->commit().ok());
-    return answer;
-  }
-
-  void submit(std::uint32_t viewpoints) {
-    sweep_ = frigate_sweep(viewpoints);
-    auto submission = make_submission(sweep_, 1, {});
-    ASSERT_TRUE(submission.ok());
-    const auto reply = ask([&] { return farm_->submit(*submission); });
-    ASSERT_TRUE(reply.ok()) << reply.status();
-  }
-
-  absl::StatusOr<schema::RegisterReply> try_worker(const std::string& name,
-                                                   const std::string& klass = kSyntheticClass,
-                                                   std::uint32_t physics_version = 1) {
-    schema::RegisterRequest request;
-    request.set_worker_name(name);
-    request.set_determinism_class(klass);
-    request.set_physics_version(physics_version);
-    return ask([&] { return farm_->register_worker(request); });
-  }
-  std::string worker(const std::string& name) {
-    const auto reply = try_worker(name);
-    EXPECT_TRUE(reply.ok()) << reply.status();
-    return reply.ok() ? reply->worker_id() : "";
-  }
-
-  absl::StatusOr<schema::LeaseReply> lease(const std::string& worker_id) {
-    schema::LeaseRequest request;
-    request.set_worker_id(worker_id);
-    return ask([&] { return farm_->lease(request); });
-  }
-  schema::LeaseReply job(const std::string& worker_id) {
-    const auto reply = lease(worker_id);
-    EXPECT_TRUE(reply.ok()) << reply.status();
-    if (!reply.ok()) return {};
-    EXPECT_EQ(reply->state(), schema::LeaseReply::STATE_LEASED);
-    return *reply;
-  }
-
-  absl::Status complete(const std::string& worker_id, const schema::LeaseReply& lease) {
-    const auto result = synthetic_result(sweep_, lease.job());
-    return ask([&] { return farm_->complete(worker_id, lease.fencing_token(), result); });
-  }
-  absl::Status fail(const std::string& worker_id, const schema::LeaseReply& lease,
-                    const std::string& message) {
-    schema::FailRequest request;
-    request.set_worker_id(worker_id);
-    request.set_fencing_token(lease.fencing_token());
-    request.set_message(message);
-    return ask([&] { return farm_->fail(request); });
-  }
-  absl::StatusOr<schema::HeartbeatReply> beat(const std::string& worker_id, std::uint64_t token) {
-    schema::HeartbeatRequest request;
-    request.set_worker_id(worker_id);
-    request.set_fencing_token(token);
-    return farm_->heartbeat(request);
-  }
-  // Time passes as the commit loop sees it: in steps short against the timeout.
-  void pass(double seconds) {
-    for (const double end = now_s_ + seconds; now_s_ < end;) {
-      now_s_ = std::min(end, now_s_ + 1);
-      if (farm_->somebody_is_silent()) {
-        ASSERT_TRUE(ask([&] { return farm_->drop_silent_workers(); }).ok());
-      }
-    }
-  }
-  schema::SweepStatus status() {
-    const auto reply = farm_->status();
-    EXPECT_TRUE(reply.ok() && reply->sweep_size() == 1);
-    return reply->sweep(0);
-  }
-
-  std::string folder_;
-  double now_s_ = 1000;
-  std::unique_ptr<StoreWriter> store_;
-  std::unique_ptr<Farm> farm_;
-  schema::ResolvedSweep sweep_;
-};
+using State = schema::CompleteReply;
 
 TEST_F(FarmTest, AWorkerComputesEveryJobAndIsTold) {
   submit(3);
@@ -191,17 +36,44 @@ TEST_F(FarmTest, AWorkerWaitsWhileOthersComputeTheLastJob) {
   EXPECT_EQ(lease(b)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 
-TEST_F(FarmTest, AForeignOrRepeatedResultIsRefused) {
+// By its job and content, whoever holds the lease; failures by the lease.
+TEST_F(FarmTest, AResultIsTakenByWhatItIs) {
   submit(2);
   const auto a = worker("a"), b = worker("b");
   const auto of_a = job(a), of_b = job(b);
   EXPECT_NE(of_a.fencing_token(), of_b.fencing_token());
-  EXPECT_TRUE(absl::IsFailedPrecondition(complete(b, of_a)));
   EXPECT_TRUE(absl::IsFailedPrecondition(fail(b, of_a, "not mine")));
-  EXPECT_TRUE(complete(a, of_a).ok());
-  EXPECT_TRUE(absl::IsFailedPrecondition(complete(a, of_a)));
-  EXPECT_TRUE(complete(b, of_b).ok());
+  EXPECT_EQ(*returns(b, of_a), State::STATE_STORED);
+  EXPECT_EQ(status().done(), 1U);
+  EXPECT_EQ(*returns(a, of_a), State::STATE_KNOWN);
+  EXPECT_EQ(*returns(a, of_a), State::STATE_KNOWN) << "replayed";
+  EXPECT_TRUE(beat(b, of_b.fencing_token())->lease_valid());
+  EXPECT_EQ(*returns(b, of_b), State::STATE_STORED);
   EXPECT_EQ(status().done(), 2U);
+  EXPECT_EQ(farm_status().differing(), 0U);
+  // Of no sweep or job that there is.
+  auto elsewhere = of_b;
+  elsewhere.mutable_job()->set_sweep_sha256(std::string(64, '0'));
+  EXPECT_EQ(*returns(b, elsewhere), State::STATE_UNKNOWN_SWEEP);
+  auto result = synthetic_result(sweep_, of_b.job());
+  result.set_job_key(std::string(64, '0'));
+  EXPECT_EQ(*returns(b, of_b, result), State::STATE_NOT_WANTED);
+}
+
+// Who computed it, and how long that took, is no content.
+TEST_F(FarmTest, EqualContentIsKnownAgain) {
+  submit(1);
+  const auto a = worker("a"), b = worker("b");
+  const auto leased = job(a);
+  auto result = synthetic_result(sweep_, leased.job());
+  EXPECT_EQ(*returns(a, leased, result), State::STATE_STORED);
+  result.set_seconds(result.seconds() + 1);
+  result.set_build_id("another build");
+  EXPECT_EQ(*returns(b, leased, result), State::STATE_KNOWN);
+  open("second");
+  const auto c = worker("c");
+  EXPECT_EQ(*returns(c, leased, result), State::STATE_KNOWN) << "the database knows it";
+  EXPECT_EQ(farm_status().audited(), 1U);
 }
 
 TEST_F(FarmTest, HeartbeatsKeepALeaseAndSilenceEndsIt) {
@@ -249,8 +121,8 @@ TEST_F(FarmTest, AWorkerThatForgotItsLeaseGetsAnother) {
   const auto lost_reply = job(a);
   const auto again = job(a);
   EXPECT_EQ(again.job().job_key(), lost_reply.job().job_key());
-  EXPECT_TRUE(absl::IsFailedPrecondition(complete(a, lost_reply)));
-  EXPECT_TRUE(complete(a, again).ok());
+  EXPECT_EQ(*returns(a, lost_reply), State::STATE_STORED);
+  EXPECT_EQ(*returns(a, again), State::STATE_KNOWN);
 }
 
 TEST_F(FarmTest, AJobThatFailsOnThreeWorkersIsQuarantinedWithItsMessages) {
@@ -297,14 +169,134 @@ TEST_F(FarmTest, AJobThatKillsItsWorkersIsQuarantinedInTheEnd) {
   EXPECT_EQ(deaths, 8);  // 5 tolerated, 3 counted
 }
 
+// One after the other, on three workers: whatever else happens to them, it is the job.
+TEST_F(FarmTest, AJobThatThreeWorkersAreLostWithIsGivenUp) {
+  submit(1);
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_EQ(status().quarantined(), 0U) << name;
+    (void)job(worker(name));
+    (void)worker(name);
+  }
+  EXPECT_EQ(status().quarantined(), 1U);
+  EXPECT_THAT(status().failure(0), testing::HasSubstr("3 workers were lost with it: a, b, c"));
+}
+
+TEST_F(FarmTest, LossesBeforeARestartDoNotCount) {
+  submit(1);
+  for (int start = 0; start < 4; ++start) {
+    for (const std::string name : {"a", "b"}) {
+      (void)job(worker(name + std::to_string(start)));
+      (void)worker(name + std::to_string(start));
+    }
+    EXPECT_EQ(status().quarantined(), 0U);
+    open("start " + std::to_string(start));
+  }
+}
+
+// A machine that ends, or a switch: several workers at once, again and again.
+TEST_F(FarmTest, WhatTakesSeveralWorkersAtOnceIsNoFaultOfTheirJobs) {
+  submit(2);
+  for (int wave = 0; wave < 20; ++wave) {
+    (void)job(worker("a" + std::to_string(wave)));
+    (void)job(worker("b" + std::to_string(wave)));
+    pass(11);
+    EXPECT_EQ(status().leased(), 0U);
+  }
+  EXPECT_EQ(status().quarantined(), 0U);
+}
+
+TEST_F(FarmTest, BadInputAndGuardsAreNotTriedAgain) {
+  submit(2);
+  const auto a = worker("a");
+  EXPECT_TRUE(fail(a, job(a), "no such material", schema::FailRequest::KIND_BAD_INPUT).ok());
+  EXPECT_EQ(status().quarantined(), 1U);
+  EXPECT_TRUE(fail(a, job(a), "weights not finite", schema::FailRequest::KIND_GUARD).ok());
+  EXPECT_EQ(status().quarantined(), 2U);
+  EXPECT_THAT(status().failure(),
+              testing::UnorderedElementsAre(testing::HasSubstr("no such material"),
+                                            testing::HasSubstr("weights not finite")));
+}
+
+TEST_F(FarmTest, OutOfMemoryIsTriedOnceMoreWhereThereIsMore) {
+  const auto with_memory = [&](const std::string& name, std::uint64_t bytes) {
+    return try_worker(name, kSyntheticClass, 1, bytes)->worker_id();
+  };
+  constexpr auto kKind = schema::FailRequest::KIND_OUT_OF_MEMORY;
+  submit(1);
+  const auto small = with_memory("small", 4'000'000'000), same = with_memory("same", 4'400'000'000);
+  const auto large = with_memory("large", 16'000'000'000);
+  EXPECT_TRUE(fail(small, job(small), "out of memory", kKind).ok());
+  EXPECT_EQ(lease(small)->state(), schema::LeaseReply::STATE_WAIT);
+  EXPECT_EQ(lease(same)->state(), schema::LeaseReply::STATE_WAIT);
+  EXPECT_EQ(status().quarantined(), 0U);
+  EXPECT_TRUE(fail(large, job(large), "out of memory", kKind).ok());
+  EXPECT_EQ(status().quarantined(), 1U);
+  EXPECT_THAT(status().failure(0), testing::HasSubstr("(16 GB)"));
+}
+
+TEST_F(FarmTest, OutOfMemoryEverywhereIsSaidAtOnce) {
+  submit(1);
+  const auto only = try_worker("only", kSyntheticClass, 1, 4'000'000'000)->worker_id();
+  EXPECT_TRUE(fail(only, job(only), "out of memory", schema::FailRequest::KIND_OUT_OF_MEMORY).ok());
+  EXPECT_EQ(status().quarantined(), 1U);
+  EXPECT_THAT(status().failure(0), testing::HasSubstr("(4 GB; no worker has more)"));
+}
+
+// Given up, and then somebody's spool has it: with what was given up because of it.
+TEST_F(FarmTest, AResultOfAQuarantinedJobIsTaken) {
+  sweep_ = heated_frigate_sweep(2);
+  const auto submission = make_submission(sweep_, 1, {});
+  ASSERT_TRUE(submission.ok());
+  ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
+  const auto a = worker("a"), b = worker("b");
+  const auto heat = job(a);
+  ASSERT_TRUE(heat.job().has_heat());
+  EXPECT_TRUE(fail(a, heat, "cursed", schema::FailRequest::KIND_BAD_INPUT).ok());
+  EXPECT_EQ(status().quarantined(), 3U);
+  EXPECT_EQ(*returns(b, heat), State::STATE_STORED);
+  EXPECT_EQ(status().quarantined(), 0U);
+  while (status().done() < status().jobs()) ASSERT_TRUE(complete(a, job(a)).ok());
+}
+
+// Three different jobs, and others do them: it is the worker. Where nobody can do them, it is not.
+TEST_F(FarmTest, AWorkerThatFailsWhatOthersDoIsSetAside) {
+  submit(5);
+  const auto bad = worker("bad"), good = worker("good");
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(fail(bad, job(bad), "no disk").ok());
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(complete(good, job(good)).ok());
+  EXPECT_EQ(farm_status().worker(0).state(), schema::WorkerStatus::STATE_IDLE);
+  EXPECT_TRUE(complete(good, job(good)).ok());
+  const auto told = farm_status().worker(0);
+  EXPECT_EQ(told.name(), "bad");
+  EXPECT_EQ(told.state(), schema::WorkerStatus::STATE_SET_ASIDE);
+  EXPECT_THAT(told.reason(), testing::HasSubstr("3 jobs failed on it and were done by others"));
+  EXPECT_TRUE(absl::IsAborted(lease(bad).status()));
+  EXPECT_TRUE(absl::IsAborted(try_worker("bad").status())) << "nor under its name";
+  EXPECT_EQ(status().done(), 5U);
+}
+
+TEST_F(FarmTest, WorkersThatFailWhatNobodyCanDoAreNot) {
+  submit(5);
+  const std::string ids[] = {worker("a"), worker("b"), worker("c")};
+  for (int i = 0; i < 15; ++i) {
+    const auto reply = lease(ids[i % 3]);
+    ASSERT_TRUE(reply.ok()) << reply.status();
+    if (reply->state() == schema::LeaseReply::STATE_LEASED) {
+      EXPECT_TRUE(fail(ids[i % 3], *reply, "cursed").ok());
+    }
+  }
+  EXPECT_EQ(status().quarantined(), 5U);
+  const auto told = farm_status();
+  for (const auto& one : told.worker()) EXPECT_EQ(one.state(), schema::WorkerStatus::STATE_IDLE);
+}
+
 TEST_F(FarmTest, AResultThatDoesNotFitItsJobCountsAsAFailure) {
   submit(2);
   const auto a = worker("a");
   const auto leased = job(a);
   auto wrong = synthetic_result(sweep_, leased.job());
   wrong.mutable_view()->mutable_row()->RemoveLast();
-  EXPECT_TRUE(absl::IsInvalidArgument(
-      ask([&] { return farm_->complete(a, leased.fencing_token(), wrong); })));
+  EXPECT_TRUE(absl::IsInvalidArgument(returns(a, leased, wrong).status()));
   EXPECT_EQ(status().done(), 0U);
   EXPECT_EQ(status().leased(), 0U);
 }
@@ -320,11 +312,13 @@ TEST_F(FarmTest, ARestartFreesLeasesAndKeepsResults) {
   EXPECT_TRUE(absl::IsNotFound(complete(a, leased)));
   const auto again = worker("a");
   EXPECT_NE(again, a);
-  EXPECT_TRUE(absl::IsFailedPrecondition(complete(again, leased)));
   const auto fresh = job(again);
   EXPECT_EQ(fresh.job().job_key(), leased.job().job_key());
   EXPECT_GT(fresh.fencing_token(), leased.fencing_token());
-  EXPECT_TRUE(complete(again, fresh).ok());
+  // What was computed before the restart, and comes from a spool now.
+  EXPECT_EQ(*returns(again, leased), State::STATE_STORED);
+  EXPECT_EQ(*returns(again, fresh), State::STATE_KNOWN);
+  EXPECT_EQ(status().done(), 2U);
 }
 
 TEST_F(FarmTest, AnotherDeterminismClassIsRefused) {
@@ -356,7 +350,7 @@ TEST_F(FarmTest, AnotherPhysicsVersionIsRefusedAndLeavesTheJobFree) {
   EXPECT_TRUE(complete(a, job(a)).ok());
 }
 
-TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreRefused) {
+TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreNotWanted) {
   submit(3);
   const auto a = worker("a");
   const auto leased = job(a);
@@ -364,7 +358,8 @@ TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreRefused) {
   const auto reply = ask([&] { return farm_->cancel(sha); });
   ASSERT_TRUE(reply.ok());
   EXPECT_EQ(reply->cancelled(), 3U);
-  EXPECT_TRUE(absl::IsFailedPrecondition(complete(a, leased)));
+  EXPECT_EQ(*returns(a, leased), State::STATE_NOT_WANTED);
+  EXPECT_EQ(status().done(), 0U);
   EXPECT_EQ(lease(a)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 

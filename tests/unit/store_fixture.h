@@ -340,7 +340,7 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   return text;
 }
 
-inline constexpr const char* kNewestFormat = "16";
+inline constexpr const char* kNewestFormat = "17";
 
 // Takes from a database what later versions of the format added; a row keeps what version 2 or 4
 // stored.
@@ -350,9 +350,9 @@ inline std::string without_what_came_after(int version) {
       "DROP TABLE effect_state; DROP TABLE effect_reason;"
       "DROP VIEW profile_view; DROP VIEW signature_view; DROP VIEW job_view;"
       "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
-      "DROP TABLE heat_job; DROP TABLE spectral_modes; DROP TABLE input_contribution; ALTER TABLE "
-      "sweep DROP COLUMN "
-      "uncertain_inputs;"
+      "DROP TABLE heat_job; DROP TABLE spectral_modes; DROP TABLE input_contribution;"
+      "DROP TABLE result_aside; ALTER TABLE provenance DROP COLUMN content_sha256;"
+      "ALTER TABLE sweep DROP COLUMN uncertain_inputs;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"

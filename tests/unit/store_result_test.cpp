@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "schema/store/content.h"
 #include "schema/store/ingest.h"
 #include "schema/store/open_database.h"
 #include "schema/store/queue.h"
@@ -180,7 +181,7 @@ TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
     const auto pages = database.integer("PRAGMA page_count").value();
     ASSERT_OK(database.script(absl::StrCat("PRAGMA max_page_count = ", pages + 2)));
     const auto result = make_result(sweep, job.spec, 5, 4000, 100000);
-    const absl::Status status = store_result(database, leased, result, "w");
+    const absl::Status status = store_result(database, leased, result, "w", "");
     EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
     EXPECT_NE(status.message().find("full"), absl::string_view::npos) << status;
     EXPECT_NE(status.message().find(path), absl::string_view::npos) << status;
@@ -191,7 +192,7 @@ TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
     const QueuedJob again = lease_next_job(database, "w", 0).value().value();
     EXPECT_EQ(again.spec.job_key(), job.spec.job_key());
     ASSERT_OK(
-        store_result(database, leased_job(database, again.fencing_token).value(), result, "w"));
+        store_result(database, leased_job(database, again.fencing_token).value(), result, "w", ""));
     ASSERT_OK(database.script("ROLLBACK"));
   }
   EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 4U);
@@ -213,6 +214,50 @@ TEST(StoreResult, ARolledBackCompletionLeavesNothing) {
   ASSERT_OK(writer->commit());
   ASSERT_OK(writer->finish());
   EXPECT_EQ(StoreReader::open(path).value()->find({})->size(), 0U);
+}
+
+// Every field of a result but two, by itself.
+TEST(ResultContent, IsAllButWhoAndHowLong) {
+  const schema::ResolvedSweep sweep = make_sweep({});
+  schema::JobResult result = make_result(sweep, make_jobs(sweep, "sha")[0]);
+  const std::string before = content_sha256(result);
+  EXPECT_EQ(content_sha256(std::as_const(result)), before);
+  const std::string bytes = result.SerializeAsString();
+  const auto* type = result.GetDescriptor();
+  const auto& reflection = *result.GetReflection();
+  for (int f = 0; f < type->field_count(); ++f) {
+    const auto* field = type->field(f);
+    schema::JobResult other = result;
+    using F = google::protobuf::FieldDescriptor;
+    switch (field->cpp_type()) {
+      case F::CPPTYPE_STRING:
+        reflection.SetString(&other, field, reflection.GetString(other, field) + "x");
+        break;
+      case F::CPPTYPE_UINT64:
+        reflection.SetUInt64(&other, field, reflection.GetUInt64(other, field) + 1);
+        break;
+      case F::CPPTYPE_UINT32:
+        reflection.SetUInt32(&other, field, reflection.GetUInt32(other, field) + 1);
+        break;
+      case F::CPPTYPE_DOUBLE:
+        reflection.SetDouble(&other, field, reflection.GetDouble(other, field) + 1);
+        break;
+      case F::CPPTYPE_MESSAGE:
+        if (field->name() == "heat") {
+          other.mutable_heat()->set_field("x");
+        } else {
+          ASSERT_EQ(field->name(), "view");
+          auto& row = *other.mutable_view()->mutable_row(0);
+          row.set_sun_azimuth_deg(std::nextafter(row.sun_azimuth_deg(), 1e9));
+        }
+        break;
+      default:
+        FAIL() << field->full_name() << ": what kind is it?";
+    }
+    const bool no_content = field->name() == "seconds" || field->name() == "build_id";
+    EXPECT_EQ(content_sha256(other) == before, no_content) << field->full_name();
+  }
+  EXPECT_EQ(result.SerializeAsString(), bytes) << "it is left as it was";
 }
 
 }  // namespace

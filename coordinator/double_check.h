@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace irsig {
+
+// A job of a sweep.
+struct JobName {
+  std::string sweep_sha256, job_key;
+  friend auto operator<=>(const JobName&, const JobName&) = default;
+};
+
+// Which jobs are computed by a second worker, and what becomes of results that differ. A share of
+// jobs is chosen by a hash that no worker knows in advance. Of two results that differ a third one
+// decides, where a third worker is there. Bookkeeping alone; it is forgotten when the coordinator
+// starts again. Not thread-safe.
+class DoubleCheck {
+ public:
+  // share: of all jobs. salt: differs with every start of the coordinator.
+  DoubleCheck(double share, std::string salt) : share_(share), salt_(std::move(salt)) {}
+
+  // `worker` was the first to compute it: is another one to compute it again?
+  [[nodiscard]] bool chosen(const JobName& job) const;
+  void ask_for(const JobName& job, std::set<std::string> not_by);
+  // One that was asked for and that this worker may compute, taken off the list.
+  [[nodiscard]] std::optional<JobName> next_for(const std::string& worker);
+
+  struct Verdict {
+    enum class Kind {
+      kFirstStands,   // nobody can decide: what came first stays, who came later is set aside
+      kUndecided,     // a third worker is asked
+      kOneIsWrong,    // two agree with what is stored: `wrong` is set aside
+      kStoredIsWrong  // two agree against what is stored: `wrong` has computed that
+    } kind;
+    std::string wrong;
+  };
+  // `worker` has the same content as what is stored. nullopt: so has everybody else.
+  std::optional<Verdict> agrees(const JobName& job);
+  // third_is_there: a worker besides these two.
+  Verdict differs(const JobName& job, const std::string& stored_content,
+                  const std::string& stored_by, const std::string& content,
+                  const std::string& worker, bool third_is_there);
+
+  [[nodiscard]] std::uint64_t audited() const { return audited_; }
+
+ private:
+  struct Wanted {
+    JobName job;
+    std::set<std::string> not_by;
+  };
+  double share_;
+  std::string salt_;
+  std::deque<Wanted> wanted_;
+  std::map<JobName, std::map<std::string, std::string>>
+      others_;  // content -> whose, beside the stored
+  std::uint64_t audited_ = 0;
+};
+
+// How long jobs take here, and so who takes too long. Times in seconds of the farm's clock.
+class Stragglers {
+ public:
+  void took(double seconds);
+  // Whether a job that has been computed for so long is worth a second worker that is idle: twice
+  // what jobs took lately, and long enough for a second one to matter.
+  [[nodiscard]] bool is_one(double seconds) const {
+    return known_ > 0 && seconds > 2 * typical_s_ && seconds > kShortest_s;
+  }
+
+ private:
+  static constexpr double kShortest_s = 1;
+  static constexpr double kRemembered = 20;  // jobs
+  double typical_s_ = 0, known_ = 0;
+};
+
+}  // namespace irsig
