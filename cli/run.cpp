@@ -33,6 +33,10 @@ struct RunAsked {
   AccuracyAsked accuracy;
   bool resume = false;
   bool plan = false;
+  std::string launcher = "local";
+  SlurmPlan slurm;
+
+  [[nodiscard]] bool on_cluster() const { return launcher == "slurm"; }
 };
 
 constexpr double kMuchMemory = 1e9;  // is said before it is taken
@@ -68,11 +72,13 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
 }
 
 absl::StatusOr<std::unique_ptr<LocalFarm>> start_farm(const RunAsked& asked) {
-  return LocalFarm::start({.db_path = asked.db_path,
-                           .workers = asked.workers,
-                           .coordinator_executable = beside_this_executable("irsig-coordinator"),
-                           .worker_executable = beside_this_executable("irsig-worker"),
-                           .worker_arguments = {}});
+  return LocalFarm::start(
+      {.db_path = asked.db_path,
+       .workers = asked.workers,
+       .coordinator_executable = beside_this_executable("irsig-coordinator"),
+       .worker_executable = beside_this_executable("irsig-worker"),
+       .worker_arguments = {},
+       .slurm = asked.on_cluster() ? std::optional(asked.slurm) : std::nullopt});
 }
 
 // The database is one plain file, or complete with a journal beside it, and the user told so.
@@ -207,17 +213,36 @@ absl::Status say_what_is_replaced(const std::string& db_path, const schema::Reso
   return absl::OkStatus();
 }
 
+absl::Status check_launcher(const RunAsked& asked) {
+  const SlurmPlan& s = asked.slurm;
+  if (!asked.on_cluster()) {
+    if (s.nodes > 0 || !s.partition.empty() || !s.time_limit.empty() || !s.options.empty() ||
+        !s.host.empty())
+      return absl::InvalidArgumentError(
+          "--nodes, --partition, --time, --slurm-option and --host belong to --launcher slurm");
+    return absl::OkStatus();
+  }
+  if ((asked.workers > 0) == (s.nodes > 0))
+    return absl::InvalidArgumentError(
+        "--launcher slurm: expected --workers N (one by one, a CPU each) or --nodes N (whole "
+        "nodes, "
+        "a worker on each CPU)");
+  return absl::OkStatus();
+}
+
 absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
   auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
-  if (asked.workers == 0) asked.workers = usable_cores();
+  if (auto s = check_launcher(asked); !s.ok()) return s;
+  if (asked.workers == 0) asked.workers = asked.on_cluster() ? asked.slurm.nodes : usable_cores();
   print_note("irsig: {}\n", size_text(loaded->size));
   const std::uint64_t conditions = loaded->size.conditions;
-  if (auto fits = check_memory(loaded->memory, conditions, asked.workers,
+  // Of a cluster's nodes Slurm knows the memory: --slurm-option --mem-per-cpu=... asks for it.
+  if (auto fits = check_memory(loaded->memory, conditions, asked.on_cluster() ? 1 : asked.workers,
                                usable_memory_bytes(asked.workers));
-      !fits.ok())
+      !fits.ok() && !asked.on_cluster())
     return fits;
   if (loaded->memory.bytes(conditions, asked.workers) > kMuchMemory)
     print_note("irsig: memory: {}\n", memory_text(loaded->memory, conditions, asked.workers));
@@ -286,6 +311,24 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_flag("--plan", asked->plan,
                     "predict the time first and store the prediction for `irsig report`");
   command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");
+  command
+      ->add_option("--launcher", asked->launcher,
+                   "where workers run: on this machine (local), or as a job array of Slurm")
+      ->check(CLI::IsMember({"local", "slurm"}))
+      ->capture_default_str();
+  command->add_option("--nodes", asked->slurm.nodes, "slurm: whole nodes, a worker on each CPU")
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--partition", asked->slurm.partition, "slurm: as sbatch has it");
+  command->add_option("--time", asked->slurm.time_limit,
+                      "slurm: time limit of the workers; those that it ends are handed in again");
+  command
+      ->add_option("--slurm-option", asked->slurm.options,
+                   "slurm: any other option of sbatch, as --slurm-option=--mem-per-cpu=2G; may be "
+                   "repeated")
+      ->type_name("OPTION");
+  command->add_option("--host", asked->slurm.host,
+                      "slurm: the name under which the nodes reach this machine (default: its "
+                      "host name)");
   command->callback([=, &exit_code] { exit_code = report(run_sweep(*asked)); });
   command->footer(
       "Ctrl-C stops it with exit code 1; the database stays consistent, and --resume goes on.");

@@ -104,7 +104,8 @@ class LeaseLoop {
       : plan_(plan),
         make_runner_(make_runner),
         stop_(stop),
-        farm_(schema::Farm::NewStub(connect(plan.coordinator))),
+        channel_(connect(plan.coordinator)),
+        farm_(schema::Farm::NewStub(channel_)),
         heart_(*farm_) {}
 
   absl::Status run() {
@@ -206,7 +207,12 @@ class LeaseLoop {
         spdlog::warn("no coordinator answers at {}: trying again", plan_.coordinator.text);
         said = true;
       }
-      std::this_thread::sleep_for(Seconds(pause_s));
+      // While nobody waits for a channel gRPC does not drive its attempts to connect: calls that
+      // fail at once, with pauses between them, would never see a TLS handshake through.
+      (void)channel_->WaitForConnected(std::chrono::system_clock::now() +
+                                       std::chrono::duration_cast<std::chrono::milliseconds>(
+                                           Seconds(pause_s)));
+      std::this_thread::sleep_for(Seconds(kFirstRetry_s));
       pause_s = std::min(kLastRetry_s, 2 * pause_s);
     }
   }
@@ -437,6 +443,7 @@ class LeaseLoop {
   const WorkerPlan& plan_;
   const RunnerFactory& make_runner_;
   const std::atomic<bool>& stop_;
+  std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<schema::Farm::Stub> farm_;
   std::string worker_id_;
   std::unique_ptr<JobRunner> runner_;

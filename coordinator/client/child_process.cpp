@@ -118,4 +118,11 @@ std::string ChildProcess::last_words() const {
   return text;
 }
 
+std::string last_message(const std::string& words, const std::string& program) {
+  const std::string mark = program + ": ";
+  const auto at = words.rfind("\n" + mark);
+  if (at != std::string::npos) return words.substr(at + 1 + mark.size());
+  return words.starts_with(mark) ? words.substr(mark.size()) : words;
+}
+
 }  // namespace irsig

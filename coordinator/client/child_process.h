@@ -43,4 +43,7 @@ class ChildProcess {
   std::string end_;
 };
 
+// What a program of ours said last under its own name: the message, without the lines of its log.
+[[nodiscard]] std::string last_message(const std::string& words, const std::string& program);
+
 }  // namespace irsig

@@ -7,31 +7,27 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "coordinator/client/authority.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/local_crew.h"
 
 namespace irsig {
 namespace {
 
-// A worker that dies this often while no job gets settled will die again.
-constexpr int kDeathsWithoutProgress = 10;
 constexpr int kCoordinatorDeaths = 5;
 constexpr double kCoordinatorStart_s = 600;  // migrations of a large database included
 constexpr std::size_t kLongestFolder = 80;   // the path of a Unix socket has at most 107 letters
 constexpr double kCoordinatorStop_s = 60;    // the checkpoint of a large journal
+constexpr double kCertificates_s = 366 * 86400.0;
+
+namespace fs = std::filesystem;
 
 constexpr const char* kWarning = "warning: ";
-
-// What a program of ours said last under its own name: the message, without the lines of its log.
-std::string last_message(const std::string& words, const std::string& program) {
-  const std::string mark = program + ": ";
-  const auto at = words.rfind("\n" + mark);
-  if (at != std::string::npos) return words.substr(at + 1 + mark.size());
-  return words.starts_with(mark) ? words.substr(mark.size()) : words;
-}
 
 // Our executables end with 2 when what they were given is wrong.
 absl::Status as_status(const std::string& ending, const std::string& words) {
@@ -51,13 +47,21 @@ std::string beside_this_executable(const std::string& name) {
 
 absl::StatusOr<std::unique_ptr<LocalFarm>> LocalFarm::start(const LocalFarmPlan& plan) {
   std::unique_ptr<LocalFarm> farm(new LocalFarm(plan));
-  auto folder = ScratchFolder::make(kLongestFolder);
+  // Nodes see the database's folder, or they could not see any.
+  auto folder = plan.slurm
+                    ? ScratchFolder::make_in(fs::absolute(plan.db_path).parent_path().string())
+                    : ScratchFolder::make(kLongestFolder);
   if (!folder.ok()) return folder.status();
   farm->folder_ = *std::move(folder);
-  auto address = parse_address("unix:" + farm->folder_->file("farm"));
-  if (!address.ok()) return address.status();
-  farm->address_ = *std::move(address);
+  if (plan.slurm) {
+    if (auto status = farm->make_certificates(); !status.ok()) return status;
+  } else {
+    auto address = parse_address("unix:" + farm->folder_->file("farm"));
+    if (!address.ok()) return address.status();
+    farm->address_ = *std::move(address);
+  }
   if (auto status = farm->start_coordinator(); !status.ok()) return status;
+  if (auto status = farm->make_crew(); !status.ok()) return status;
   return farm;
 }
 
@@ -65,11 +69,84 @@ LocalFarm::~LocalFarm() {
   if (coordinator_ && !coordinator_->ended()) (void)stop();
 }
 
+// For this run alone: they go with its folder.
+absl::Status LocalFarm::make_certificates() {
+  if (plan_.slurm->host.empty()) {
+    char name[256] = "localhost";
+    gethostname(name, sizeof(name) - 1);
+    plan_.slurm->host = name;
+  }
+  const std::string tls = folder_->file("tls");
+  const double now =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  if (auto s = make_authority(tls, "irsig run", now, kCertificates_s + 86400); !s.ok()) return s;
+  for (const CertificateWish& wish : {CertificateWish{"coordinator", {plan_.slurm->host}, {}},
+                                      CertificateWish{"worker", {}, {Role::kWork}},
+                                      CertificateWish{"user", {}, {Role::kSubmit, Role::kRead}}})
+    if (auto s = issue_certificate(tls, wish, tls, now, kCertificates_s); !s.ok()) return s;
+  auto address = parse_address(plan_.slurm->host + ":0", {tls_files("user")});
+  if (!address.ok()) return address.status();
+  address_ = *std::move(address);
+  return absl::OkStatus();
+}
+
+TlsFiles LocalFarm::tls_files(const std::string& name) const {
+  const std::string tls = folder_->file("tls");
+  return {absl::StrCat(tls, "/", name, ".pem"), absl::StrCat(tls, "/", name, ".key"),
+          tls + "/ca.pem"};
+}
+
+absl::Status LocalFarm::make_crew() {
+  std::vector<std::string> command = {
+      plan_.worker_executable, "--coordinator", address_.text,
+      "--exit-when-finished",  "--spool",       folder_->file("spool")};
+  if (plan_.slurm) {
+    const TlsFiles tls = tls_files("worker");
+    command.insert(command.end(),
+                   {"--tls-cert", tls.certificate, "--tls-key", tls.key, "--tls-ca", tls.ca});
+  }
+  command.insert(command.end(), plan_.worker_arguments.begin(), plan_.worker_arguments.end());
+  if (!plan_.slurm) {
+    crew_ = std::make_unique<LocalCrew>(plan_.workers, std::move(command), folder_->path());
+    return absl::OkStatus();
+  }
+  auto crew = SlurmCrew::make(*plan_.slurm, plan_.workers, std::move(command), folder_->path());
+  if (!crew.ok()) return crew.status();
+  crew_ = *std::move(crew);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<bool> LocalFarm::answers(const std::string& log) {
+  if (!plan_.slurm)
+    return std::filesystem::exists(address_.unix_path) && farm_status(address_, 5).ok();
+  // The port, once the first one has chosen it, stays: workers come back to it.
+  std::ifstream file(log);
+  std::string line;
+  constexpr std::string_view kListening = "irsig-coordinator: listening on ";
+  while (std::getline(file, line)) {
+    if (!line.starts_with(kListening) || file.eof()) continue;
+    auto address = parse_address(line.substr(kListening.size()), {tls_files("user")});
+    if (!address.ok()) return address.status();
+    address_ = *std::move(address);
+    return farm_status(address_, 5).ok();
+  }
+  return false;
+}
+
 absl::Status LocalFarm::start_coordinator() {
   const std::string log = folder_->file(absl::StrCat("coordinator-", coordinator_deaths_, ".log"));
-  auto child = ChildProcess::start({plan_.coordinator_executable, "--db", plan_.db_path, "--listen",
-                                    address_.text, "--remove-unused"},
-                                   log, SIGTERM);
+  std::vector<std::string> command = {plan_.coordinator_executable,
+                                      "--db",
+                                      plan_.db_path,
+                                      "--listen",
+                                      address_.text,
+                                      "--remove-unused"};
+  if (plan_.slurm) {
+    const TlsFiles tls = tls_files("coordinator");
+    command.insert(command.end(),
+                   {"--tls-cert", tls.certificate, "--tls-key", tls.key, "--tls-ca", tls.ca});
+  }
+  auto child = ChildProcess::start(command, log, SIGTERM);
   if (!child.ok()) return child.status();
   coordinator_ = std::make_unique<ChildProcess>(*std::move(child));
   const auto deadline =
@@ -78,9 +155,9 @@ absl::Status LocalFarm::start_coordinator() {
     if (const auto ending = coordinator_->ended()) {
       return as_status(*ending, coordinator_->last_words());
     }
-    if (std::filesystem::exists(address_.unix_path) && farm_status(address_, 5).ok()) {
-      return absl::OkStatus();
-    }
+    const auto there = answers(log);
+    if (!there.ok()) return there.status();
+    if (*there) return absl::OkStatus();
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return absl::UnavailableError(absl::StrCat("the coordinator did not answer within ",
@@ -88,28 +165,7 @@ absl::Status LocalFarm::start_coordinator() {
                                              " s: ", coordinator_->last_words()));
 }
 
-absl::Status LocalFarm::start_worker(std::size_t slot) {
-  // The name stays with the slot: a worker that registers under the name of a dead one takes its
-  // place, and the dead one's job is free at once.
-  const std::string name = absl::StrCat("local-", getpid(), "-", slot + 1);
-  std::vector<std::string> arguments = {
-      plan_.worker_executable, "--coordinator", address_.text,         "--name", name,
-      "--exit-when-finished",  "--spool",       folder_->file("spool")};
-  arguments.insert(arguments.end(), plan_.worker_arguments.begin(), plan_.worker_arguments.end());
-  auto child = ChildProcess::start(
-      arguments, folder_->file(absl::StrCat("worker-", slot + 1, ".log")), SIGKILL);
-  if (!child.ok()) return child.status();
-  workers_[slot] = std::make_unique<ChildProcess>(*std::move(child));
-  return absl::OkStatus();
-}
-
-absl::Status LocalFarm::start_workers() {
-  workers_.resize(plan_.workers);
-  for (std::size_t slot = 0; slot < workers_.size(); ++slot) {
-    if (auto status = start_worker(slot); !status.ok()) return status;
-  }
-  return absl::OkStatus();
-}
+absl::Status LocalFarm::start_workers() { return crew_->start(); }
 
 absl::Status LocalFarm::keep_alive(std::uint64_t jobs_settled) {
   if (const auto ending = coordinator_->ended()) {
@@ -119,34 +175,11 @@ absl::Status LocalFarm::keep_alive(std::uint64_t jobs_settled) {
     }
     if (auto status = start_coordinator(); !status.ok()) return status;
   }
-  for (std::size_t slot = 0; slot < workers_.size(); ++slot) {
-    const auto ending = workers_[slot]->ended();
-    if (!ending || workers_[slot]->succeeded()) continue;
-    if (*ending == "exit code 3") {  // set aside; the others go on
-      const bool all = std::all_of(workers_.begin(), workers_.end(), [](const auto& worker) {
-        return worker->ended() == "exit code 3";
-      });
-      if (!all) continue;
-      return absl::AbortedError(last_message(workers_[slot]->last_words(), "irsig-worker"));
-    }
-    if (*ending == "exit code 2") {  // refused by the coordinator, as the next one would be
-      return absl::FailedPreconditionError(
-          last_message(workers_[slot]->last_words(), "irsig-worker"));
-    }
-    if (jobs_settled > settled_at_last_death_) deaths_without_progress_ = 0;
-    settled_at_last_death_ = jobs_settled;
-    if (++deaths_without_progress_ > kDeathsWithoutProgress) {
-      return absl::AbortedError(
-          absl::StrCat("workers keep dying (", *ending,
-                       "): ", last_message(workers_[slot]->last_words(), "irsig-worker")));
-    }
-    if (auto status = start_worker(slot); !status.ok()) return status;
-  }
-  return absl::OkStatus();
+  return crew_->keep_alive(jobs_settled);
 }
 
 absl::Status LocalFarm::stop() {
-  workers_.clear();  // killed: what they were computing is computed again by whoever resumes
+  if (crew_) crew_->stop();  // what they were computing is computed again by whoever resumes
   coordinator_->signal(SIGTERM);
   if (!coordinator_->wait(kCoordinatorStop_s)) {
     return absl::AbortedError(

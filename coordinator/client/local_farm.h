@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "coordinator/client/address.h"
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/scratch_folder.h"
+#include "coordinator/client/slurm_crew.h"
+#include "coordinator/client/worker_crew.h"
 
 namespace irsig {
 
@@ -17,11 +20,14 @@ struct LocalFarmPlan {
   std::string coordinator_executable;
   std::string worker_executable;
   std::vector<std::string> worker_arguments;  // besides the address and the name
+  // Workers on the nodes of a cluster, which reach the coordinator over mutual TLS; the files of
+  // both lie in a private folder beside the database.
+  std::optional<SlurmPlan> slurm{};
 };
 
-// A coordinator and its workers on this machine: children of this process, which talk over a Unix
-// socket in a private directory and die with it. Use it from the main thread only (see
-// ChildProcess).
+// A coordinator and its workers. On this machine all are children of this process, which talk over
+// a Unix socket in a private directory and die with it; with Slurm the coordinator alone. Use it
+// from the main thread only (see ChildProcess).
 class LocalFarm {
  public:
   // The coordinator runs and answers. What it says when it cannot (the database is held by another
@@ -31,8 +37,7 @@ class LocalFarm {
 
   [[nodiscard]] const Address& address() const { return address_; }
   absl::Status start_workers();
-  // Starts again what died. jobs_settled: so far; a process that keeps dying without any job being
-  // settled in between is not started for ever: an error, with its last words.
+  // Starts again what died, as WorkerCrew does; a coordinator a few times.
   absl::Status keep_alive(std::uint64_t jobs_settled);
   // Workers end at once, the coordinator after it has made the database one plain file, or after a
   // second or two in which a reader kept it from that (warning() says so; everything is stored).
@@ -42,16 +47,18 @@ class LocalFarm {
 
  private:
   explicit LocalFarm(LocalFarmPlan plan) : plan_(std::move(plan)) {}
+  absl::Status make_certificates();
+  [[nodiscard]] TlsFiles tls_files(const std::string& name) const;
+  absl::Status make_crew();
   absl::Status start_coordinator();
-  absl::Status start_worker(std::size_t slot);
+  // Whether it answers; a port is known from when it listens there.
+  absl::StatusOr<bool> answers(const std::string& log);
 
   LocalFarmPlan plan_;
   std::unique_ptr<ScratchFolder> folder_;  // goes after those who write into it
   Address address_;
   std::unique_ptr<ChildProcess> coordinator_;
-  std::vector<std::unique_ptr<ChildProcess>> workers_;
-  std::uint64_t settled_at_last_death_ = 0;
-  int deaths_without_progress_ = 0;
+  std::unique_ptr<WorkerCrew> crew_;
   int coordinator_deaths_ = 0;
   std::string warning_;
 };

@@ -64,6 +64,10 @@ absl::StatusOr<std::unique_ptr<ScratchFolder>> ScratchFolder::make(std::size_t l
   const std::size_t added = std::strlen(kPrefix) + kRandomLetters + 1;
   std::string place = chosen != nullptr && *chosen != '\0' ? chosen : "/tmp";
   if (place.size() + added > longest_path) place = "/tmp";
+  return make_in(place);
+}
+
+absl::StatusOr<std::unique_ptr<ScratchFolder>> ScratchFolder::make_in(const std::string& place) {
   remove_abandoned(place);
   for (;;) {
     std::string folder = absl::StrCat(place, "/", kPrefix, std::string(kRandomLetters, 'X'));

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/worker_crew.h"
+
+namespace irsig {
+
+// What of Slurm a user asks for.
+struct SlurmPlan {
+  std::uint32_t nodes = 0;  // whole nodes, a worker on each CPU of theirs; 0: workers one by one
+  std::string partition, time_limit;  // as sbatch has them; empty: Slurm's own
+  std::vector<std::string> options;   // of sbatch, besides
+  std::string host;                   // under which nodes reach this machine; empty: its name
+};
+
+// Workers as a job array: Slurm places them, and starts anew those whose node it loses or takes
+// away; those that a time limit ends, or that die, are handed in again as long as there is work.
+class SlurmCrew : public WorkerCrew {
+ public:
+  // command: of a worker, but for its name; folder: of its script and logs, which all nodes see.
+  // INVALID_ARGUMENT: there is no Slurm here.
+  static absl::StatusOr<std::unique_ptr<SlurmCrew>> make(const SlurmPlan& plan,
+                                                         std::uint32_t workers,
+                                                         std::vector<std::string> command,
+                                                         std::string folder);
+  absl::Status start() override;
+  absl::Status keep_alive(std::uint64_t jobs_settled) override;
+  void stop() override;
+
+ private:
+  SlurmCrew() = default;
+  [[nodiscard]] absl::Status write_script() const;
+  absl::Status hand_in();
+  // What a program of Slurm's prints; UNAVAILABLE: it failed, with its last words.
+  absl::StatusOr<std::string> run(const std::vector<std::string>& arguments, const char* name);
+
+  SlurmPlan plan_;
+  std::uint32_t workers_ = 0;
+  std::vector<std::string> command_;
+  std::string folder_, sbatch_, squeue_, scancel_;
+  std::string job_;  // the array's number
+  int runs_ = 0;
+  double next_look_s_ = 0;
+  DeathsWithoutProgress deaths_;
+};
+
+}  // namespace irsig
