@@ -209,9 +209,9 @@ class LeaseLoop {
       }
       // While nobody waits for a channel gRPC does not drive its attempts to connect: calls that
       // fail at once, with pauses between them, would never see a TLS handshake through.
-      (void)channel_->WaitForConnected(std::chrono::system_clock::now() +
-                                       std::chrono::duration_cast<std::chrono::milliseconds>(
-                                           Seconds(pause_s)));
+      (void)channel_->WaitForConnected(
+          std::chrono::system_clock::now() +
+          std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(pause_s)));
       std::this_thread::sleep_for(Seconds(kFirstRetry_s));
       pause_s = std::min(kLastRetry_s, 2 * pause_s);
     }
