@@ -57,7 +57,7 @@ struct BandsCommand {
     std::vector<QueryRow> all;
     for (const double range : range_m) {
       if (auto s = check_number("Viewpoints.range_m", "--range-m", range); !s.ok()) return s;
-      query.range_m = range;
+      query.range_m = {range};
       auto rows = run_query(reader, query, stored_target_extent);
       if (!rows.ok()) return rows.status();
       std::move(rows->begin(), rows->end(), std::back_inserter(all));

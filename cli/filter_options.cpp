@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,8 @@
 
 namespace irsig {
 namespace {
+
+constexpr const char* kGroup = "Choose signatures (all that match every option given)";
 
 absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text) {
   const std::vector<std::string> numbers = absl::StrSplit(text, ',');
@@ -29,9 +32,8 @@ absl::StatusOr<SignatureFilter::Direction> parse_aspect(const std::string& text)
 
 }  // namespace
 
-FilterOptions::FilterOptions(CLI::App& command) {
+FilterOptions::FilterOptions(CLI::App& command) : command_(&command) {
   command.add_option("DB", database_, "Signature database (.sigdb)")->required();
-  constexpr const char* kGroup = "Choose signatures (all that match every option given)";
   const auto add = [&](const char* name, auto& value, const std::string& what) {
     return command.add_option(name, value, what)->group(kGroup);
   };
@@ -68,6 +70,30 @@ FilterOptions::FilterOptions(CLI::App& command) {
       ->capture_default_str();
 }
 
+void FilterOptions::add_ranges(CLI::App& command) {
+  command
+      .add_option("--range-m", query_.range_m,
+                  "As seen from each of these ranges on the same aspect, without tracing: apparent "
+                  "intensity, contrast, background and the path anew, their errors with what that "
+                  "adds; 20 target lengths or more")
+      ->type_name("R,...")
+      ->delimiter(',');
+}
+
+std::string FilterOptions::text() const {
+  std::string out;
+  for (const CLI::Option* option : command_->get_options()) {
+    if (option->get_group() != kGroup || option->count() == 0) continue;
+    if (!out.empty()) out += ' ';
+    out += option->get_name();
+    if (option->get_expected_max() == 0) continue;  // a flag
+    const std::string value = absl::StrJoin(option->results(), ",");
+    const bool plain = value.find_first_of(" '\"") == std::string::npos;
+    out += plain ? ' ' + value : " '" + value + '\'';
+  }
+  return out;
+}
+
 absl::StatusOr<Query> FilterOptions::query() const {
   Query out = query_;
   const auto quantity = quantity_named(quantity_);
@@ -83,6 +109,12 @@ absl::StatusOr<Query> FilterOptions::query() const {
       return absl::InvalidArgumentError(
           fmt::format("--within {}: expected an angle from 0 to 180 degrees", within_deg_));
     out.within_deg = within_deg_;
+  }
+  std::set<double> ranges;
+  for (const double range : out.range_m) {
+    if (auto s = check_number("Viewpoints.range_m", "--range-m", range); !s.ok()) return s;
+    if (!ranges.insert(range).second)
+      return absl::InvalidArgumentError(fmt::format("--range-m: {:g} comes twice", range));
   }
   if (*row_option_) out.row = row_;
   if (*error_option_) {

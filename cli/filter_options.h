@@ -16,10 +16,16 @@ class FilterOptions {
   // Adds DB and the options to a subcommand; the object must outlive the parse.
   explicit FilterOptions(CLI::App& command);
 
+  // --range-m, of commands that show rows as seen from elsewhere.
+  void add_ranges(CLI::App& command);
+
   [[nodiscard]] const std::string& database() const { return database_; }
   [[nodiscard]] absl::StatusOr<Query> query() const;
+  // Those given that choose signatures, as they were written; empty: none.
+  [[nodiscard]] std::string text() const;
 
  private:
+  const CLI::App* command_;
   std::string database_;
   Query query_;
   std::string aspect_, quantity_ = "intensity";

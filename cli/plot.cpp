@@ -10,6 +10,7 @@
 #include "cli/filter_options.h"
 #include "cli/output_options.h"
 #include "cli/picture_program.h"
+#include "cli/target_extent.h"
 #include "planning/temperature_picture.h"
 #include "view/hours.h"
 #include "view/plot_picture.h"
@@ -38,6 +39,10 @@ struct PlotCommand {
                                         "write its numbers");
     auto query = filter.query();
     if (!query.ok()) return query.status();
+    if (absl::Status s = belongs(!query->range_m.empty(), "--range-m",
+                                 {"polar", "spectrum", "map", "transmittance"});
+        !s.ok())
+      return s;
     std::optional<ColorRange> range;
     if (!scale.empty()) {
       const auto asked = parse_color_range(scale);
@@ -49,17 +54,18 @@ struct PlotCommand {
     if (kind == "hours") return write_hours_as(*format, **reader, *query);
     if (kind == "polar" && *format != "svg")
       return output.write([&](std::string_view table, std::ostream& out) {
-        return write_polar(**reader, *query, elevation_deg, table, out);
+        return write_polar(**reader, *query, elevation_deg, table, out, stored_target_extent);
       });
     if (kind == "picture")
       return write_picture(radiance_picture(**reader, *query, range, pixels, read_exr));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), *query, range, pixels.value_or(kPixels)));
-    auto svg = kind == "polar"           ? plot_polar(**reader, *query, elevation_deg)
-               : kind == "spectrum"      ? plot_spectrum(**reader, *query)
-               : kind == "transmittance" ? plot_transmittance(**reader, *query)
-                                         : plot_map(**reader, *query);
+    auto svg = kind == "polar" ? plot_polar(**reader, *query, elevation_deg, stored_target_extent)
+               : kind == "spectrum" ? plot_spectrum(**reader, *query, stored_target_extent)
+               : kind == "transmittance"
+                   ? plot_transmittance(**reader, *query, stored_target_extent)
+                   : plot_map(**reader, *query, stored_target_extent);
     if (!svg.ok()) return svg.status();
     return output.write(*svg);
   }
@@ -67,15 +73,16 @@ struct PlotCommand {
   static constexpr std::uint32_t kPixels = 512;
 
  private:
+  [[nodiscard]] absl::Status belongs(bool given, const char* option,
+                                     const std::vector<std::string>& kinds) const {
+    if (!given || std::find(kinds.begin(), kinds.end(), kind) != kinds.end())
+      return absl::OkStatus();
+    std::string names = kinds.front();
+    for (std::size_t i = 1; i < kinds.size(); ++i) names += " or " + kinds[i];
+    return absl::InvalidArgumentError(std::string(option) + " belongs to --kind " + names);
+  }
+
   [[nodiscard]] absl::Status check_options() const {
-    const auto belongs = [&](bool given, const char* option,
-                             const std::vector<std::string>& kinds) -> absl::Status {
-      if (!given || std::find(kinds.begin(), kinds.end(), kind) != kinds.end())
-        return absl::OkStatus();
-      std::string names = kinds.front();
-      for (std::size_t i = 1; i < kinds.size(); ++i) names += " or " + kinds[i];
-      return absl::InvalidArgumentError(std::string(option) + " belongs to --kind " + names);
-    };
     absl::Status status = belongs(elevation_deg.has_value(), "--elevation", {"polar"});
     status.Update(belongs(!scale.empty(), "--scale", {"picture", "temperatures"}));
     status.Update(belongs(pixels.has_value(), "--pixels", {"picture", "temperatures"}));
@@ -133,6 +140,7 @@ void add_plot(CLI::App& app, int& exit_code) {
                        "many as leave 25 paths to each pixel of the target")
       ->type_name("N")
       ->check(CLI::Range(16, 2048));
+  options->filter.add_ranges(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }
 

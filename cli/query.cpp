@@ -31,7 +31,6 @@ struct QueryCommand {
   QueryContent content;
   std::string thumbnail, thumbnail_scale, sort;
   bool descending = false;
-  std::optional<double> range_m;
   std::vector<double> window_um;  // two, or none
   std::string response;           // a file
 
@@ -67,9 +66,6 @@ struct QueryCommand {
     if (!asked.ok()) return asked.status();
     auto query = filter.query();
     if (!query.ok()) return query.status();
-    if (range_m)
-      if (auto s = check_number("Viewpoints.range_m", "--range-m", *range_m); !s.ok()) return s;
-    query->range_m = range_m;
     auto reader = StoreReader::open(filter.database());
     if (!reader.ok()) return reader.status();
     auto rows = run_query(**reader, *query, stored_target_extent);
@@ -120,12 +116,7 @@ void add_query(CLI::App& app, int& exit_code) {
   parts->excludes("--spectrum");
   command->add_flag("--causes", options->content.causes,
                     "Split by cause: emitted; sun, sky, sea and other parts reflected");
-  command
-      ->add_option("--range-m", options->range_m,
-                   "As seen from another range on the same aspect, without tracing: apparent "
-                   "intensity, contrast, background and the path anew, their errors with what "
-                   "that adds; 20 target lengths or more")
-      ->type_name("R");
+  options->filter.add_ranges(*command);
   CLI::Option* window =
       command
           ->add_option("--window", options->window_um,

@@ -176,7 +176,7 @@ Query row_query(const Question& question) {
   Query out;
   out.sweep = question.a.sweep;
   out.row = question.row;
-  out.range_m = question.range_m;
+  if (question.range_m) out.range_m = {*question.range_m};
   out.quantity = question.quantity;
   return out;
 }

@@ -63,8 +63,12 @@ double cause_at(const Sp& spectrum, std::size_t cause, std::size_t k) {
   return (spectrum.*kCauseColumns[cause].value)().Get(static_cast<int>(k));
 }
 
+// What arrives from behind the target, [bin].
+using Radiance = SightLine::Values;
+
 // Bins first .. last - 1 together.
-Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_t last) {
+Seen seen(const Integrals& at, const Radiance& behind, const Sp& spectrum, std::size_t first,
+          std::size_t last) {
   Seen out;
   double width = 0;
   std::array<double, kCauses> weight{}, arriving{};
@@ -72,7 +76,7 @@ Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_
     width += at.width[k];
     out.transmittance += at.transmittance[k];
     out.path += at.path_radiance[k];
-    out.behind += at.behind[k];
+    out.behind += behind[k];
     for (std::size_t c = 0; c < kCauses; ++c) {
       const double value = cause_at(spectrum, c, k);
       out.target += value * at.arriving[c][k];
@@ -132,9 +136,9 @@ double spread_of(const SightLine& from, const SightLine& to, const Sp& spectrum,
     }
     const double mean = after / before;
     double farthest = 0;
-    for (std::size_t n = 0; n < from_side->size(); ++n) {
-      const double share = (*from_side)[n][k];
-      if (share > 0) farthest = std::max(farthest, std::abs((*to_side)[n][k] / share - mean));
+    for (std::size_t at = k; at < from_side->size(); at += from.bin.width.size()) {
+      const double share = (*from_side)[at];
+      if (share > 0) farthest = std::max(farthest, std::abs((*to_side)[at] / share - mean));
     }
     bound += value * before * farthest;
   }
@@ -155,11 +159,17 @@ absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view m
   return encoded_modes(out, stderrs);
 }
 
+// At both ranges, of bins' means and of the in-band integral.
+struct Behind {
+  Radiance from_bin, from_band, to_bin, to_band;
+};
+
 // Homogeneous air takes the stored background along.
-absl::Status take_background_along(const Sp& spectrum, SightLine& from, SightLine& to) {
+absl::StatusOr<Behind> behind_of(const Sp& spectrum, const SightLine& from, const SightLine& to) {
+  if (!from.bin.behind.empty())
+    return Behind{from.bin.behind, from.band.behind, to.bin.behind, to.band.behind};
+  Behind out;
   const std::size_t bins = from.bin.width.size();
-  for (SightLine* line : {&from, &to})
-    line->bin.behind = line->band.behind = std::vector(bins, 0.0);
   for (std::size_t k = 0; k < bins; ++k) {
     const double before = from.bin.transmittance[k], after = to.bin.transmittance[k];
     // Stored values have 24 bits: 1e-3 of transmittance leaves four digits of the background.
@@ -171,12 +181,12 @@ absl::Status take_background_along(const Sp& spectrum, SightLine& from, SightLin
     const double behind =
         spectrum.background_radiance_w_m2_sr_um(static_cast<int>(k)) - from.bin.path_radiance[k];
     const double there = before > 0 ? behind * after / before : 0;
-    from.bin.behind[k] = behind;
-    to.bin.behind[k] = there;
-    from.band.behind[k] = behind * from.band.width[k];
-    to.band.behind[k] = there * from.band.width[k];
+    out.from_bin.push_back(behind);
+    out.to_bin.push_back(there);
+    out.from_band.push_back(behind * from.band.width[k]);
+    out.to_band.push_back(there * from.band.width[k]);
   }
-  return absl::OkStatus();
+  return out;
 }
 
 double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
@@ -194,8 +204,8 @@ double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& t
 
 }  // namespace
 
-absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine from, SightLine to,
-                                   double perspective) {
+absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const SightLine& from,
+                                   const SightLine& to, double perspective) {
   const std::size_t bins = from.bin.width.size();
   if (!std::isnan(row.plume_w_sr))
     return absl::InvalidArgumentError(fmt::format(
@@ -206,8 +216,8 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
   if (spectrum.lambda_um_size() != static_cast<int>(bins))
     return absl::InternalError(fmt::format("row {}: {} wavelengths are stored, its band has {}",
                                            row.row, spectrum.lambda_um_size(), bins));
-  if (from.bin.behind.empty())
-    if (absl::Status s = take_background_along(spectrum, from, to); !s.ok()) return s;
+  const auto behind = behind_of(spectrum, from, to);
+  if (!behind.ok()) return behind.status();
 
   MovedRow out{row, spectrum, 0};
   double spread = 0;
@@ -226,7 +236,8 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
       held.cause_stderr[c] = (spectrum.*kCauseColumns[c].value_stderr)().Get(i);
     const double of_bin = spread_of(from, to, spectrum, k);
     spread += of_bin * from.band.width[k];
-    const Seen here = seen(from.bin, spectrum, k, k + 1), there = seen(to.bin, spectrum, k, k + 1);
+    const Seen here = seen(from.bin, behind->from_bin, spectrum, k, k + 1),
+               there = seen(to.bin, behind->to_bin, spectrum, k, k + 1);
     keep.push_back(kept(here, there));
     const Moved m = moved(held, here, there, of_bin);
     const auto f = [](double v) { return static_cast<float>(v); };
@@ -257,7 +268,8 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, SightLine f
             {}};
   for (std::size_t c = 0; c < kCauses; ++c)
     held.cause_stderr[c] = row.*kCauseColumns[c].in_band_stderr;
-  const Seen before = seen(from.band, spectrum, 0, bins), after = seen(to.band, spectrum, 0, bins);
+  const Seen before = seen(from.band, behind->from_band, spectrum, 0, bins),
+             after = seen(to.band, behind->to_band, spectrum, 0, bins);
   const Moved m = moved(held, before, after, spread);
 
   S& s = out.signature;

@@ -18,7 +18,8 @@ struct MovedRow {
 // without a known background by direction (homogeneous air) the stored background is taken along.
 // FAILED_PRECONDITION: the stored range lets too little of the background through for that.
 [[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
-                                                 const schema::Spectrum& spectrum, SightLine from,
-                                                 SightLine to, double perspective);
+                                                 const schema::Spectrum& spectrum,
+                                                 const SightLine& from, const SightLine& to,
+                                                 double perspective);
 
 }  // namespace irsig

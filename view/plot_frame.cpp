@@ -10,7 +10,7 @@ namespace irsig {
 namespace {
 
 std::string key_of(const StoredSignature& s) {
-  return s.sweep + '\n' + s.season + '\n' + s.time_utc;
+  return fmt::format("{}\n{}\n{}\n{}", s.sweep, s.season, s.time_utc, s.range_m);
 }
 
 // Room that a text takes: DejaVu Sans is 0.6 em wide on average.
@@ -34,23 +34,29 @@ double line_width(const std::vector<LegendEntry>& entries, std::size_t first, st
 
 CurveNames::CurveNames(const std::vector<StoredSignature>& signatures) {
   std::set<std::string> sweeps;
+  std::set<double> ranges;
   std::map<std::string, std::set<std::string>> times;
   for (const auto& s : signatures) {
     if (std::find(key_.begin(), key_.end(), key_of(s)) == key_.end()) key_.push_back(key_of(s));
     sweeps.insert(s.sweep);
+    ranges.insert(s.range_m);
     times[s.sweep + '\n' + s.season].insert(s.time_utc);
   }
   several_sweeps_ = sweeps.size() > 1;
+  several_ranges_ = ranges.size() > 1;
   several_times_ =
       std::any_of(times.begin(), times.end(), [](const auto& t) { return t.second.size() > 1; });
 }
 
 std::string CurveNames::name(const StoredSignature& s) const {
   std::string out = several_sweeps_ ? fmt::format("{} {}", s.sweep, s.season) : s.season;
-  if (!several_times_) return out;
-  // "2025-12-21T01:30:00Z" -> "01:30Z"
-  const bool full = s.time_utc.size() >= 16;
-  return fmt::format("{} {}", out, full ? s.time_utc.substr(11, 5) + "Z" : s.time_utc);
+  if (several_times_) {
+    // "2025-12-21T01:30:00Z" -> "01:30Z"
+    const bool full = s.time_utc.size() >= 16;
+    out += " " + (full ? s.time_utc.substr(11, 5) + "Z" : s.time_utc);
+  }
+  if (several_ranges_) out += ", " + range_title(s.range_m).substr(6);
+  return out;
 }
 
 std::size_t CurveNames::index(const StoredSignature& s) const {
@@ -68,9 +74,16 @@ std::string range_title(double range_m) {
                          : fmt::format("range {:g} m", range_m);
 }
 
+std::string range_title(const std::vector<StoredSignature>& signatures) {
+  for (const StoredSignature& s : signatures)
+    if (s.range_m != signatures.front().range_m) return "";
+  return ", " + range_title(signatures.front().range_m);
+}
+
 absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& reader,
-                                                                const Query& query) {
-  auto rows = run_query(reader, query);
+                                                                const Query& query,
+                                                                const ExtentOf& extent_of) {
+  auto rows = run_query(reader, query, extent_of);
   if (!rows.ok()) return rows.status();
   if (rows->empty())
     return absl::NotFoundError("nothing to plot: no signature matches the filters");
@@ -79,7 +92,7 @@ absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& rea
   std::set<double> ranges;
   for (QueryRow& r : *rows) {
     sweeps.insert(r.signature.sweep);
-    ranges.insert(r.signature.range_m);
+    ranges.insert(r.range_change ? r.range_change->stored_range_m : r.signature.range_m);
     out.push_back(std::move(r.signature));
   }
   if (sweeps.size() > 1) {

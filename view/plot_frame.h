@@ -12,7 +12,7 @@ namespace irsig {
 // What the plots share: which curves there are and how they are named.
 
 // "winter", or "winter 01:30Z" if a season has more than one time, or with the sweep's name in
-// front if there are several.
+// front or the range behind it if there are several.
 struct CurveNames {
   explicit CurveNames(const std::vector<StoredSignature>& signatures);
   [[nodiscard]] std::string name(const StoredSignature& s) const;
@@ -22,17 +22,20 @@ struct CurveNames {
 
  private:
   std::vector<std::string> key_;
-  bool several_sweeps_ = false, several_times_ = false;
+  bool several_sweeps_ = false, several_times_ = false, several_ranges_ = false;
 };
 
 // "3-5 (3 to 5 um)"
 [[nodiscard]] std::string band_title(const StoredSignature& s);
 [[nodiscard]] std::string range_title(double range_m);
+// ", range 5 km"; empty: of several, which the curves name.
+[[nodiscard]] std::string range_title(const std::vector<StoredSignature>& signatures);
 
 // The signatures of a plot. Errors: NOT_FOUND if nothing matches, INVALID_ARGUMENT if they are of
-// several sweeps or ranges, since one picture shows one.
-[[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(StoreReader& reader,
-                                                                              const Query& query);
+// several sweeps or stored ranges, since one picture shows one; of ranges that were asked for,
+// all.
+[[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> signatures_to_plot(
+    StoreReader& reader, const Query& query, const ExtentOf& extent_of);
 
 struct LegendEntry {
   std::string name;

@@ -127,11 +127,14 @@ struct MapPanel {
 
 }  // namespace
 
-absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query) {
+absl::StatusOr<std::string> plot_map(StoreReader& reader, const Query& query,
+                                     const ExtentOf& extent_of) {
   if (query.aspect || query.row) {
     return absl::InvalidArgumentError("a map shows all aspects: leave out the aspect and the row");
   }
-  auto signatures = signatures_to_plot(reader, query);
+  if (query.range_m.size() > 1)
+    return absl::InvalidArgumentError("a map shows one range: expected one of them in --range-m");
+  auto signatures = signatures_to_plot(reader, query, extent_of);
   if (!signatures.ok()) return signatures.status();
   const CurveNames names(*signatures);
   const std::vector<SignatureField> fields = fields_of(*signatures, query.quantity);

@@ -128,7 +128,8 @@ struct PolarCuts {
 };
 
 absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
-                                     std::optional<double> elevation_deg) {
+                                     std::optional<double> elevation_deg,
+                                     const ExtentOf& extent_of) {
   if (query.aspect || query.row) {
     return absl::InvalidArgumentError(
         "a polar plot shows all azimuths of one elevation: choose it with --elevation, not with "
@@ -138,7 +139,7 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
     return absl::InvalidArgumentError(
         fmt::format("elevation {:g} deg: expected between -90 and 90", *elevation_deg));
   }
-  auto signatures = signatures_to_plot(reader, query);
+  auto signatures = signatures_to_plot(reader, query, extent_of);
   if (!signatures.ok()) return signatures.status();
   PolarCuts out{*std::move(signatures), {}};
   const QuantityColumns& quantity = columns_of(query.quantity);
@@ -155,8 +156,8 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
 
 absl::Status write_polar(StoreReader& reader, const Query& query,
                          std::optional<double> elevation_deg, std::string_view format,
-                         std::ostream& out) {
-  const auto cuts = polar_cuts(reader, query, elevation_deg);
+                         std::ostream& out, const ExtentOf& extent_of) {
+  const auto cuts = polar_cuts(reader, query, elevation_deg, extent_of);
   if (!cuts.ok()) return cuts.status();
   const QuantityColumns& quantity = columns_of(query.quantity);
   auto writer = make_table_writer(format,
@@ -186,8 +187,9 @@ absl::Status write_polar(StoreReader& reader, const Query& query,
 }
 
 absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
-                                       std::optional<double> asked_elevation_deg) {
-  auto cuts = polar_cuts(reader, query, asked_elevation_deg);
+                                       std::optional<double> asked_elevation_deg,
+                                       const ExtentOf& extent_of) {
+  auto cuts = polar_cuts(reader, query, asked_elevation_deg, extent_of);
   if (!cuts.ok()) return cuts.status();
   const std::vector<StoredSignature>& signatures = cuts->signature;
   const double elevation_deg = cuts->cut.front().cut.elevation_deg;
@@ -215,8 +217,8 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   const double top = 74 + 22 * legend_lines;
   const std::size_t lines = (panels.size() + columns - 1) / columns;
   const StoredSignature& any = signatures.front();
-  const std::string title = fmt::format("{}, elevation {:g}\u00b0, {}", any.sweep, elevation_deg,
-                                        range_title(any.range_m));
+  const std::string title =
+      fmt::format("{}, elevation {:g}\u00b0{}", any.sweep, elevation_deg, range_title(signatures));
   Svg svg(900, top + panel_height * static_cast<double>(lines) + 34, title);
   svg.text({450, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
 

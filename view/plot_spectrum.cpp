@@ -106,10 +106,13 @@ class Frame {
 };
 
 absl::Status one_viewpoint(const std::vector<QueryRow>& rows) {
+  const auto stored_m = [](const QueryRow& r) {
+    return r.range_change ? r.range_change->stored_range_m : r.signature.range_m;
+  };
   for (const QueryRow& r : rows) {
     const StoredSignature &a = rows.front().signature, &b = r.signature;
     if (a.sweep != b.sweep || a.aspect_azimuth_deg != b.aspect_azimuth_deg ||
-        a.aspect_elevation_deg != b.aspect_elevation_deg || a.range_m != b.range_m) {
+        a.aspect_elevation_deg != b.aspect_elevation_deg || stored_m(rows.front()) != stored_m(r)) {
       return absl::InvalidArgumentError(
           "a spectrum plot shows one viewpoint of one sweep: choose it with an aspect (nearest 1 "
           "or "
@@ -120,10 +123,10 @@ absl::Status one_viewpoint(const std::vector<QueryRow>& rows) {
 }
 
 absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
-                                 const QuantityColumns& quantity) {
+                                 const QuantityColumns& quantity, const ExtentOf& extent_of) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
-  auto rows = run_query(reader, asked);
+  auto rows = run_query(reader, asked, extent_of);
   if (!rows.ok()) return rows.status();
   if (rows->empty())
     return absl::NotFoundError("nothing to plot: no signature matches the filters");
@@ -151,8 +154,8 @@ absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
 
   const StoredSignature& any = signatures.front();
   const std::string title =
-      fmt::format("{}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0, {}{}", any.sweep,
-                  any.aspect_azimuth_deg, any.aspect_elevation_deg, range_title(any.range_m),
+      fmt::format("{}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0{}{}", any.sweep,
+                  any.aspect_azimuth_deg, any.aspect_elevation_deg, range_title(signatures),
                   rows->front().interpolation ? ", interpolated" : "");
   Svg svg(kWidth, 600, title);
   svg.text({kWidth / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
@@ -184,11 +187,13 @@ absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
 
 }  // namespace
 
-absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query) {
-  return draw(reader, query, columns_of(query.quantity));
+absl::StatusOr<std::string> plot_spectrum(StoreReader& reader, const Query& query,
+                                          const ExtentOf& extent_of) {
+  return draw(reader, query, columns_of(query.quantity), extent_of);
 }
 
-absl::StatusOr<std::string> plot_transmittance(StoreReader& reader, const Query& query) {
+absl::StatusOr<std::string> plot_transmittance(StoreReader& reader, const Query& query,
+                                               const ExtentOf& extent_of) {
   if (query.interpolate)
     return absl::InvalidArgumentError("transmittance is not interpolated between viewpoints");
   // Stored together with the contrast; a pure number between 0 and 1.
@@ -197,7 +202,7 @@ absl::StatusOr<std::string> plot_transmittance(StoreReader& reader, const Query&
   quantity.spectral_unit = "";
   quantity.spectral_value = &schema::Spectrum::path_transmittance;
   quantity.spectral_stderr = nullptr;
-  return draw(reader, query, quantity);
+  return draw(reader, query, quantity, extent_of);
 }
 
 }  // namespace irsig

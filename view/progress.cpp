@@ -37,8 +37,8 @@ void ProgressLine::clear() {
 LoopProgress::LoopProgress(std::string what, std::size_t total)
     : what_(std::move(what)), total_(total), start_(Steady::now()), shown_(start_ + 1800ms) {}
 
-void LoopProgress::step() {
-  ++done_;
+void LoopProgress::step(std::size_t by) {
+  done_ += by;
   const auto now = Steady::now();
   if (now - shown_ < 200ms) return;
   shown_ = now;

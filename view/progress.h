@@ -32,7 +32,7 @@ class LoopProgress {
   LoopProgress(const LoopProgress&) = delete;
   LoopProgress& operator=(const LoopProgress&) = delete;
 
-  void step();
+  void step(std::size_t by = 1);
 
  private:
   std::string what_;

@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "core/geo/sun.h"
 #include "core/geo/viewpoint.h"
 #include "view/interpolate_rows.h"
+#include "view/progress.h"
 #include "view/range_change.h"
 
 namespace irsig {
@@ -43,7 +47,7 @@ absl::Status check(const Query& query) {
     return absl::InvalidArgumentError(
         fmt::format("max relative error {}: expected more than 0", *query.max_relative_error));
   }
-  if (query.range_m && query.interpolate) {
+  if (!query.range_m.empty() && query.interpolate) {
     return absl::InvalidArgumentError(
         "an interpolated row cannot be moved to another range: give one of the two");
   }
@@ -64,47 +68,6 @@ void keep_exact(std::vector<QueryRow>& rows, const Query& query) {
 }
 
 std::string listed(const std::set<std::string>& names) { return absl::StrJoin(names, ", "); }
-
-// Nothing matched: is it because a name is unknown? Each name is looked for among the signatures
-// that match what stands left of it in sweep > season > time > band.
-absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) {
-  auto all = reader.find({});
-  if (!all.ok()) return all.status();
-  if (all->empty()) return absl::OkStatus();
-  const auto unknown = [&](std::string_view what, const std::string& name,
-                           std::string StoredSignature::*field) -> absl::Status {
-    std::set<std::string> known;
-    for (const auto& s : *all) known.insert(s.*field);
-    if (name.empty() || known.contains(name)) return absl::OkStatus();
-    return absl::NotFoundError(
-        fmt::format("no {} \"{}\" in this database; there is: {}", what, name, listed(known)));
-  };
-  for (const absl::Status& status : {unknown("sweep", asked.sweep, &StoredSignature::sweep),
-                                     unknown("season", asked.season, &StoredSignature::season),
-                                     unknown("time", asked.time_utc, &StoredSignature::time_utc),
-                                     unknown("band", asked.band, &StoredSignature::band)}) {
-    if (!status.ok()) return status;
-  }
-  if (asked.range_m) {
-    std::set<double> known;
-    for (const auto& s : *all)
-      if (asked.sweep.empty() || s.sweep == asked.sweep) known.insert(s.range_m);
-    if (!known.contains(*asked.range_m))
-      return absl::NotFoundError(
-          fmt::format("no viewpoint at {} m in this database; there is: {} m", *asked.range_m,
-                      fmt::join(known, ", ")));
-  }
-  if (asked.row) {
-    const auto has = [&](const StoredSignature& s) { return s.row == *asked.row; };
-    if (std::none_of(all->begin(), all->end(), has)) {
-      std::uint64_t last = 0;
-      for (const auto& s : *all) last = std::max(last, s.row);
-      return absl::NotFoundError(
-          fmt::format("no row {} in this database; the last one is {}", *asked.row, last));
-    }
-  }
-  return absl::OkStatus();
-}
 
 }  // namespace
 
@@ -169,8 +132,57 @@ std::string far_note(const std::vector<QueryRow>& rows, const Query& query) {
   return "";
 }
 
-absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,
-                                                const ExtentOf& extent_of) {
+// Each name is looked for among the signatures
+// that match what stands left of it in sweep > season > time > band.
+absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& asked) {
+  const auto contents = reader.contents();
+  if (!contents.ok()) return contents.status();
+  std::set<std::string> sweeps, seasons, times, bands;
+  std::set<double> ranges_m;
+  std::uint64_t rows = 0, last_row = 0;
+  for (const SweepContents& sweep : *contents) {
+    rows += sweep.rows;
+    last_row = std::max(last_row, sweep.whole_rows);
+    sweeps.insert(sweep.name);
+    for (const SweepContents::Condition& c : sweep.condition) {
+      seasons.insert(c.season);
+      times.insert(c.time_utc);
+    }
+    for (const SweepContents::Band& b : sweep.band) bands.insert(b.name);
+    if (asked.sweep.empty() || sweep.name == asked.sweep)
+      ranges_m.insert(sweep.range_m.begin(), sweep.range_m.end());
+  }
+  if (rows == 0) return absl::OkStatus();
+  const auto unknown = [&](std::string_view what, const std::string& name,
+                           const std::set<std::string>& known) -> absl::Status {
+    if (name.empty() || known.contains(name)) return absl::OkStatus();
+    return absl::NotFoundError(
+        fmt::format("no {} \"{}\" in this database; there is: {}", what, name, listed(known)));
+  };
+  for (const absl::Status& status :
+       {unknown("sweep", asked.sweep, sweeps), unknown("season", asked.season, seasons),
+        unknown("time", asked.time_utc, times), unknown("band", asked.band, bands)}) {
+    if (!status.ok()) return status;
+  }
+  if (asked.range_m && !ranges_m.contains(*asked.range_m))
+    return absl::NotFoundError(fmt::format("no viewpoint at {} m in this database; there is: {} m",
+                                           *asked.range_m, fmt::join(ranges_m, ", ")));
+  if (asked.row) {
+    SignatureFilter alone;
+    alone.row = asked.row;
+    const auto there = reader.find_ids(alone);
+    if (!there.ok()) return there.status();
+    if (there->empty())
+      return absl::NotFoundError(
+          *asked.row >= 1 && *asked.row <= last_row
+              ? fmt::format("row {} is not in this database, or not yet", *asked.row)
+              : fmt::format("no row {} in this database; the last one is {}", *asked.row,
+                            last_row));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SignatureFilter> filter_of(const Query& query) {
   if (absl::Status status = check(query); !status.ok()) return status;
   SignatureFilter filter;
   filter.sweep = query.sweep;
@@ -188,26 +200,109 @@ absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query
     filter.nearest = query.nearest;
     filter.within_deg = query.within_deg;
     // Moving to another range changes the errors.
-    if (!query.range_m) filter.max_relative_error = query.max_relative_error;
+    if (query.range_m.empty()) filter.max_relative_error = query.max_relative_error;
     filter.error_of = query.quantity;
   }
-  auto found = reader.find(filter);
-  if (!found.ok()) return found.status();
-  if (found->empty()) {
-    if (absl::Status status = explain_nothing(reader, filter); !status.ok()) return status;
-    return std::vector<QueryRow>();
+  return filter;
+}
+
+namespace {
+
+// Stored rows, as they are or as seen from other ranges.
+class StoredRows final : public QueryRows {
+ public:
+  StoredRows(StoreReader& reader, Query query, const ExtentOf& extent_of,
+             std::vector<std::int64_t> ids)
+      : reader_(reader), query_(std::move(query)), ids_(std::move(ids)) {
+    if (!query_.range_m.empty())
+      changer_ = std::make_unique<RangeChanger>(reader, query_.range_m, extent_of);
   }
-  if (query.interpolate) {
-    auto rows = interpolate_rows(*found, *query.aspect);
-    if (rows.ok()) keep_exact(*rows, query);
+
+  std::size_t count() const override {
+    return ids_.size() * std::max<std::size_t>(1, query_.range_m.size());
+  }
+
+  absl::StatusOr<std::vector<QueryRow>> next() override {
+    // A thousand rows hold 2 MB, and a moved one its spectrum, too.
+    constexpr std::size_t kAtOnce = 1000, kMovedAtOnce = 200;
+    std::vector<QueryRow> rows;
+    while (rows.empty() && done_ < ids_.size()) {
+      const std::size_t n = std::min(ids_.size() - done_, changer_ ? kMovedAtOnce : kAtOnce);
+      auto found = reader_.read({ids_.data() + done_, n});
+      if (absl::IsNotFound(found.status()))
+        return absl::AbortedError("rows were replaced while they were read: try again");
+      if (!found.ok()) return found.status();
+      done_ += n;
+      for (auto& s : *found) rows.push_back({std::move(s), std::nullopt});
+      if (!changer_) continue;
+      auto moved = changer_->moved(std::move(rows));
+      if (!moved.ok()) return moved.status();
+      rows = *std::move(moved);
+      keep_exact(rows, query_);
+    }
     return rows;
   }
-  std::vector<QueryRow> rows;
-  for (auto& s : *found) rows.push_back({std::move(s), std::nullopt});
-  if (!query.range_m) return rows;
-  auto moved = at_range(reader, std::move(rows), *query.range_m, extent_of);
-  if (moved.ok()) keep_exact(*moved, query);
-  return moved;
+
+ private:
+  StoreReader& reader_;
+  const Query query_;
+  const std::vector<std::int64_t> ids_;
+  std::unique_ptr<RangeChanger> changer_;
+  std::size_t done_ = 0;
+};
+
+class GivenRows final : public QueryRows {
+ public:
+  explicit GivenRows(std::vector<QueryRow> rows) : rows_(std::move(rows)), count_(rows_.size()) {}
+  std::size_t count() const override { return count_; }
+  absl::StatusOr<std::vector<QueryRow>> next() override { return std::exchange(rows_, {}); }
+
+ private:
+  std::vector<QueryRow> rows_;
+  std::size_t count_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<QueryRows>> QueryRows::open(StoreReader& reader, const Query& query,
+                                                           const ExtentOf& extent_of) {
+  const auto filter = filter_of(query);
+  if (!filter.ok()) return filter.status();
+  if (query.interpolate) {
+    auto found = reader.find(*filter);
+    if (!found.ok()) return found.status();
+    std::vector<QueryRow> rows;
+    if (!found->empty()) {
+      auto interpolated = interpolate_rows(*found, *query.aspect);
+      if (!interpolated.ok()) return interpolated.status();
+      rows = *std::move(interpolated);
+      keep_exact(rows, query);
+    } else if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) {
+      return status;
+    }
+    return std::make_unique<GivenRows>(std::move(rows));
+  }
+  auto ids = reader.find_ids(*filter);
+  if (!ids.ok()) return ids.status();
+  if (ids->empty())
+    if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) return status;
+  return std::make_unique<StoredRows>(reader, query, extent_of, *std::move(ids));
+}
+
+absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query& query,
+                                                const ExtentOf& extent_of) {
+  const auto rows = QueryRows::open(reader, query, extent_of);
+  if (!rows.ok()) return rows.status();
+  std::optional<LoopProgress> progress;
+  if (!query.range_m.empty()) progress.emplace("rows moved", (*rows)->count());
+  std::vector<QueryRow> all;
+  for (;;) {
+    auto some = (*rows)->next();
+    if (!some.ok()) return some.status();
+    if (some->empty()) return all;
+    if (progress) progress->step(some->size());
+    std::move(some->begin(), some->end(), std::back_inserter(all));
+  }
 }
 
 }  // namespace irsig

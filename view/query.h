@@ -28,7 +28,7 @@ struct Query {
   SignatureQuantity quantity = SignatureQuantity::kIntensity;
   std::optional<double> max_relative_error{};  // of the numerical error, interpolation included
   std::optional<double> at_range_m{};          // viewpoints of this range alone
-  std::optional<double> range_m{};             // as seen from there: range_change.h
+  std::vector<double> range_m{};               // as seen from each of these: range_change.h
 };
 
 // How far a target reaches.
@@ -60,13 +60,36 @@ struct QueryRow {
   std::optional<RangeChange> range_change{};
 };
 
+// What a query that interpolates nothing and moves nothing chooses. INVALID_ARGUMENT: as below.
+[[nodiscard]] absl::StatusOr<SignatureFilter> filter_of(const Query& query);
+
+// Why a filter selects nothing: NOT_FOUND, if a name, range or row is unknown.
+[[nodiscard]] absl::Status explain_nothing(StoreReader& reader, const SignatureFilter& filter);
+
 // Errors: INVALID_ARGUMENT for contradictory or malformed questions, NOT_FOUND for a sweep, season,
 // band or row that does not exist (the message lists the known ones), OUT_OF_RANGE for an aspect
 // that the viewpoints do not cover; those of at_range. No match: no rows.
-//   extent_of  needed for query.range_m alone
+//   extent_of  needed for query.range_m alone; of a row at several ranges they follow each other
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader,
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});
+
+class RangeChanger;
+
+// The same rows some at a time, for who goes through many: memory does not grow with their number.
+// (Interpolated ones come all at once.) The reader outlives it.
+class QueryRows {
+ public:
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<QueryRows>> open(
+      StoreReader& reader, const Query& query, const ExtentOf& extent_of = {});
+  virtual ~QueryRows() = default;
+
+  // Of stored rows that are gone through, each as many times as there are ranges; some of them may
+  // be left out because of their error.
+  [[nodiscard]] virtual std::size_t count() const = 0;
+  // Not empty, unless there are no more. ABORTED: rows were replaced meanwhile.
+  [[nodiscard]] virtual absl::StatusOr<std::vector<QueryRow>> next() = 0;
+};
 
 // What a person should know beside the numbers: warnings of the rows' conditions, rows that an
 // older irsig stored without contrast and background.

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <map>
-#include <numeric>
+#include <thread>
 #include <tuple>
 
 #include "bridge/environment/sweep_environment.h"
@@ -13,7 +15,6 @@
 #include "core/environment/air.h"
 #include "core/geo/viewpoint.h"
 #include "view/moved_row.h"
-#include "view/progress.h"
 #include "view/sight_line.h"
 
 namespace irsig {
@@ -136,47 +137,6 @@ ViewKey key_of(const StoredSignature& s) {
   return {s.sweep, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
 }
 
-absl::Status move_view(StoreReader& reader, const SweepAir& air, const TargetExtent& extent,
-                       double range_m, std::vector<QueryRow*>& rows) {
-  std::vector<std::uint32_t> conditions, condition_of_row;
-  for (const QueryRow* row : rows) {
-    const auto condition = air.condition_of(row->signature);
-    if (!condition.ok()) return condition.status();
-    condition_of_row.push_back(*condition);
-    if (std::find(conditions.begin(), conditions.end(), *condition) == conditions.end())
-      conditions.push_back(*condition);
-  }
-  const StoredSignature any = rows.front()->signature;
-  if (absl::Status s = check_lengths(any.range_m, "the stored range", any.sweep, extent); !s.ok())
-    return s;
-  const auto at = [&](double m) {
-    return air.views(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions);
-  };
-  const auto from = at(any.range_m);
-  if (!from.ok()) return from.status();
-  const auto to = at(range_m);
-  if (!to.ok()) return to.status();
-  const double perspective = perspective_bound(any.range_m, range_m, extent.reach_m);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    QueryRow& row = *rows[i];
-    const auto band = air.band_of(row.signature);
-    if (!band.ok()) return band.status();
-    const auto spectrum = reader.spectrum(row.signature.signature_id);
-    if (!spectrum.ok()) return spectrum.status();
-    const auto c = static_cast<std::size_t>(
-        std::find(conditions.begin(), conditions.end(), condition_of_row[i]) - conditions.begin());
-    auto moved = moved_row(row.signature, *spectrum, air.line((*from)[c], *band),
-                           air.line((*to)[c], *band), perspective);
-    if (!moved.ok()) return moved.status();
-    row.signature = std::move(moved->signature);
-    row.signature.range_m = range_m;
-    row.range_change =
-        RangeChange{any.range_m, moved->range_bound_w_sr,
-                    std::make_shared<const schema::Spectrum>(std::move(moved->spectrum))};
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 TargetExtent target_extent(std::span<const Vec<Body>> vertex) {
@@ -200,39 +160,152 @@ double perspective_bound(double from_range_m, double to_range_m, double reach_m)
   return largest;
 }
 
-absl::StatusOr<std::vector<QueryRow>> at_range(StoreReader& reader, std::vector<QueryRow> rows,
-                                               double range_m, const ExtentOf& extent_of) {
-  if (!(range_m > 0 && std::isfinite(range_m)))
-    return absl::InvalidArgumentError(fmt::format("range {} m: expected more than 0", range_m));
-  if (!extent_of)
+struct RangeChanger::Air {
+  SweepAir air;
+  TargetExtent extent;
+
+  // Rows of one viewpoint with their spectra; out: [row][range].
+  absl::Status move_view(const std::vector<double>& ranges_m,
+                         const std::vector<const QueryRow*>& rows,
+                         const std::vector<schema::Spectrum>& spectra,
+                         const std::vector<QueryRow*>& out) const;
+};
+
+absl::Status RangeChanger::Air::move_view(const std::vector<double>& ranges_m,
+                                          const std::vector<const QueryRow*>& rows,
+                                          const std::vector<schema::Spectrum>& spectra,
+                                          const std::vector<QueryRow*>& out) const {
+  std::vector<std::uint32_t> conditions, condition_of_row;
+  for (const QueryRow* row : rows) {
+    const auto condition = air.condition_of(row->signature);
+    if (!condition.ok()) return condition.status();
+    condition_of_row.push_back(*condition);
+    if (std::find(conditions.begin(), conditions.end(), *condition) == conditions.end())
+      conditions.push_back(*condition);
+  }
+  const StoredSignature& any = rows.front()->signature;
+  if (absl::Status s = check_lengths(any.range_m, "the stored range", any.sweep, extent); !s.ok())
+    return s;
+  const auto at = [&](double m) {
+    return air.views(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions);
+  };
+  const auto from = at(any.range_m);
+  if (!from.ok()) return from.status();
+  std::vector<std::vector<ViewEnvironment>> to;
+  for (const double range_m : ranges_m) {
+    auto there = at(range_m);
+    if (!there.ok()) return there.status();
+    to.push_back(*std::move(there));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const QueryRow& row = *rows[i];
+    const auto band = air.band_of(row.signature);
+    if (!band.ok()) return band.status();
+    const auto c = static_cast<std::size_t>(
+        std::find(conditions.begin(), conditions.end(), condition_of_row[i]) - conditions.begin());
+    const SightLine here = air.line((*from)[c], *band);
+    for (std::size_t r = 0; r < ranges_m.size(); ++r) {
+      auto moved = moved_row(row.signature, spectra[i], here, air.line(to[r][c], *band),
+                             perspective_bound(any.range_m, ranges_m[r], extent.reach_m));
+      if (!moved.ok()) return moved.status();
+      moved->signature.range_m = ranges_m[r];
+      *out[i * ranges_m.size() + r] = {
+          std::move(moved->signature), std::nullopt,
+          RangeChange{any.range_m, moved->range_bound_w_sr,
+                      std::make_shared<const schema::Spectrum>(std::move(moved->spectrum))}};
+    }
+  }
+  return absl::OkStatus();
+}
+
+namespace {
+
+// Calls work(i) for i < count on as many threads as there are cores, each i once; the first failure
+// in the order of i.
+absl::Status on_all_cores(std::size_t count, const std::function<absl::Status(std::size_t)>& work) {
+  std::vector<absl::Status> status(count);
+  std::atomic<std::size_t> next = 0;
+  const auto loop = [&] {
+    for (std::size_t i = next++; i < count; i = next++) status[i] = work(i);
+  };
+  {
+    std::vector<std::jthread> others;
+    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
+    for (std::size_t t = 1; t < std::min(cores, count); ++t) others.emplace_back(loop);
+    loop();
+  }
+  for (absl::Status& s : status)
+    if (!s.ok()) return std::move(s);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+RangeChanger::RangeChanger(StoreReader& reader, std::vector<double> ranges_m, ExtentOf extent_of)
+    : reader_(reader), ranges_m_(std::move(ranges_m)), extent_of_(std::move(extent_of)) {}
+RangeChanger::~RangeChanger() = default;
+
+absl::StatusOr<const RangeChanger::Air*> RangeChanger::air_of(const std::string& sweep) {
+  if (const auto known = air_.find(sweep); known != air_.end()) return known->second.get();
+  auto stored = reader_.sweep(sweep);
+  if (!stored.ok()) return stored.status();
+  const auto extent = extent_of_(*stored);
+  if (!extent.ok()) return extent.status();
+  for (const double range_m : ranges_m_)
+    if (absl::Status s = check_lengths(range_m, "range", sweep, *extent); !s.ok()) return s;
+  auto air = SweepAir::make(*std::move(stored));
+  if (!air.ok()) return air.status();
+  return (air_[sweep] = std::make_unique<const Air>(Air{*std::move(air), *extent})).get();
+}
+
+absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<QueryRow>& rows) {
+  for (const double range_m : ranges_m_)
+    if (!(range_m > 0 && std::isfinite(range_m)))
+      return absl::InvalidArgumentError(fmt::format("range {} m: expected more than 0", range_m));
+  if (!extent_of_)
     return absl::InvalidArgumentError("rows at another range need the target's extent");
   std::vector<StoredSignature> signatures;
-  std::map<std::string, std::map<ViewKey, std::vector<QueryRow*>>> sweeps;
-  for (QueryRow& row : rows) {
+  struct View {
+    const Air* air = nullptr;
+    std::vector<const QueryRow*> rows;
+    std::vector<schema::Spectrum> spectra;
+    std::vector<QueryRow*> out;
+  };
+  std::map<ViewKey, View> views;
+  std::vector<QueryRow> out(rows.size() * ranges_m_.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const QueryRow& row = rows[i];
     if (row.interpolation)
       return absl::InvalidArgumentError("an interpolated row cannot be moved to another range");
     signatures.push_back(row.signature);
-    sweeps[row.signature.sweep][key_of(row.signature)].push_back(&row);
+    View& view = views[key_of(row.signature)];
+    view.rows.push_back(&row);
+    for (std::size_t r = 0; r < ranges_m_.size(); ++r)
+      view.out.push_back(&out[i * ranges_m_.size() + r]);
   }
   if (absl::Status s = check_computed(signatures, SignatureQuantity::kContrastIntensity); !s.ok())
     return s;
-  std::size_t count = 0;
-  for (const auto& [name, views] : sweeps) count += views.size();
-  LoopProgress progress("viewpoints moved", count);
-  for (auto& [name, views] : sweeps) {
-    auto stored = reader.sweep(name);
-    if (!stored.ok()) return stored.status();
-    const auto extent = extent_of(*stored);
-    if (!extent.ok()) return extent.status();
-    if (absl::Status s = check_lengths(range_m, "range", name, *extent); !s.ok()) return s;
-    const auto air = SweepAir::make(*std::move(stored));
+  // What is read is read by this thread alone.
+  std::vector<const View*> list;
+  for (auto& [key, view] : views) {
+    const auto air = air_of(std::get<0>(key));
     if (!air.ok()) return air.status();
-    for (auto& [key, of_view] : views) {
-      if (absl::Status s = move_view(reader, *air, *extent, range_m, of_view); !s.ok()) return s;
-      progress.step();
+    view.air = *air;
+    for (const QueryRow* row : view.rows) {
+      auto spectrum = reader_.spectrum(row->signature.signature_id);
+      if (!spectrum.ok()) return spectrum.status();
+      view.spectra.push_back(*std::move(spectrum));
     }
+    list.push_back(&view);
   }
-  return rows;
+  if (absl::Status s = on_all_cores(list.size(),
+                                    [&](std::size_t i) {
+                                      const View& v = *list[i];
+                                      return v.air->move_view(ranges_m_, v.rows, v.spectra, v.out);
+                                    });
+      !s.ok())
+    return s;
+  return out;
 }
 
 }  // namespace irsig

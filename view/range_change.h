@@ -1,6 +1,9 @@
 #pragma once
 
+#include <map>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -36,9 +39,26 @@ namespace irsig {
 // INVALID_ARGUMENT: a range that is not positive, or below 20 target lengths (asked for or stored),
 // a line of sight that the environment does not have (environment.h); FAILED_PRECONDITION: a row
 // that an older irsig or an earlier version of the sweep left, whose air is not known.
-[[nodiscard]] absl::StatusOr<std::vector<QueryRow>> at_range(StoreReader& reader,
-                                                             std::vector<QueryRow> rows,
-                                                             double range_m,
-                                                             const ExtentOf& extent_of);
+//
+// The air of a sweep is made once, for all rows: what many rows are moved with, some at a time.
+class RangeChanger {
+ public:
+  // extent_of: needed as soon as a row is moved.
+  RangeChanger(StoreReader& reader, std::vector<double> ranges_m, ExtentOf extent_of);
+  ~RangeChanger();
+  RangeChanger(const RangeChanger&) = delete;
+  RangeChanger& operator=(const RangeChanger&) = delete;
+
+  // Each row at each of the ranges, in the order of rows, then of ranges.
+  [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> moved(const std::vector<QueryRow>& rows);
+
+ private:
+  struct Air;
+  absl::StatusOr<const Air*> air_of(const std::string& sweep);
+  StoreReader& reader_;
+  std::vector<double> ranges_m_;
+  ExtentOf extent_of_;
+  std::map<std::string, std::unique_ptr<const Air>> air_;
+};
 
 }  // namespace irsig

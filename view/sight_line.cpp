@@ -8,6 +8,7 @@ namespace {
 
 using Values = SightLine::Values;
 
+// Of a spectrum whose value `offset` is at the band's first node.
 Values per_bin(const BandGrid& grid, std::size_t offset, const std::vector<double>& weight,
                const std::vector<double>& spectrum) {
   Values out(grid.lambda_um.size());
@@ -42,11 +43,6 @@ std::vector<double> solid_angles(const DirectionNodes& nodes, std::uint32_t firs
   return out;
 }
 
-void add(double weight, const std::vector<double>& spectrum, std::vector<double>& to) {
-  to.resize(spectrum.size());
-  for (std::size_t i = 0; i < to.size(); ++i) to[i] += weight * spectrum[i];
-}
-
 }  // namespace
 
 SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, const BandGrid& grid,
@@ -57,23 +53,27 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   out.sun_model_relative = e.sun_model_relative;
 
   struct Side {
+    bool sky;
     std::uint32_t first, count;
-    std::vector<Values>* share;
-    std::vector<double> radiance, seen;
+    Values* share;
+    // Means over the side's solid angle, on the band's nodes.
+    LightAround::Sum mean;
   };
-  std::array<Side, 2> sides{Side{0, nodes.sky(), &out.sky, {}, {}},
-                            Side{nodes.sky(), nodes.lower(), &out.sea, {}, {}}};
+  std::array<Side, 2> sides{Side{true, 0, nodes.sky(), &out.sky, {}},
+                            Side{false, nodes.sky(), nodes.lower(), &out.sea, {}}};
+  const std::size_t bins = grid.lambda_um.size(), n = grid.node_um.size();
+  const LightAround::Binned light = e.around.binned(offset, grid.bin_weight, grid.bin_first);
   for (Side& side : sides) {
-    const std::vector<double> weight = solid_angles(nodes, side.first, side.count);
-    for (std::uint32_t n = side.first; n < side.first + side.count; ++n) {
-      const std::vector<double> here = e.around.radiance(n), seen = e.around.apparent(n);
-      add(weight[n - side.first], here, side.radiance);
-      add(weight[n - side.first], seen, side.seen);
-      const Values radiance = per_bin(grid, offset, grid.bin_weight, here);
-      Values& share = side.share->emplace_back(per_bin(grid, offset, grid.bin_weight, seen));
-      for (std::size_t k = 0; k < share.size(); ++k)
-        share[k] = radiance[k] > 0 ? share[k] / radiance[k] : -1;
-    }
+    std::vector<double> weight(nodes.sky() + nodes.lower());
+    const std::vector<double> angle = solid_angles(nodes, side.first, side.count);
+    std::copy(angle.begin(), angle.end(), weight.begin() + side.first);
+    const LightAround::Weights list{weight.data(), 1};
+    side.mean = std::move(e.around.sums(side.sky, {&list, 1}, offset, n).front());
+    side.share->resize(side.count * bins);
+    const double* radiance = light.source.data() + side.first * bins;
+    const double* seen = light.apparent.data() + side.first * bins;
+    for (std::size_t i = 0; i < side.share->size(); ++i)
+      (*side.share)[i] = radiance[i] > 0 ? seen[i] / radiance[i] : -1;
   }
 
   const std::vector<double> ones(e.transmittance.size(), 1.0);
@@ -85,6 +85,10 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     const auto mean = [&](const std::vector<double>& s) {
       return per_bin(grid, offset, grid.bin_weight, s);
     };
+    const auto of_side = [&](const LightAround::Sum& side) {
+      return arriving(per_bin(grid, 0, *weight, side.apparent),
+                      per_bin(grid, 0, grid.bin_weight, side.radiance), to->transmittance);
+    };
     to->width = integral(ones);
     to->transmittance = integral(e.transmittance);
     to->path_radiance = integral(e.path_radiance);
@@ -93,9 +97,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     if (!e.behind_apparent.empty()) to->behind = integral(e.behind_apparent.front());
     to->arriving = {to->transmittance,
                     arriving(integral(e.sun_apparent), mean(e.sun), to->transmittance),
-                    arriving(integral(sides[0].seen), mean(sides[0].radiance), to->transmittance),
-                    arriving(integral(sides[1].seen), mean(sides[1].radiance), to->transmittance),
-                    to->transmittance};
+                    of_side(sides[0].mean), of_side(sides[1].mean), to->transmittance};
   }
   return out;
 }

@@ -29,7 +29,7 @@ struct SightLine {
 
   // Share of the mean radiance of each direction of sky and sea that arrives, [direction][bin];
   // negative: no radiance comes from there.
-  std::vector<Values> sky, sea;
+  Values sky, sea;
   double sky_model_relative = 0, sea_model_relative = 0, sun_model_relative = 0;
 };
 

@@ -254,6 +254,66 @@ LightAround::Integrals LightAround::integrals(std::size_t first, std::span<const
   return out;
 }
 
+LightAround::Binned LightAround::binned(std::size_t first, std::span<const double> weight,
+                                        std::span<const std::size_t> bin_first) const {
+  // A bin has few bands: what each contributes for a unit of light in it.
+  struct Share {
+    std::size_t band;
+    double thermal, solar;
+  };
+  std::vector<Share> share;
+  std::vector<std::size_t> share_first{0};  // [bin]
+  const Shapes& s = *shapes_;
+  const std::size_t bins = bin_first.size() - 1;
+  for (std::size_t k = 0; k < bins; ++k) {
+    for (std::size_t i = bin_first[k]; i < bin_first[k + 1]; ++i) {
+      const std::size_t b = s.band[first + i];
+      if (share.size() == share_first.back() || share.back().band != b) share.push_back({b, 0, 0});
+      share.back().thermal += weight[i] * s.thermal[first + i];
+      share.back().solar += weight[i] * s.solar[first + i];
+    }
+    share_first.push_back(share.size());
+  }
+  Binned out;
+  out.source.assign(count() * bins, 0.0);
+  out.apparent.assign(count() * bins, 0.0);
+  for (std::uint32_t ring = 0; ring < rings_; ++ring) {
+    if (is_dark(ring)) continue;
+    const bool lower = ring >= sky_rings_;
+    const double *here = thermal_->ring.row(ring), *seen = apparent_->row(ring);
+    for (std::uint32_t a = 0; a < azimuths_; ++a) {
+      const std::uint32_t node = ring * azimuths_ + a;
+      double* source = out.source.data() + node * bins;
+      double* apparent = out.apparent.data() + node * bins;
+      if (a > 0 && sunlight_ == nullptr) {  // as the first of its ring
+        std::copy_n(source - a * bins, bins, source);
+        std::copy_n(apparent - a * bins, bins, apparent);
+        continue;
+      }
+      for (std::size_t k = 0; k < bins; ++k)
+        for (std::size_t j = share_first[k]; j < share_first[k + 1]; ++j) {
+          source[k] += share[j].thermal * here[share[j].band];
+          apparent[k] += share[j].thermal * seen[share[j].band];
+        }
+      if (sunlight_ == nullptr) continue;
+      const auto add = [&](const float* light, const double* ratio) {
+        for (std::size_t k = 0; k < bins; ++k)
+          for (std::size_t j = share_first[k]; j < share_first[k + 1]; ++j) {
+            const std::size_t b = share[j].band;
+            const double sun = share[j].solar * static_cast<double>(light[b]);
+            source[k] += sun;
+            apparent[k] += sun * ratio[b];
+          }
+      };
+      add(sunlight_->air.row(node), ratio_->air.row(ring));
+      if (lower)
+        add(sunlight_->surface.row(node - sky_rings_ * azimuths_),
+            ratio_->surface.row(ring - sky_rings_));
+    }
+  }
+  return out;
+}
+
 std::vector<LightAround::Sum> LightAround::sums(bool sky, std::span<const Weights> weights,
                                                 std::size_t first, std::size_t n) const {
   const BandRange range = bands_of(first, n);

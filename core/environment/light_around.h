@@ -91,6 +91,14 @@ class LightAround {
   [[nodiscard]] Integrals integrals(std::size_t first, std::span<const double> weight,
                                     const double* function, std::size_t columns) const;
 
+  // The same bin by bin: of wavelengths first + i with bin_first[k] <= i < bin_first[k + 1].
+  //   sum_i weight[i] L[node](first + i)
+  struct Binned {
+    std::vector<double> source, apparent;  // [node][bin]
+  };
+  [[nodiscard]] Binned binned(std::size_t first, std::span<const double> weight,
+                              std::span<const std::size_t> bin_first) const;
+
   // Sums over the nodes of one side with weights weight[node x stride], for several lists of such
   // weights at once, from node 0 on.
   struct Weights {

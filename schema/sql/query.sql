@@ -1,15 +1,16 @@
 -- Reading (schema/store/find_signatures.cpp, schema/store/reader.cpp).
 
--- Conditions and bands are few: they are filtered by name and then drive the index of signature
--- (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 season, ?3 time_utc, ?4 band
--- ('': any), ?5 greatest relative error (NULL: any) of quantity ?7 (SignatureQuantity), ?6 row (NULL: any).
+-- Which signatures: their ids. Conditions and bands are few: they are filtered by name and then drive the index of
+-- signature (condition_id, band_id, viewpoint_id); CROSS JOIN keeps that order. ?1 sweep, ?2 season, ?3 time_utc,
+-- ?4 band ('': any), ?5 greatest relative error (NULL: any) of quantity ?7 (SignatureQuantity), ?6 row (NULL: any),
+-- ?8 range (to 1e-9 of it; NULL: any).
 -- name: find_signatures
-SELECT f.*
+SELECT s.signature_id
 FROM sweep w
 CROSS JOIN condition c ON c.sweep_id = w.sweep_id
 CROSS JOIN band b ON b.sweep_id = w.sweep_id
 CROSS JOIN signature s ON s.condition_id = c.condition_id AND s.band_id = b.band_id
-CROSS JOIN signature_view f ON f.signature_id = s.signature_id
+CROSS JOIN viewpoint v ON v.viewpoint_id = s.viewpoint_id
 WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
   AND (?5 IS NULL OR CASE ?7
@@ -17,20 +18,20 @@ WHERE (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.
        WHEN 1 THEN s.apparent_numerical_error_w_sr <= ?5 * abs(s.apparent_intensity_w_sr)
        WHEN 2 THEN s.contrast_numerical_error_w_sr <= ?5 * abs(s.contrast_intensity_w_sr)
        WHEN 3 THEN s.background_radiance_stderr_w_m2_sr <= ?5 * abs(s.background_radiance_w_m2_sr) END)
-  AND (?6 IS NULL OR f.row = ?6)
-ORDER BY w.name, f.row;
+  AND (?6 IS NULL OR (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 = ?6)
+  AND (?8 IS NULL OR abs(v.range_m - ?8) <= 1e-9 * ?8)
+ORDER BY w.name, v.viewpoint_index, c.condition_index, b.band_index;
 
--- The same for one viewpoint, ?8.
+-- The same for one viewpoint, ?9.
 -- name: find_signatures_of_viewpoint
-SELECT f.*
+SELECT s.signature_id
 FROM viewpoint v
 CROSS JOIN sweep w ON w.sweep_id = v.sweep_id
 CROSS JOIN condition c ON c.sweep_id = w.sweep_id
 CROSS JOIN band b ON b.sweep_id = w.sweep_id
 CROSS JOIN signature s
   ON s.condition_id = c.condition_id AND s.band_id = b.band_id AND s.viewpoint_id = v.viewpoint_id
-CROSS JOIN signature_view f ON f.signature_id = s.signature_id
-WHERE v.viewpoint_id = ?8
+WHERE v.viewpoint_id = ?9
   AND (?1 = '' OR w.name = ?1) AND (?2 = '' OR c.season = ?2) AND (?3 = '' OR c.time_utc = ?3)
   AND (?4 = '' OR b.name = ?4)
   AND (?5 IS NULL OR CASE ?7
@@ -38,8 +39,12 @@ WHERE v.viewpoint_id = ?8
        WHEN 1 THEN s.apparent_numerical_error_w_sr <= ?5 * abs(s.apparent_intensity_w_sr)
        WHEN 2 THEN s.contrast_numerical_error_w_sr <= ?5 * abs(s.contrast_intensity_w_sr)
        WHEN 3 THEN s.background_radiance_stderr_w_m2_sr <= ?5 * abs(s.background_radiance_w_m2_sr) END)
-  AND (?6 IS NULL OR f.row = ?6)
-ORDER BY f.row;
+  AND (?6 IS NULL OR (v.viewpoint_index * w.conditions + c.condition_index) * w.bands + b.band_index + 1 = ?6)
+  AND (?8 IS NULL OR abs(v.range_m - ?8) <= 1e-9 * ?8)
+ORDER BY c.condition_index, b.band_index;
+
+-- name: signature_by_id
+SELECT * FROM signature_view WHERE signature_id = ?1;
 
 -- One quantity (?6: SignatureQuantity) of one condition and band from one range (?5, to 1e-9 of it): the columns that a
 -- picture of all aspects needs, and no others, since they are asked for with every step of a slider.

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "absl/strings/str_cat.h"
 #include "schema/store/statements.h"
 #include "schema/store/sweep_table.h"
 
@@ -19,24 +20,16 @@ constexpr double kDegPerRad = 180 / std::numbers::pi;
 // A viewpoint on the edge of the cap belongs to it, whatever the last bits of both directions are.
 constexpr double kEdge_deg = 1e-9;
 
-// Where a query's columns are, by name: found once for all of its rows.
+// Where the columns of signature_view are, by name: found once for all rows.
 class SignatureReader {
  public:
-  explicit SignatureReader(Rows& rows) : rows_(rows) {
-    for (std::size_t i = 0; i < kQuantities.size(); ++i)
-      quantity_[i] = rows.place_of(kQuantities[i].name);
-    for (std::size_t i = 0; i < kOthers.size(); ++i) other_[i] = rows.place_of(kOthers[i]);
-  }
-
-  [[nodiscard]] absl::StatusOr<StoredSignature> read() {
-    for (const int place : quantity_)
-      if (place < 0) return absl::InternalError("signature_view lacks a quantity");
-    for (const int place : other_)
-      if (place < 0) return absl::InternalError("signature_view lacks a column");
+  [[nodiscard]] absl::StatusOr<StoredSignature> read(Rows& rows) {
+    rows_ = &rows;
+    if (!placed_) IRSIG_STORE_TRY(find_places());
     StoredSignature s{};
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      rows_.read_at(quantity_[i]);
-      s.*kQuantityMember[i] = rows_.is_null() ? kNotComputed : rows_.real();
+      rows.read_at(quantity_[i]);
+      s.*kQuantityMember[i] = rows.is_null() ? kNotComputed : rows.real();
     }
     next_ = 0;
     s.signature_id = at().integer();
@@ -109,9 +102,21 @@ class SignatureReader {
                                                                    "determinism_class",
                                                                    "build_id"});
 
+  absl::Status find_places() {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i)
+      quantity_[i] = rows_->place_of(kQuantities[i].name);
+    for (std::size_t i = 0; i < kOthers.size(); ++i) other_[i] = rows_->place_of(kOthers[i]);
+    for (const int place : quantity_)
+      if (place < 0) return absl::InternalError("signature_view lacks a quantity");
+    for (const int place : other_)
+      if (place < 0) return absl::InternalError("signature_view lacks a column");
+    placed_ = true;
+    return absl::OkStatus();
+  }
+
   Rows& at() {
-    rows_.read_at(other_[next_++]);
-    return rows_;
+    rows_->read_at(other_[next_++]);
+    return *rows_;
   }
   std::string text_if_known() {
     Rows& rows = at();
@@ -123,46 +128,32 @@ class SignatureReader {
     return rows.count();
   }
 
-  Rows& rows_;
+  Rows* rows_ = nullptr;
+  bool placed_ = false;
   std::array<int, kQuantities.size()> quantity_{};
   std::array<int, kOthers.size()> other_{};
   std::size_t next_ = 0;
 };
 
-absl::Status append_all(absl::StatusOr<Rows> rows, std::vector<StoredSignature>& out) {
+using Ids = std::vector<std::int64_t>;
+
+absl::Status append_ids(absl::StatusOr<Rows> rows, Ids& out) {
   if (!rows.ok()) return rows.status();
-  SignatureReader reader(*rows);
   for (;;) {
     const absl::StatusOr<bool> found = rows->next();
     if (!found.ok()) return found.status();
     if (!*found) return absl::OkStatus();
-    absl::StatusOr<StoredSignature> signature = reader.read();
-    if (!signature.ok()) return signature.status();
-    out.push_back(*std::move(signature));
+    out.push_back(rows->integer());
   }
 }
 
-void keep_range(const SignatureFilter& filter, std::size_t from,
-                std::vector<StoredSignature>& rows) {
-  if (!filter.range_m) return;
-  const double wanted = *filter.range_m;
-  rows.erase(std::remove_if(rows.begin() + static_cast<std::ptrdiff_t>(from), rows.end(),
-                            [&](const StoredSignature& s) {
-                              return !(std::abs(s.range_m - wanted) <= 1e-9 * wanted);
-                            }),
-             rows.end());
-}
-
 absl::Status append_viewpoint(Database& database, const SignatureFilter& filter,
-                              std::int64_t viewpoint_id, std::vector<StoredSignature>& out) {
-  const std::size_t before = out.size();
-  absl::Status status =
-      append_all(database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
-                                filter.time_utc, filter.band, filter.max_relative_error, filter.row,
-                                static_cast<int>(filter.error_of), viewpoint_id),
-                 out);
-  keep_range(filter, before, out);
-  return status;
+                              std::int64_t viewpoint_id, Ids& out) {
+  return append_ids(
+      database.query(sql::find_signatures_of_viewpoint, filter.sweep, filter.season,
+                     filter.time_utc, filter.band, filter.max_relative_error, filter.row,
+                     static_cast<int>(filter.error_of), filter.range_m, viewpoint_id),
+      out);
 }
 
 struct Candidate {
@@ -216,14 +207,12 @@ absl::StatusOr<std::vector<Candidate>> viewpoints_within(Database& database,
   return found;
 }
 
-absl::StatusOr<std::vector<StoredSignature>> find_within(Database& database,
-                                                         const SignatureFilter& filter,
-                                                         const UnitVector& center,
-                                                         double radius_deg) {
+absl::StatusOr<Ids> find_within(Database& database, const SignatureFilter& filter,
+                                const UnitVector& center, double radius_deg) {
   const absl::StatusOr<std::vector<Candidate>> candidates =
       viewpoints_within(database, filter.sweep, center, radius_deg);
   if (!candidates.ok()) return candidates.status();
-  std::vector<StoredSignature> out;
+  Ids out;
   for (const Candidate& candidate : *candidates) {
     IRSIG_STORE_TRY(append_viewpoint(database, filter, candidate.viewpoint_id, out));
   }
@@ -233,16 +222,15 @@ absl::StatusOr<std::vector<StoredSignature>> find_within(Database& database,
 // The nearest viewpoints that have a signature passing the other filters: the cap grows until it
 // holds enough of them. Whatever lies outside a cap is farther away than all inside, so the first
 // cap that suffices is certain.
-absl::StatusOr<std::vector<StoredSignature>> find_nearest(Database& database,
-                                                          const SignatureFilter& filter,
-                                                          const UnitVector& center) {
+absl::StatusOr<Ids> find_nearest(Database& database, const SignatureFilter& filter,
+                                 const UnitVector& center) {
   const absl::StatusOr<std::int64_t> viewpoints = database.integer(sql::viewpoints_at_most);
   if (!viewpoints.ok()) return viewpoints.status();
   // Radius of a cap that holds four times as many as wanted if they lie evenly on the sphere: its
   // share of the sphere is sin^2(radius / 2).
   const double share = 4.0 * filter.nearest / std::max(1.0, static_cast<double>(*viewpoints));
   double radius_deg = 2 * std::asin(std::sqrt(std::min(1.0, share))) * kDegPerRad;
-  std::vector<StoredSignature> out;
+  Ids out;
   std::uint32_t hits = 0;
   double searched_deg = -1;  // candidates up to here were looked at in an earlier, smaller cap
   for (;;) {
@@ -261,20 +249,11 @@ absl::StatusOr<std::vector<StoredSignature>> find_nearest(Database& database,
   }
 }
 
-absl::StatusOr<std::vector<StoredSignature>> find_row(Database& database,
-                                                      const SignatureFilter& filter) {
-  std::vector<std::int64_t> viewpoint_ids;
-  {
-    absl::StatusOr<Rows> rows = database.query(sql::viewpoints_at_row, filter.sweep, *filter.row);
-    if (!rows.ok()) return rows.status();
-    for (;;) {
-      const absl::StatusOr<bool> found = rows->next();
-      if (!found.ok()) return found.status();
-      if (!*found) break;
-      viewpoint_ids.push_back(rows->integer());
-    }
-  }
-  std::vector<StoredSignature> out;
+absl::StatusOr<Ids> find_row(Database& database, const SignatureFilter& filter) {
+  Ids viewpoint_ids;
+  IRSIG_STORE_TRY(
+      append_ids(database.query(sql::viewpoints_at_row, filter.sweep, *filter.row), viewpoint_ids));
+  Ids out;
   for (const std::int64_t id : viewpoint_ids)
     IRSIG_STORE_TRY(append_viewpoint(database, filter, id, out));
   return out;
@@ -282,7 +261,7 @@ absl::StatusOr<std::vector<StoredSignature>> find_row(Database& database,
 
 }  // namespace
 
-absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
+absl::StatusOr<std::vector<std::int64_t>> find_signature_ids(Database& database,
                                                              const SignatureFilter& filter) {
   if (filter.nearest > 0 && filter.within_deg) {
     return absl::InvalidArgumentError(
@@ -293,13 +272,12 @@ absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
       return absl::InvalidArgumentError("nearest and within need a direction");
     }
     if (filter.row) return find_row(database, filter);
-    std::vector<StoredSignature> out;
+    Ids out;
     IRSIG_STORE_TRY(
-        append_all(database.query(sql::find_signatures, filter.sweep, filter.season,
+        append_ids(database.query(sql::find_signatures, filter.sweep, filter.season,
                                   filter.time_utc, filter.band, filter.max_relative_error,
-                                  filter.row, static_cast<int>(filter.error_of)),
+                                  filter.row, static_cast<int>(filter.error_of), filter.range_m),
                    out));
-    keep_range(filter, 0, out);
     return out;
   }
   const auto [azimuth_deg, elevation_deg] = *filter.direction;
@@ -313,6 +291,24 @@ absl::StatusOr<std::vector<StoredSignature>> find_signatures(Database& database,
   if (!(radius_deg >= 0))
     return absl::InvalidArgumentError("within: expected an angle of 0 degrees or more");
   return find_within(database, filter, center, radius_deg);
+}
+
+absl::StatusOr<std::vector<StoredSignature>> read_signatures(Database& database,
+                                                             std::span<const std::int64_t> ids) {
+  std::vector<StoredSignature> out;
+  out.reserve(ids.size());
+  SignatureReader reader;
+  for (const std::int64_t id : ids) {
+    absl::StatusOr<Rows> row = database.query(sql::signature_by_id, id);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::NotFoundError(absl::StrCat("no signature ", id));
+    absl::StatusOr<StoredSignature> signature = reader.read(*row);
+    if (!signature.ok()) return signature.status();
+    out.push_back(*std::move(signature));
+  }
+  return out;
 }
 
 }  // namespace irsig

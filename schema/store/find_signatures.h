@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -8,8 +10,12 @@
 
 namespace irsig {
 
-// StoreReader::find.
-[[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> find_signatures(
+// StoreReader::find_ids.
+[[nodiscard]] absl::StatusOr<std::vector<std::int64_t>> find_signature_ids(
     Database& database, const SignatureFilter& filter);
+
+// StoreReader::read.
+[[nodiscard]] absl::StatusOr<std::vector<StoredSignature>> read_signatures(
+    Database& database, std::span<const std::int64_t> ids);
 
 }  // namespace irsig

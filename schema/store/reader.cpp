@@ -26,7 +26,19 @@ class SqliteReader final : public StoreReader {
       : owned_(std::move(database)), database_(*owned_) {}
 
   absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) override {
-    return in_one_snapshot([&] { return find_signatures(database_, filter); });
+    return in_one_snapshot([&]() -> absl::StatusOr<std::vector<StoredSignature>> {
+      const auto ids = find_signature_ids(database_, filter);
+      if (!ids.ok()) return ids.status();
+      return read_signatures(database_, *ids);
+    });
+  }
+
+  absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter) override {
+    return in_one_snapshot([&] { return find_signature_ids(database_, filter); });
+  }
+
+  absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids) override {
+    return in_one_snapshot([&] { return read_signatures(database_, ids); });
   }
 
   absl::StatusOr<std::vector<SweepContents>> contents() override {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -423,6 +424,10 @@ class StoreReader {
 
   // In row order; with a direction: nearest first.
   virtual absl::StatusOr<std::vector<StoredSignature>> find(const SignatureFilter& filter) = 0;
+  // Only which they are, for who goes through many: the signature_ids of find(), in its order.
+  virtual absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& filter) = 0;
+  // In the order of the ids. NOT_FOUND: one has been replaced or removed since.
+  virtual absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids) = 0;
   // In the order in which sweeps were added.
   virtual absl::StatusOr<std::vector<SweepContents>> contents() = 0;
   // In row order; of a row and its superseded predecessor the newer one.

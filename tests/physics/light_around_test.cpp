@@ -100,6 +100,32 @@ TEST(LightAround, IntegralsAreThoseOfTheSpectra) {
   }
 }
 
+TEST(LightAround, BinsAreThoseOfTheSpectra) {
+  Random random;
+  const std::size_t first = 5;
+  const std::vector<std::size_t> bin_first = {0, 1, 40, 41, 119, 120};
+  for (std::size_t c = 0; c < scenes().seen.size(); ++c)
+    for (const bool sky : {true, false}) {  // the other side dark
+      const LightAround around =
+          sky ? scenes().seen[c].around : scenes().seen[c].around.only(false, true);
+      const std::vector<double> weight = random.list(120);
+      const LightAround::Binned binned = around.binned(first, weight, bin_first);
+      const auto expect = [&](const Spectra& spectra, const std::vector<double>& is) {
+        const std::size_t bins = bin_first.size() - 1;
+        ASSERT_EQ(is.size(), spectra.size() * bins);
+        for (std::size_t node = 0; node < spectra.size(); ++node)
+          for (std::size_t k = 0; k < bins; ++k) {
+            double sum = 0;
+            for (std::size_t i = bin_first[k]; i < bin_first[k + 1]; ++i)
+              sum += weight[i] * spectra[node][first + i];
+            ASSERT_NEAR(is[node * bins + k], sum, 1e-12 * sum) << c << " node " << node;
+          }
+      };
+      expect(radiance_of(around), binned.source);
+      expect(apparent_of(around), binned.apparent);
+    }
+}
+
 TEST(LightAround, SumsOverDirectionsAreThoseOfTheSpectra) {
   Random random;
   const std::size_t first = 3, stride = 2;

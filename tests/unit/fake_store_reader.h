@@ -88,8 +88,47 @@ class FakeStoreReader : public StoreReader {
     }
     return out;
   }
+  // Places in the list, from 1 on: a test may give one id to several signatures.
+  absl::StatusOr<std::vector<std::int64_t>> find_ids(const SignatureFilter& f) override {
+    const auto found = find(f);
+    std::vector<std::int64_t> out;
+    std::vector<bool> taken(signatures.size());
+    for (const StoredSignature& s : *found) {
+      std::size_t i = 0;
+      const auto same = [&](const StoredSignature& other) {
+        return other.signature_id == s.signature_id && other.sweep == s.sweep && other.row == s.row;
+      };
+      while (taken[i] || !same(signatures[i])) ++i;
+      taken[i] = true;
+      out.push_back(static_cast<std::int64_t>(i) + 1);
+    }
+    return out;
+  }
+  absl::StatusOr<std::vector<StoredSignature>> read(std::span<const std::int64_t> ids) override {
+    std::vector<StoredSignature> out;
+    for (const std::int64_t id : ids)
+      out.push_back(signatures.at(static_cast<std::size_t>(id) - 1));
+    return out;
+  }
   absl::StatusOr<std::vector<SweepContents>> contents() override {
-    return std::vector<SweepContents>();
+    std::vector<SweepContents> out;
+    std::map<std::string, std::size_t> place;
+    const auto add = [](auto& list, const auto& value, const auto& same) {
+      if (std::none_of(list.begin(), list.end(), same)) list.push_back(value);
+    };
+    for (const StoredSignature& s : signatures) {
+      const auto [at, fresh] = place.try_emplace(s.sweep, out.size());
+      if (fresh) out.emplace_back().name = s.sweep;
+      SweepContents& sweep = out[at->second];
+      ++sweep.rows;
+      sweep.whole_rows = std::max(sweep.whole_rows, s.row);
+      add(sweep.condition, SweepContents::Condition{s.season, s.time_utc},
+          [&](const auto& c) { return c.season == s.season && c.time_utc == s.time_utc; });
+      add(sweep.band, SweepContents::Band{s.band, s.lambda_min_um, s.lambda_max_um},
+          [&](const auto& b) { return b.name == s.band; });
+      add(sweep.range_m, s.range_m, [&](double r) { return r == s.range_m; });
+    }
+    return out;
   }
   absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter&) override {
     return std::vector<StoredValue>();

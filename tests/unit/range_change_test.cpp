@@ -142,7 +142,7 @@ class RangeChanged : public ::testing::Test {
     air.set_path_emission(true);
   }
   absl::StatusOr<std::vector<QueryRow>> at(double range_m, TargetExtent extent = {10, 5}) {
-    return run_query(db_, {.range_m = range_m},
+    return run_query(db_, {.range_m = {range_m}},
                      [&](const StoredSweep&) -> absl::StatusOr<TargetExtent> { return extent; });
   }
   FakeStoreReader db_;
@@ -227,10 +227,10 @@ TEST_F(RangeChanged, WhatCannotBeMovedIsRefused) {
   db_.signatures[0].superseded = false;
   db_.signatures[0].contrast_intensity_w_sr = kNotComputed;
   refused(at(5000), kFailedPrecondition, "an older irsig");
-  refused(
-      run_query(db_,
-                {.aspect = SignatureFilter::Direction{0, 0}, .interpolate = true, .range_m = 5000}),
-      kInvalidArgument, "interpolated");
+  refused(run_query(
+              db_,
+              {.aspect = SignatureFilter::Direction{0, 0}, .interpolate = true, .range_m = {5000}}),
+          kInvalidArgument, "interpolated");
 }
 
 TEST_F(RangeChanged, ABackgroundThatTheAirHidesIsNotBroughtNearer) {
