@@ -32,6 +32,7 @@ void add_cancel(CLI::App& app, int& exit_code);
 void add_digest(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 void add_ca(CLI::App& app, int& exit_code);
+void add_slice(CLI::App& app, int& exit_code);
 void add_query(CLI::App& app, int& exit_code);
 void add_bands(CLI::App& app, int& exit_code);
 void add_explain(CLI::App& app, int& exit_code);

@@ -238,6 +238,8 @@ void print_temperatures(std::ostream& out, const SweepReport& r) {
 void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::size_t sweeps) {
   fmt::print(out, "{}: {} of {} jobs done, {} rows, {}\n", r.progress.name, r.progress.done,
              r.progress.jobs, r.rows.size(), count_text(r.sums.rays, "rays"));
+  for (const schema::Slice& slice : r.sweep.resolved.slice())
+    fmt::print(out, "{}\n", slice_text(slice));
   print_temperatures(out, r);
   if (r.superseded > 0)
     fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",

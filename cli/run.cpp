@@ -54,6 +54,16 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
   for (const auto& sweep : known->sweep()) {
     const bool same_name = sweep.name() == loaded.resolved.sweep().name();
     if (same_name && has_time_budget(loaded.resolved)) {
+      const auto reader = StoreReader::open(asked.db_path);
+      if (!reader.ok()) return reader.status();
+      const auto kept = (*reader)->sweep(sweep.name());
+      if (!kept.ok()) return kept.status();
+      if (kept->resolved.slice_size() > 0)
+        return absl::InvalidArgumentError(fmt::format(
+            "{} holds a slice of the sweep \"{}\": its rows have the samples that a time budget "
+            "once became; expected accuracy.samples_per_replicate = {} instead of time_budget_s",
+            asked.db_path, sweep.name(),
+            kept->resolved.sweep().accuracy().samples_per_replicate()));
       auto stored = stored_sweep(farm.address(), sweep.sweep_sha256());
       if (!stored.ok()) return stored.status();
       if (is_same_but_for_samples(*stored, loaded.resolved)) loaded.resolved = *std::move(stored);

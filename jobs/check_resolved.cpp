@@ -34,6 +34,9 @@ void check_shape(const schema::ResolvedSweep& resolved, Findings& findings) {
   needs_one(sweep.band_size(), "band");
   needs_one(sweep.part_size(), "part");
   needs_one(resolved.viewpoint_size(), "viewpoint");
+  if (resolved.slice_size() > 0)
+    findings.add("slice",
+                 "slice is for what `irsig slice` made, expected a sweep as it was written");
   const std::int64_t conditions = std::int64_t{sweep.season_size()} * sweep.time_size();
   if (resolved.condition_size() != conditions)
     findings.add("condition", absl::StrCat("condition has ", resolved.condition_size(),

@@ -75,6 +75,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"ResolvedSweep.condition", kMostConditions},
     {"ResolvedSweep.heat", kMostConditions},
     {"ResolvedSweep.plume", kMostPlumes},
+    {"ResolvedSweep.slice", 64},
     {"Condition.part_temperature_k", kParts},
     {"Condition.warning", kNames},
     {"ConditionField.part", kParts},

@@ -13,6 +13,7 @@
 #include "view/error_budget.h"
 #include "view/heat_effects.h"
 #include "view/measured_row.h"
+#include "view/outcome.h"
 #include "view/query.h"
 #include "view/query_table.h"
 
@@ -27,6 +28,7 @@ struct Explained {
   std::vector<StoredTemperature> temperature;  // computed, of the row's condition
   std::vector<HeatEffects::Kelvin> left_out;   // of these temperatures
   schema::Accuracy accuracy;                   // of the sweep
+  std::vector<schema::Slice> slice = {};
 
   [[nodiscard]] const StoredSignature& signature() const { return row.signature; }
 };
@@ -76,6 +78,7 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
   const auto stored = reader.sweep(out.signature().sweep);
   if (!stored.ok()) return stored.status();
   out.accuracy = stored->resolved.sweep().accuracy();
+  out.slice.assign(stored->resolved.slice().begin(), stored->resolved.slice().end());
   const auto heat = HeatEffects::make(*stored);
   if (!heat.ok()) return heat.status();
   if (!out.ledger.effect.empty())
@@ -105,6 +108,7 @@ std::string title(const Explained& e) {
                   s.row, s.sweep, s.season, s.time_utc, s.band, s.lambda_min_um, s.lambda_max_um,
                   s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m);
   if (s.superseded) out += "of an earlier version of the sweep: it waits for its replacement\n";
+  for (const schema::Slice& slice : e.slice) out += slice_text(slice) + "\n";
   if (!s.warning.empty())
     out += "warning: " + absl::StrReplaceAll(s.warning, {{"\n", "\nwarning: "}}) + "\n";
   return out;
@@ -348,6 +352,16 @@ absl::Status write_json(StoreReader& reader, const Explained& e, std::ostream& o
   if (auto status =
           write_array("temperatures", {"part", "mean_k", "coldest_k", "hottest_k", "error_k"},
                       temperatures, out);
+      !status.ok())
+    return status;
+  out << ",\n";
+  std::vector<std::vector<Cell>> slices;
+  for (const schema::Slice& slice : e.slice)
+    slices.push_back({slice.source(), slice.sweep_sha256(), slice.source_rows(),
+                      slice.source_digest(), slice.filter(), slice.rows()});
+  if (auto status = write_array(
+          "slices", {"source", "sweep_sha256", "source_rows", "source_digest", "filter", "rows"},
+          slices, out);
       !status.ok())
     return status;
   out << "}\n";

@@ -64,4 +64,11 @@ absl::StatusOr<std::vector<std::string>> floor_notes(StoreReader& reader,
   return out;
 }
 
+std::string slice_text(const schema::Slice& slice) {
+  return fmt::format("sliced from {}: {} of {} rows, {}; sweep {}{}", slice.source(), slice.rows(),
+                     slice.source_rows(), slice.filter().empty() ? "all" : slice.filter(),
+                     slice.sweep_sha256(),
+                     slice.source_digest().empty() ? "" : ", digest " + slice.source_digest());
+}
+
 }  // namespace irsig

@@ -18,6 +18,10 @@ namespace irsig {
 // A warning of views that were seen from behind in part, with the remedy. Empty: none.
 [[nodiscard]] std::string backface_text(const StoredOutcome& outcome);
 
+// Where a slice comes from, one line: "sliced from a.sigdb: 12 of 48 rows, --season winter; sweep
+// <sha256>".
+[[nodiscard]] std::string slice_text(const schema::Slice& slice);
+
 // Of the rows that a query found: how many of them stopped at their sweep's floor. [K]
 [[nodiscard]] absl::StatusOr<std::vector<std::string>> floor_notes(
     StoreReader& reader, const std::vector<QueryRow>& rows);

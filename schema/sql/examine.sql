@@ -25,7 +25,7 @@ SELECT signature_id, f.sweep, f.row FROM signature_view f WHERE superseded = 0 O
 SELECT w.name, v.jobs, v.waiting + v.leased, v.quarantined, v.cancelled, w.viewpoints * w.conditions * w.bands,
        (SELECT count(*) FROM signature s JOIN job j USING (job_id) JOIN condition c USING (condition_id) JOIN band b USING (band_id)
         WHERE j.sweep_id = w.sweep_id AND j.superseded = 0 AND c.superseded = 0 AND b.superseded = 0),
-       (SELECT count(*) FROM job j WHERE j.sweep_id = w.sweep_id AND j.superseded = 1)
+       (SELECT count(*) FROM job j WHERE j.sweep_id = w.sweep_id AND j.superseded = 1), w.resolved_sweep
 FROM sweep w JOIN sweep_view v USING (sweep_id) ORDER BY w.name;
 
 -- name: physics_versions

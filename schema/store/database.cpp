@@ -114,11 +114,15 @@ int Rows::place_of(std::string_view name) const {
 
 bool Rows::at_end() const { return column_ >= sqlite3_data_count(statement_); }
 
-absl::StatusOr<std::unique_ptr<Database>> Database::open(const std::string& path, Mode mode) {
-  const std::string uri =
-      absl::StrCat("file:", percent_encoded(path), mode == Mode::kImmutable ? "?immutable=1" : "");
-  const int flags = mode == Mode::kReadWriteCreate ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
-                                                   : SQLITE_OPEN_READONLY;
+absl::StatusOr<std::unique_ptr<Database>> Database::open(const std::string& path, Mode mode,
+                                                         bool attaches) {
+  const bool writes = mode == Mode::kReadWriteCreate;
+  std::string uri = absl::StrCat("file:", percent_encoded(path), "?mode=", writes ? "rwc" : "ro");
+  if (mode == Mode::kImmutable) uri += "&immutable=1";
+  // The flags are those of attached databases, too; the address may only take from them.
+  const int flags = writes     ? SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE
+                    : attaches ? SQLITE_OPEN_READWRITE
+                               : SQLITE_OPEN_READONLY;
   sqlite3* handle = nullptr;
   const int code =
       sqlite3_open_v2(uri.c_str(), &handle, flags | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -143,6 +147,10 @@ absl::Status Database::script(const std::string& text) {
     return error(text.size() < 80 ? text : "a script");
   }
   return absl::OkStatus();
+}
+
+absl::Status Database::attach(const char* sql, const std::string& path) {
+  return run(sql, absl::StrCat("file:", percent_encoded(path), "?mode=rw"));
 }
 
 absl::StatusOr<sqlite3_stmt*> Database::prepared(const char* sql) {

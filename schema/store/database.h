@@ -62,13 +62,19 @@ class Database {
     kReadOnly,
     kImmutable,  // read-only, and nobody writes: needs no lock and no journal
   };
-  static absl::StatusOr<std::unique_ptr<Database>> open(const std::string& path, Mode mode);
+  // attaches: whether another database may be attached for writing, whatever this one's mode.
+  static absl::StatusOr<std::unique_ptr<Database>> open(const std::string& path, Mode mode,
+                                                        bool attaches = false);
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
   ~Database();
 
   // Runs a script of statements without parameters.
   absl::Status script(const std::string& text);
+
+  // Attaches a database that exists, for writing, as a schema of the name that `sql` says
+  // ("ATTACH ?1 AS name").
+  absl::Status attach(const char* sql, const std::string& path);
 
   // Starts a statement with its parameters bound in order (integers, doubles, strings, Blob,
   // std::nullopt for NULL). `sql` must be a literal: its address is the key of the statement cache.

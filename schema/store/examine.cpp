@@ -167,8 +167,16 @@ class Examination {
     return for_each(database_, sql::coverage, [&](Rows& row) {
       const std::string sweep = row.text();
       const std::int64_t jobs = row.integer(), open = row.integer(), given_up = row.integer(),
-                         cancelled = row.integer(), wanted = row.integer(), stored = row.integer(),
+                         cancelled = row.integer(), lists = row.integer(), stored = row.integer(),
                          replaced = row.integer();
+      schema::ResolvedSweep resolved;
+      if (!resolved.ParseFromString(row.text()))
+        found(StoreFinding::Kind::kDamaged,
+              absl::StrCat("sweep ", sweep, ": its definition cannot be read"));
+      // Not every place of a slice's lists was chosen.
+      const std::int64_t wanted =
+          resolved.slice().empty() ? lists
+                                   : static_cast<std::int64_t>(resolved.slice().rbegin()->rows());
       const auto say = [&](StoreFinding::Kind kind, std::int64_t count, const char* what) {
         if (count > 0)
           found(kind, absl::StrCat("sweep ", sweep, ": ", count, " of ", jobs, " jobs ", what));

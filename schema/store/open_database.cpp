@@ -288,7 +288,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   return out;
 }
 
-absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path) {
+absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path, bool attaches) {
   IRSIG_STORE_TRY(check_regular(path));
   if (!exists(path)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
   const absl::StatusOr<FileHeader> header = read_file_header(path);
@@ -298,8 +298,8 @@ absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& pa
   // (somebody copied it); opened in the ordinary way SQLite would create an empty journal beside
   // it.
   const bool alone = header->write_ahead_log && !exists(path + "-wal") && !exists(path + "-lock");
-  absl::StatusOr<std::unique_ptr<Database>> database =
-      Database::open(path, alone ? Database::Mode::kImmutable : Database::Mode::kReadOnly);
+  absl::StatusOr<std::unique_ptr<Database>> database = Database::open(
+      path, alone ? Database::Mode::kImmutable : Database::Mode::kReadOnly, attaches);
   if (!database.ok()) return database.status();
   IRSIG_STORE_TRY(check_pragmas(path, **database));
   const absl::StatusOr<std::int64_t> version = (*database)->integer("PRAGMA user_version");

@@ -60,8 +60,9 @@ struct WritableDatabase {
 // has closed it.
 void remove_database(const std::string& path);
 
-// Never creates or changes anything.
-[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path);
+// Never creates or changes anything. attaches: database.h.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path,
+                                                                         bool attaches = false);
 
 // Runs the steps above the database's user_version, all in one transaction, which ends as it began
 // unless `check` is content with what they have left. INVALID_ARGUMENT: a newer version.

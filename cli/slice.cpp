@@ -1,0 +1,64 @@
+#include "schema/store/slice.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/commands.h"
+#include "cli/filter_options.h"
+#include "view/print.h"
+#include "view/progress.h"
+
+namespace irsig {
+namespace {
+
+struct SliceCommand {
+  explicit SliceCommand(CLI::App& command) : filter(command) {}
+  FilterOptions filter;
+  std::string out;
+  bool source_digest = false;
+
+  [[nodiscard]] absl::Status run() const {
+    const auto query = filter.query();
+    if (!query.ok()) return query.status();
+    if (query->interpolate)
+      return absl::InvalidArgumentError(
+          "--interpolate: a slice holds computed signatures only; expected --nearest or --within");
+    const auto asked = filter_of(*query);
+    if (!asked.ok()) return asked.status();
+    std::optional<LoopProgress> progress;
+    std::uint64_t before = 0;
+    const auto sliced = slice_database(filter.database(), {*asked, filter.text(), source_digest},
+                                       out, [&](std::uint64_t rows, std::uint64_t of) {
+                                         if (!progress) progress.emplace("rows copied", of);
+                                         progress->step(rows - before);
+                                         before = rows;
+                                       });
+    if (absl::IsNotFound(sliced.status())) {
+      const auto reader = StoreReader::open(filter.database());
+      if (!reader.ok()) return reader.status();
+      if (absl::Status why = explain_nothing(**reader, *asked); !why.ok()) return why;
+    }
+    if (!sliced.ok()) return sliced.status();
+    if (!sliced->source_digest.empty()) print_text("of {}\n", sliced->source_digest);
+    print_text("{}\n", sliced->digest);
+    print_note("irsig: {}: {} of {} rows\n", out, sliced->rows, sliced->source_rows);
+    return absl::OkStatus();
+  }
+};
+
+}  // namespace
+
+void add_slice(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand(
+      "slice",
+      "Write the chosen signatures, with all that is stored of them, into a database of their own; "
+      "print its digest");
+  const auto options = std::make_shared<SliceCommand>(*command);
+  command->add_option("--out", options->out, "The new database")->required()->type_name("FILE");
+  command->add_flag("--source-digest", options->source_digest,
+                    "Keep the digest of DB, too, and print it first; reads all of it");
+  command->callback([options, &exit_code] { exit_code = report(options->run()); });
+}
+
+}  // namespace irsig
