@@ -1,8 +1,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "view/export_thumbnails.h"
 #include "view/plot_picture.h"
 #include "view/thumbnail.h"
 
@@ -16,5 +18,9 @@ namespace irsig {
                                                     const NextExr& others);
 // A ReadExr (view/plot_picture.h).
 [[nodiscard]] absl::StatusOr<StoredPixels> read_exr(const std::string& exr);
+
+// PaintPictures: as many processes at a time as the machine has cores.
+[[nodiscard]] absl::StatusOr<std::vector<PictureFacts>> paint_pictures(
+    const std::vector<PictureAsked>& pictures);
 
 }  // namespace irsig

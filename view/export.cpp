@@ -6,52 +6,77 @@
 #include <set>
 
 #include "view/atomic_file.h"
+#include "view/progress.h"
 #include "view/query_table.h"
 
 namespace irsig {
 
 namespace {
 
-absl::StatusOr<std::vector<QueryRow>> rows_to_export(StoreReader& reader, const Query& query) {
-  auto rows = run_query(reader, query);
-  if (rows.ok() && rows->empty())
-    return absl::NotFoundError("nothing to export: no signature matches the filters");
-  return rows;
+absl::Status nothing() {
+  return absl::NotFoundError("nothing to export: no signature matches the filters");
+}
+
+absl::Status export_netcdf(StoreReader& reader, const ExportAsked& asked, const std::string& path) {
+  if (asked.query.interpolate) {
+    return absl::InvalidArgumentError(
+        "netcdf holds computed signatures only: export interpolated ones as csv");
+  }
+  const auto rows = run_query(reader, asked.query, asked.extent_of);
+  if (!rows.ok()) return rows.status();
+  if (rows->empty()) return nothing();
+  std::set<std::string> sweeps;
+  for (const QueryRow& r : *rows) sweeps.insert(r.signature.sweep);
+  if (sweeps.size() > 1) {
+    return absl::InvalidArgumentError(fmt::format(
+        "a netcdf file holds one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
+  }
+  return replace_file(
+      path, [&](const std::string& beside) { return write_netcdf(reader, *rows, beside); });
 }
 
 }  // namespace
 
-absl::Status export_csv(StoreReader& reader, const Query& query, std::ostream& out) {
-  const auto rows = rows_to_export(reader, query);
+absl::Status export_csv(StoreReader& reader, const ExportAsked& asked, std::ostream& out) {
+  const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
   if (!rows.ok()) return rows.status();
-  return write_rows(reader, *rows, {.causes = true}, "csv", out);
+  auto some = (*rows)->next();
+  if (!some.ok()) return some.status();
+  if (some->empty()) return nothing();
+  const bool wide = asked.spectra == TableSpectra::kWide;
+  auto table = RowTable::make(reader, *some,
+                              {.spectrum = asked.spectra == TableSpectra::kLong,
+                               .wide = wide,
+                               .causes = !wide,
+                               .quantity = asked.query.quantity},
+                              "csv", out);
+  if (!table.ok()) return table.status();
+  LoopProgress progress("rows written", (*rows)->count());
+  while (!some->empty() && out) {  // finish() says if the stream failed
+    for (const QueryRow& row : *some) {
+      if (absl::Status s = table->write(row); !s.ok()) return s;
+      progress.step();
+    }
+    some = (*rows)->next();
+    if (!some.ok()) return some.status();
+  }
+  return table->finish();
 }
 
-absl::Status export_file(StoreReader& reader, const Query& query, std::string_view format,
+absl::Status export_file(StoreReader& reader, const ExportAsked& asked, std::string_view format,
                          const std::string& path) {
-  if (format != "csv" && format != "netcdf" && format != "envi") {
+  if (format == "netcdf") return export_netcdf(reader, asked, path);
+  if (format == "envi") {
+    const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
+    if (!rows.ok()) return rows.status();
+    return write_envi(reader, **rows, asked.query.quantity, path);
+  }
+  if (format != "csv")
     return absl::InvalidArgumentError(
         fmt::format("unknown format \"{}\": expected csv, netcdf or envi", format));
-  }
-  const auto rows = rows_to_export(reader, query);
-  if (!rows.ok()) return rows.status();
-  if (format == "netcdf") {
-    if (query.interpolate) {
-      return absl::InvalidArgumentError(
-          "netcdf holds computed signatures only: export interpolated ones as csv");
-    }
-    std::set<std::string> sweeps;
-    for (const QueryRow& r : *rows) sweeps.insert(r.signature.sweep);
-    if (sweeps.size() > 1) {
-      return absl::InvalidArgumentError(fmt::format(
-          "a netcdf file holds one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
-    }
-  }
-  if (format == "envi") return write_envi(reader, *rows, query.quantity, path);
   return replace_file(path, [&](const std::string& beside) -> absl::Status {
-    if (format == "netcdf") return write_netcdf(reader, *rows, beside);
     std::ofstream file(beside, std::ios::trunc);
-    return write_rows(reader, *rows, {.causes = true}, "csv", file);
+    return export_csv(reader, asked, file);
   });
 }
 

@@ -10,27 +10,44 @@
 
 namespace irsig {
 
-// Writes what a query selects to a file, completely or not at all.
-//   csv      the columns of `irsig query --format csv --causes`, one line per signature
+// How a table has spectra.
+enum class TableSpectra {
+  kNone,  // a line for each signature, in-band
+  kLong,  // a line for each wavelength
+  kWide   // a line for each signature, and a column for each wavelength of the quantity's spectrum
+};
+
+struct ExportAsked {
+  Query query;
+  TableSpectra spectra = TableSpectra::kNone;  // of csv
+  ExtentOf extent_of = {};                     // where rows are moved: query.range_m
+};
+
+// Writes what a query selects to a file, completely or not at all. Memory does not grow with the
+// number of rows but for netcdf (3 kB a row, and its spectrum if it is moved).
+//   csv      the columns of `irsig query --format csv --causes`, one line per signature; or with
+//            spectra. Of several sweeps, too
 //   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day, band,
-//            part, and bin (of the band's wavelengths, which are lambda_um(band, bin)); scalars,
-//            causes, parts, spectra with the bins' limits and weights; instant, sun, weather and
-//            warnings by condition. One sweep per file. What is not there (yet) is NaN.
+//            part, and bin (of the band's wavelengths, which are lambda_um(band, bin)), and range_m
+//            if rows are moved to other ranges; scalars, causes, parts, spectra with the bins'
+//            limits and weights; instant, sun, weather and warnings by condition. One sweep per
+//            file. What is not there (yet) is NaN.
 //   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
 //            one band's wavelengths, a spectrum and its name for each signature
 // NOT_FOUND: nothing matches.
-[[nodiscard]] absl::Status export_file(StoreReader& reader, const Query& query,
+[[nodiscard]] absl::Status export_file(StoreReader& reader, const ExportAsked& asked,
                                        std::string_view format, const std::string& path);
 
 // The same CSV to a stream.
-[[nodiscard]] absl::Status export_csv(StoreReader& reader, const Query& query, std::ostream& out);
+[[nodiscard]] absl::Status export_csv(StoreReader& reader, const ExportAsked& asked,
+                                      std::ostream& out);
 
 // The netCDF writer: rows of one sweep, not interpolated, not empty.
 [[nodiscard]] absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
                                         const std::string& path);
 
 // The same for an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
-[[nodiscard]] absl::Status write_envi(StoreReader& reader, const std::vector<QueryRow>& rows,
+[[nodiscard]] absl::Status write_envi(StoreReader& reader, QueryRows& rows,
                                       SignatureQuantity quantity, const std::string& path);
 // Of "ship.sli": "ship.hdr".
 [[nodiscard]] std::string envi_header_of(const std::string& path);

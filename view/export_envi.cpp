@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <fstream>
 
@@ -20,9 +21,9 @@ std::string in_list(std::string text) {
 
 std::string name_of(const StoredSignature& s) {
   const std::string row = s.row > 0 ? fmt::format("row {}", s.row) : "interpolated";
-  return in_list(fmt::format("{} {} {} {} azimuth {:g} elevation {:g} deg range {:g} m", row,
+  return in_list(fmt::format("{} {} {} {} azimuth {:g} elevation {:g} deg range {:g} m of {}", row,
                              s.season, s.time_utc, s.band, s.aspect_azimuth_deg,
-                             s.aspect_elevation_deg, s.range_m));
+                             s.aspect_elevation_deg, s.range_m, s.sweep));
 }
 
 }  // namespace
@@ -31,15 +32,15 @@ std::string envi_header_of(const std::string& path) {
   return path.substr(0, path.size() - (path.ends_with(".sli") ? 4 : 0)) + ".hdr";
 }
 
-absl::Status write_envi(StoreReader& reader, const std::vector<QueryRow>& rows,
-                        SignatureQuantity quantity, const std::string& path) {
+absl::Status write_envi(StoreReader& reader, QueryRows& rows, SignatureQuantity quantity,
+                        const std::string& path) {
   static_assert(std::endian::native == std::endian::little, "the header says byte order 0");
   const QuantityColumns& columns = columns_of(quantity);
-  std::vector<float> values;
   std::vector<std::string> names;
   std::vector<double> lambda_um;
-  LoopProgress progress("spectra read, rows", rows.size());
-  for (const QueryRow& row : rows) {
+  std::uint64_t first_row = 0;
+  LoopProgress progress("spectra written, rows", rows.count());
+  const auto append = [&](const QueryRow& row, std::ostream& out) -> absl::Status {
     const auto got = spectrum_of(reader, row);
     if (!got.ok()) return got.status();
     const schema::Spectrum& s = got->spectrum;
@@ -47,32 +48,48 @@ absl::Status write_envi(StoreReader& reader, const std::vector<QueryRow>& rows,
     if (spectrum.empty())
       return absl::FailedPreconditionError(
           fmt::format("row {} has no spectrum of {}", row.signature.row, columns.name));
-    const std::vector<double> axis(s.lambda_um().begin(), s.lambda_um().end());
-    if (lambda_um.empty()) lambda_um = axis;
-    if (axis != lambda_um)
+    if (lambda_um.empty()) {
+      lambda_um.assign(s.lambda_um().begin(), s.lambda_um().end());
+      first_row = row.signature.row;
+    }
+    if (!std::equal(lambda_um.begin(), lambda_um.end(), s.lambda_um().begin(), s.lambda_um().end()))
       return absl::InvalidArgumentError(
           fmt::format("row {} has other wavelengths than row {}: a spectral library has one set of "
                       "them, expected --band (and --sweep)",
-                      row.signature.row, rows.front().signature.row));
-    values.insert(values.end(), spectrum.begin(), spectrum.end());
+                      row.signature.row, first_row));
+    out.write(reinterpret_cast<const char*>(spectrum.data()),
+              static_cast<std::streamsize>(sizeof(float)) * spectrum.size());
     names.push_back(name_of(row.signature));
     progress.step();
-  }
-  const auto header = fmt::format(
-      "ENVI\ndescription = {{spectral {}, means over bins, per um}}\nsamples = {}\nlines = "
-      "{}\nbands = 1\n"
-      "header offset = 0\nfile type = ENVI Spectral Library\ndata type = 4\ninterleave = bsq\n"
-      "byte order = 0\nwavelength units = Micrometers\nwavelength = {{{}}}\nspectra names = "
-      "{{{}}}\n",
-      columns.name, lambda_um.size(), rows.size(), fmt::join(lambda_um, ", "),
-      fmt::join(names, ", "));
+    return absl::OkStatus();
+  };
+  const absl::Status written = replace_file(path, [&](const std::string& beside) -> absl::Status {
+    std::ofstream file(beside, std::ios::binary | std::ios::trunc);
+    while (file) {
+      const auto some = rows.next();
+      if (!some.ok()) return some.status();
+      if (some->empty()) break;
+      for (const QueryRow& row : *some)
+        if (absl::Status s = append(row, file); !s.ok()) return s;
+    }
+    file.close();
+    if (!file) return absl::UnavailableError(fmt::format("cannot write {}", path));
+    if (names.empty())
+      return absl::NotFoundError("nothing to export: no signature matches the filters");
+    return absl::OkStatus();
+  });
+  if (!written.ok()) return written;
   // The header last: with it the library is complete.
-  if (absl::Status s =
-          replace_file(path, std::string_view(reinterpret_cast<const char*>(values.data()),
-                                              values.size() * sizeof(float)));
-      !s.ok())
-    return s;
-  return replace_file(envi_header_of(path), header);
+  return replace_file(
+      envi_header_of(path),
+      fmt::format(
+          "ENVI\ndescription = {{spectral {}, means over bins, per um}}\nsamples = {}\nlines = "
+          "{}\nbands = 1\n"
+          "header offset = 0\nfile type = ENVI Spectral Library\ndata type = 4\ninterleave = bsq\n"
+          "byte order = 0\nwavelength units = Micrometers\nwavelength = {{{}}}\nspectra names = "
+          "{{{}}}\n",
+          columns.name, lambda_um.size(), names.size(), fmt::join(lambda_um, ", "),
+          fmt::join(names, ", ")));
 }
 
 }  // namespace irsig

@@ -50,14 +50,25 @@ std::vector<T> collected(const std::vector<const S*>& from, const Get& get) {
 // The cube that a file holds. A condition is a season at a time of day ("01:30:00Z"); where a
 // season has several dates, at an instant.
 struct Layout {
-  Places<std::tuple<double, double, double>> viewpoint;
+  Places<std::tuple<double, double, double>> viewpoint;  // at its stored range
   Places<std::string> season, time, band;
+  Places<double> range;  // of moved rows; else one for all
+  bool moved;
   struct Cell {
-    std::size_t viewpoint, season, time, band;
+    std::size_t viewpoint, season, time, band, range;
   };
   std::vector<Cell> cell;  // of each row
 
-  explicit Layout(const std::vector<QueryRow>& rows) {
+  static double stored_range_m(const QueryRow& r) {
+    return r.range_change ? r.range_change->stored_range_m : r.signature.range_m;
+  }
+
+  explicit Layout(const std::vector<QueryRow>& rows)
+      : moved(rows.front().range_change.has_value()) {
+    std::set<double> ranges;  // increasing, whatever the order they were asked for in
+    for (const QueryRow& r : rows) ranges.insert(moved ? r.signature.range_m : 0);
+    for (const double r : ranges) range.place(r, rows.front().signature);
+    range_m.assign(ranges.begin(), ranges.end());
     std::map<std::pair<std::string, std::string>, std::string> instant;
     const auto clock = [](const S& s) { return s.time_utc.substr(s.time_utc.find('T') + 1); };
     bool dated = false;
@@ -70,22 +81,30 @@ struct Layout {
     for (const std::string& t : times) time.place(t, rows.front().signature);
     for (const QueryRow& r : rows) {
       const S& s = r.signature;
-      cell.push_back({viewpoint.place({s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m}, s),
-                      season.place(s.season, s), time.place(dated ? s.time_utc : clock(s), s),
-                      band.place(s.band, s)});
+      const double stored_m = stored_range_m(r);
+      const std::tuple key(s.aspect_azimuth_deg, s.aspect_elevation_deg, stored_m);
+      const std::size_t views = viewpoint.size();
+      cell.push_back({viewpoint.place(key, s), season.place(s.season, s),
+                      time.place(dated ? s.time_utc : clock(s), s), band.place(s.band, s),
+                      range.place(moved ? s.range_m : 0, s)});
+      if (viewpoint.size() > views) viewpoint_range_m.push_back(stored_m);
     }
     time_name.assign(times.begin(), times.end());
   }
   std::vector<std::string> time_name;
+  std::vector<double> range_m, viewpoint_range_m;
 
   [[nodiscard]] std::size_t condition(const Cell& c) const {
     return c.season * time.size() + c.time;
   }
   [[nodiscard]] std::size_t conditions() const { return season.size() * time.size(); }
-  [[nodiscard]] std::size_t index(const Cell& c) const {
-    return (c.viewpoint * conditions() + condition(c)) * band.size() + c.band;
+  // Among those of a viewpoint.
+  [[nodiscard]] std::size_t place(const Cell& c) const {
+    return (condition(c) * band.size() + c.band) * range.size() + c.range;
   }
-  [[nodiscard]] std::size_t size() const { return viewpoint.size() * conditions() * band.size(); }
+  [[nodiscard]] std::size_t places() const { return conditions() * band.size() * range.size(); }
+  [[nodiscard]] std::size_t index(const Cell& c) const { return c.viewpoint * places() + place(c); }
+  [[nodiscard]] std::size_t size() const { return viewpoint.size() * places(); }
 };
 
 using Sp = schema::Spectrum;
@@ -133,7 +152,12 @@ constexpr ModeColumn kModes[] = {
 using Dimension = NetcdfFile::Dimension;
 struct Dimensions {
   Dimension viewpoint, season, time, band;
-  [[nodiscard]] std::vector<Dimension> cube() const { return {viewpoint, season, time, band}; }
+  std::optional<Dimension> range;  // of moved rows
+  [[nodiscard]] std::vector<Dimension> cube() const {
+    std::vector<Dimension> out{viewpoint, season, time, band};
+    if (range) out.push_back(*range);
+    return out;
+  }
 };
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -205,8 +229,14 @@ void write_axes(NetcdfFile& file, const Layout& layout, const Dimensions& d) {
   file.doubles({"aspect_elevation_deg", "elevation of the sensor seen from the target", ""},
                {d.viewpoint},
                collected<double>(views, [](const S& s) { return s.aspect_elevation_deg; }));
-  file.doubles({"range_m", "slant range from the target's reference point to the aperture", ""},
-               {d.viewpoint}, collected<double>(views, [](const S& s) { return s.range_m; }));
+  file.doubles({layout.moved ? "stored_range_m" : "range_m",
+                layout.moved ? "slant range that the signature was computed at"
+                             : "slant range from the target's reference point to the aperture",
+                ""},
+               {d.viewpoint}, layout.viewpoint_range_m);
+  if (d.range)
+    file.doubles({"range_m", "slant range from the target's reference point to the aperture", ""},
+                 {*d.range}, layout.range_m);
   file.strings({"season", "", ""}, {d.season},
                collected<std::string>(layout.season.first(), [](const S& s) { return s.season; }));
   file.strings(
@@ -232,6 +262,14 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
       values[layout.index(layout.cell[i])] = v;
     }
     file.doubles({kQuantities[q].name.data(), "", "", kCoordinates}, d.cube(), values);
+  }
+  if (layout.moved) {
+    std::vector<double> values(layout.size(), kNan);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      values[layout.index(layout.cell[i])] = rows[i].range_change->range_bound_w_sr;
+    file.doubles({"range_bound_w_sr", "what moving to the range adds to the apparent error", "",
+                  kCoordinates},
+                 d.cube(), values);
   }
   std::vector<long long> row(layout.size(), -1), samples = row;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -404,7 +442,7 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
         {taken ? "spectral_" + name : name, "", name, fmt::format("{} lambda_um", kCoordinates)},
         cube));
   }
-  const std::size_t slab = layout.conditions() * layout.band.size() * bins;
+  const std::size_t slab = layout.places() * bins;
   std::vector<std::vector<float>> values(std::size(kSpectra));
   LoopProgress progress("spectra written, viewpoints", of_viewpoint.size());
   for (std::size_t v = 0; v < of_viewpoint.size(); ++v) {
@@ -420,7 +458,7 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
         return absl::InternalError(
             fmt::format("row {}: other wavelengths than the first row of band \"{}\"",
                         rows[i].signature.row, rows[i].signature.band));
-      const std::size_t to = (layout.condition(cell) * layout.band.size() + cell.band) * bins;
+      const std::size_t to = layout.place(cell) * bins;
       for (std::size_t c = 0; c < values.size(); ++c) {
         const auto& of_row = (got->spectrum.*kSpectra[c].values)();
         std::copy_n(of_row.begin(),
@@ -470,8 +508,7 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
   const std::size_t of_row = most * bins;
   for (std::size_t v = 0; v < of_viewpoint.size(); ++v)
     for (std::size_t c = 0; c < std::size(kModes); ++c) {
-      std::vector<float> values(layout.conditions() * layout.band.size() * of_row,
-                                std::numeric_limits<float>::quiet_NaN());
+      std::vector<float> values(layout.places() * of_row, std::numeric_limits<float>::quiet_NaN());
       for (const std::size_t i : of_viewpoint[v]) {
         const auto got = spectrum_of(reader, rows[i]);
         if (!got.ok()) return got.status();
@@ -479,7 +516,7 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
         if (!modes.ok()) return modes.status();
         if (modes->empty()) continue;
         const Layout::Cell& cell = layout.cell[i];
-        const std::size_t to = (layout.condition(cell) * layout.band.size() + cell.band) * of_row;
+        const std::size_t to = layout.place(cell) * of_row;
         // Fewer modes than others have: the rest of them are 0.
         for (std::size_t m = 0; m < most; ++m)
           for (std::size_t k = 0; k < modes->front().size(); ++k)
@@ -509,10 +546,12 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
                  "Intensities are at the target unless a name starts with apparent or contrast (at "
                  "the sensor's aperture; contrast is the target less its background). Standard "
                  "errors, numerical errors and model errors are one sigma. NaN: not computed.");
-  const Dimensions d{file.dimension("viewpoint", layout.viewpoint.size()),
-                     file.dimension("season", layout.season.size()),
-                     file.dimension("time_of_day", layout.time.size()),
-                     file.dimension("band", layout.band.size())};
+  Dimensions d{file.dimension("viewpoint", layout.viewpoint.size()),
+               file.dimension("season", layout.season.size()),
+               file.dimension("time_of_day", layout.time.size()),
+               file.dimension("band", layout.band.size()),
+               {}};
+  if (layout.moved) d.range = file.dimension("range_m", layout.range.size());
   write_axes(file, layout, d);
   write_conditions(file, rows, sweep->resolved, layout, d);
   write_scalars(file, rows, layout, d);

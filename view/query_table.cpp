@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "view/progress.h"
 #include "view/quantity.h"
@@ -215,78 +219,77 @@ Cell value_at(const google::protobuf::RepeatedField<float>& values, int k) {
   return k < values.size() ? Cell(static_cast<double>(values.Get(k))) : Cell();
 }
 
-absl::Status write_spectra(StoreReader& reader, const std::vector<QueryRow>& rows,
-                           std::vector<RowColumn> base, const QueryContent& content,
-                           std::string_view format, std::ostream& out) {
-  const bool causes = content.causes;
-  const QuantityColumns& asked = columns_of(content.quantity);
-  std::vector<Column> columns;
-  for (const RowColumn& c : base) columns.push_back(c.column);
-  columns.push_back({"lambda_um"});
-  for (const auto& c : kSpectral) {
-    columns.push_back(
-        {c.name, c.values == asked.spectral_value || c.values == asked.spectral_stderr});
+// One line for each wavelength.
+class LongSpectra {
+ public:
+  LongSpectra(const QueryContent& content, bool interpolated)
+      : causes_(content.causes), interpolated_(interpolated) {}
+
+  void add_heads(const QuantityColumns& asked, std::vector<Column>& heads) const {
+    heads.push_back({"lambda_um"});
+    for (const auto& c : kSpectral)
+      heads.push_back(
+          {c.name, c.values == asked.spectral_value || c.values == asked.spectral_stderr});
+    if (causes_)
+      for (const auto& c : kSpectralCauses)
+        heads.push_back(
+            {c.name, std::string_view(c.name).find("stderr") == std::string_view::npos});
+    if (interpolated_) heads.push_back({"spectral_interpolation_error_w_sr_um"});
   }
-  if (causes) {
-    for (const auto& c : kSpectralCauses) {
-      columns.push_back(
-          {c.name, std::string_view(c.name).find("stderr") == std::string_view::npos});
-    }
-  }
-  const bool interpolated = !rows.empty() && rows.front().interpolation.has_value();
-  if (interpolated) columns.push_back({"spectral_interpolation_error_w_sr_um"});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
-  LoopProgress progress("spectra written, rows", rows.size());
-  for (const QueryRow& row : rows) {
-    progress.step();
-    auto got = spectrum_of(reader, row);
-    if (!got.ok()) return got.status();
-    const schema::Spectrum& spectrum = got->spectrum;
-    const std::vector<Cell> cells = cells_of(base, row);
+
+  void write(const std::vector<Cell>& cells, const RowSpectrum& row, TableWriter& out) const {
+    const Sp& spectrum = row.spectrum;
     for (int k = 0; k < spectrum.lambda_um_size(); ++k) {
       std::vector<Cell> line = cells;
       line.emplace_back(spectrum.lambda_um(k));
       for (const auto& c : kSpectral) line.push_back(value_at((spectrum.*c.values)(), k));
-      if (causes) {
+      if (causes_)
         for (const auto& c : kSpectralCauses) line.push_back(value_at((spectrum.*c.values)(), k));
-      }
-      if (interpolated) {
-        line.emplace_back(got->spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)]);
-      }
-      (*writer)->row(line);
+      if (interpolated_)
+        line.emplace_back(row.spectral_interpolation_error_w_sr_um[static_cast<std::size_t>(k)]);
+      out.row(line);
     }
   }
-  return (*writer)->finish();
-}
 
-absl::Status write_parts(StoreReader& reader, const std::vector<QueryRow>& rows,
-                         std::vector<RowColumn> base, std::string_view format, std::ostream& out) {
-  std::vector<Column> columns;
-  for (const RowColumn& c : base) columns.push_back(c.column);
-  for (const char* name : {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"}) {
-    columns.push_back({name});
+ private:
+  bool causes_, interpolated_;
+};
+
+// One column for each wavelength: of the quantity's spectrum and of its standard error.
+class WideSpectra {
+ public:
+  WideSpectra(const QuantityColumns& asked, const Sp& first)
+      : asked_(asked), lambda_um_(first.lambda_um().begin(), first.lambda_um().end()) {}
+
+  void add_heads(std::vector<Column>& heads) const {
+    for (const auto values : {asked_.spectral_value, asked_.spectral_stderr})
+      for (const double lambda_um : lambda_um_)
+        for (const auto& c : kSpectral)
+          if (c.values == values) heads.push_back({fmt::format("{}_at_{:g}um", c.name, lambda_um)});
   }
-  const bool interpolated = !rows.empty() && rows.front().interpolation.has_value();
-  if (interpolated) columns.push_back({"part_interpolation_error_w_sr"});
-  auto writer = make_table_writer(format, columns, out);
-  if (!writer.ok()) return writer.status();
-  LoopProgress progress("parts written, rows", rows.size());
-  for (const QueryRow& row : rows) {
-    progress.step();
-    auto parts = parts_of(reader, row);
-    if (!parts.ok()) return parts.status();
-    const std::vector<Cell> cells = cells_of(base, row);
-    for (const RowPart& p : *parts) {
-      std::vector<Cell> line = cells;
-      line.emplace_back(p.part.part);
-      line.emplace_back(p.part.intensity_w_sr);
-      line.emplace_back(p.part.intensity_stderr_w_sr);
-      if (interpolated) line.emplace_back(p.interpolation_error_w_sr);
-      (*writer)->row(line);
-    }
+
+  absl::Status write(std::vector<Cell> line, const QueryRow& row, const Sp& spectrum,
+                     TableWriter& out) const {
+    const auto& axis = spectrum.lambda_um();
+    if (!std::equal(axis.begin(), axis.end(), lambda_um_.begin(), lambda_um_.end()))
+      return absl::InvalidArgumentError(fmt::format(
+          "row {} of sweep {} has other wavelengths than the first: a wide table has one "
+          "set of them, expected --band",
+          row.signature.row, row.signature.sweep));
+    for (const auto values : {asked_.spectral_value, asked_.spectral_stderr})
+      for (int k = 0; k < axis.size(); ++k) line.push_back(value_at((spectrum.*values)(), k));
+    out.row(line);
+    return absl::OkStatus();
   }
-  return (*writer)->finish();
+
+ private:
+  const QuantityColumns& asked_;
+  std::vector<double> lambda_um_;
+};
+
+template <typename Keep>
+bool any_row(const std::vector<QueryRow>& rows, const Keep& keep) {
+  return std::any_of(rows.begin(), rows.end(), keep);
 }
 
 }  // namespace
@@ -362,60 +365,134 @@ absl::Status write_in_band(const std::vector<QueryRow>& rows, const std::vector<
   return (*writer)->finish();
 }
 
-absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
-                        const QueryContent& content, std::string_view format, std::ostream& out) {
+struct RowTable::Parts {
+  StoreReader& reader;
+  QueryContent content;
+  bool interpolated = false;
+  std::vector<RowColumn> columns;
+  std::optional<LongSpectra> spectra;
+  std::optional<WideSpectra> wide;
+  std::unique_ptr<TableWriter> writer;
+
+  std::vector<Column> heads() const {
+    std::vector<Column> out;
+    for (const RowColumn& c : columns) out.push_back(c.column);
+    return out;
+  }
+  void append(std::vector<RowColumn> more) {
+    columns.insert(columns.end(), std::make_move_iterator(more.begin()),
+                   std::make_move_iterator(more.end()));
+  }
+  // Of rows as a whole, unless a spectrum or parts make several lines of each.
+  void add_totals(const std::vector<QueryRow>& first) {
+    append(further_columns());
+    show_quantity(columns, columns_of(content.quantity));
+    const bool plume =
+        any_row(first, [](const QueryRow& r) { return !std::isnan(r.signature.plume_w_sr); });
+    const bool uncertain = any_row(
+        first, [](const QueryRow& r) { return !std::isnan(r.signature.input_uncertainty_w_sr); });
+    const char* input_name = columns_of(content.quantity).input_name;
+    for (RowColumn& c : columns) {
+      if (plume && c.column.name == "plume_w_sr") c.column.brief = true;
+      if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;
+    }
+  }
+
+  absl::Status write_row(const QueryRow& row) {
+    const std::vector<Cell> cells = cells_of(columns, row);
+    if (content.parts) {
+      const auto parts = parts_of(reader, row);
+      if (!parts.ok()) return parts.status();
+      for (const RowPart& p : *parts) {
+        std::vector<Cell> line = cells;
+        line.emplace_back(p.part.part);
+        line.emplace_back(p.part.intensity_w_sr);
+        line.emplace_back(p.part.intensity_stderr_w_sr);
+        if (interpolated) line.emplace_back(p.interpolation_error_w_sr);
+        writer->row(line);
+      }
+      return absl::OkStatus();
+    }
+    if (!spectra && !wide) {
+      writer->row(cells);
+      return absl::OkStatus();
+    }
+    const auto got = spectrum_of(reader, row);
+    if (!got.ok()) return got.status();
+    if (wide) return wide->write(cells, row, got->spectrum, *writer);
+    spectra->write(cells, *got, *writer);
+    return absl::OkStatus();
+  }
+};
+
+RowTable::RowTable(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+RowTable::RowTable(RowTable&&) noexcept = default;
+RowTable& RowTable::operator=(RowTable&&) noexcept = default;
+RowTable::~RowTable() = default;
+
+absl::StatusOr<RowTable> RowTable::make(StoreReader& reader, const std::vector<QueryRow>& first,
+                                        const QueryContent& content, std::string_view format,
+                                        std::ostream& out) {
   if (content.parts && content.quantity != SignatureQuantity::kIntensity) {
     return absl::InvalidArgumentError(
         fmt::format("parts: only their source intensity is stored, expected quantity intensity and "
                     "not {}",
                     columns_of(content.quantity).name));
   }
-  if (content.spectrum && content.parts) {
+  const bool spectrum = content.spectrum || content.wide;
+  if (spectrum && content.parts) {
     return absl::InvalidArgumentError("spectrum and parts cannot be written into one table");
   }
-  const bool by_line = content.spectrum || content.parts;
-  std::vector<RowColumn> columns = fixed_columns(!by_line);
-  const bool several = std::any_of(rows.begin(), rows.end(), [&](const QueryRow& r) {
-    return r.signature.sweep != rows.front().signature.sweep;
-  });
-  for (RowColumn& c : columns)
+  auto parts = std::make_unique<Parts>(Parts{
+      reader, content, !first.empty() && first.front().interpolation.has_value(), {}, {}, {}, {}});
+  parts->columns = fixed_columns(!spectrum && !content.parts);
+  const bool several = any_row(
+      first, [&](const QueryRow& r) { return r.signature.sweep != first.front().signature.sweep; });
+  for (RowColumn& c : parts->columns)
     if (c.column.name == "sweep") c.column.brief = several;
-  const bool uncertain = std::any_of(rows.begin(), rows.end(), [](const QueryRow& r) {
-    return !std::isnan(r.signature.input_uncertainty_w_sr);
-  });
-  const auto append = [&](std::vector<RowColumn> more) {
-    columns.insert(columns.end(), std::make_move_iterator(more.begin()),
-                   std::make_move_iterator(more.end()));
-  };
-  if (!rows.empty() && rows.front().range_change) append(range_columns());
-  if (content.spectrum) {
-    return write_spectra(reader, rows, std::move(columns), content, format, out);
+  if (!first.empty() && first.front().range_change) parts->append(range_columns());
+  if (!spectrum) {
+    if (!content.parts && parts->interpolated) parts->append(interpolation_columns());
+    if (content.causes) parts->append(cause_columns());
+    if (!content.parts) parts->add_totals(first);
   }
-  if (!content.parts && !rows.empty() && rows.front().interpolation)
-    append(interpolation_columns());
-  if (content.causes) append(cause_columns());
-  if (content.parts) return write_parts(reader, rows, std::move(columns), format, out);
-  append(further_columns());
-  show_quantity(columns, columns_of(content.quantity));
-  const bool plume = std::any_of(rows.begin(), rows.end(), [](const QueryRow& r) {
-    return !std::isnan(r.signature.plume_w_sr);
-  });
-  for (RowColumn& c : columns)
-    if (plume && c.column.name == "plume_w_sr") c.column.brief = true;
-  const char* input_name = columns_of(content.quantity).input_name;
-  for (RowColumn& c : columns)
-    if (uncertain && input_name != nullptr && c.column.name == input_name) c.column.brief = true;
-
-  std::vector<Column> heads;
-  for (const RowColumn& c : columns) heads.push_back(c.column);
+  std::vector<Column> heads = parts->heads();
+  if (content.parts) {
+    for (const char* name : {"part", "part_intensity_w_sr", "part_intensity_stderr_w_sr"})
+      heads.push_back({name});
+    if (parts->interpolated) heads.push_back({"part_interpolation_error_w_sr"});
+  } else if (content.wide) {
+    Sp axis;
+    if (!first.empty()) {
+      const auto got = spectrum_of(reader, first.front());
+      if (!got.ok()) return got.status();
+      axis = got->spectrum;
+    }
+    parts->wide.emplace(columns_of(content.quantity), axis);
+    parts->wide->add_heads(heads);
+  } else if (content.spectrum) {
+    parts->spectra.emplace(content, parts->interpolated);
+    parts->spectra->add_heads(columns_of(content.quantity), heads);
+  }
   auto writer = make_table_writer(format, heads, out);
   if (!writer.ok()) return writer.status();
+  parts->writer = *std::move(writer);
+  return RowTable(std::move(parts));
+}
+
+absl::Status RowTable::write(const QueryRow& row) { return parts_->write_row(row); }
+absl::Status RowTable::finish() { return parts_->writer->finish(); }
+
+absl::Status write_rows(StoreReader& reader, const std::vector<QueryRow>& rows,
+                        const QueryContent& content, std::string_view format, std::ostream& out) {
+  auto table = RowTable::make(reader, rows, content, format, out);
+  if (!table.ok()) return table.status();
   LoopProgress progress("rows written", rows.size());
   for (const QueryRow& row : rows) {
-    (*writer)->row(cells_of(columns, row));
+    if (absl::Status s = table->write(row); !s.ok()) return s;
     progress.step();
   }
-  return (*writer)->finish();
+  return table->finish();
 }
 
 }  // namespace irsig

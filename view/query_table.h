@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <ostream>
 #include <span>
 #include <string_view>
@@ -14,6 +15,7 @@ namespace irsig {
 
 struct QueryContent {
   bool spectrum = false;  // one line per wavelength
+  bool wide = false;      // one column per wavelength of the quantity's spectrum; not with these
   bool parts = false;     // one line per part; not together with spectrum
   bool causes = false;    // columns by cause: emitted, sun, sky, sea, other parts
   SignatureQuantity quantity = SignatureQuantity::kIntensity;  // what people are shown
@@ -31,6 +33,27 @@ struct SpectralColumn {
 // column.
 [[nodiscard]] absl::Status sort_rows(std::vector<QueryRow>& rows, std::string_view column,
                                      bool descending);
+
+// Rows on their way into a table, of which there may be many.
+class RowTable {
+ public:
+  // first: some of the rows; which columns there are, and those for people, go by them.
+  // INVALID_ARGUMENT: contents that do not go together.
+  [[nodiscard]] static absl::StatusOr<RowTable> make(StoreReader& reader,
+                                                     const std::vector<QueryRow>& first,
+                                                     const QueryContent& content,
+                                                     std::string_view format, std::ostream& out);
+  RowTable(RowTable&&) noexcept;
+  RowTable& operator=(RowTable&&) noexcept;
+  ~RowTable();
+  [[nodiscard]] absl::Status write(const QueryRow& row);
+  [[nodiscard]] absl::Status finish();
+
+ private:
+  struct Parts;
+  explicit RowTable(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
 
 // Writes rows in a format of table.h. The columns start with those that scripts rely on (docs:
 // `irsig query --help`).

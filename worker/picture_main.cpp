@@ -3,15 +3,24 @@
 //
 //   irsig-picture OUT.png SCALE FOLDER
 //   irsig-picture OUT pixels FOLDER
+//   irsig-picture OUT many FILE
 //
 // FOLDER/picture.exr is painted. SCALE: "common", from 0 to the hottest pixel of all the folder's
 // images, or BLACK,WHITE in W/(m2 sr). "pixels": a line "WIDTH HEIGHT", then float32 of this
-// machine, row by row from the top left. A program of its own, because OpenImageIO is slow to load.
+// machine, row by row from the top left. "many": FILE has, of each image, a line
+//
+//   BYTES BLACK WHITE SEEN GAIN PATH BACKGROUND AREA PNG
+//
+// and so many bytes of EXR; SEEN: 1, if the image is to be as seen_from() makes it (image.h) of the
+// four numbers behind it. It is painted from BLACK to WHITE as the file PNG; "-": it is only looked
+// at. OUT has a line of each: "HOTTEST SHOWN LEFT TOP WIDTH HEIGHT": the hottest pixel of what is
+// painted, and where the target is. A program of its own, because OpenImageIO is slow to load.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 
 #include "absl/strings/numbers.h"
@@ -65,14 +74,66 @@ absl::Status paint(const std::string& out, const std::string& scale_text, const 
   return written(out, file);
 }
 
+struct Request {
+  std::size_t bytes;
+  irsig::GreyScale scale;
+  int seen;
+  irsig::SeenFrom from;
+  std::string png;
+};
+
+std::optional<Request> next_request(std::istream& in) {
+  Request r;
+  in >> r.bytes >> r.scale.black_w_m2_sr >> r.scale.white_w_m2_sr >> r.seen >> r.from.gain >>
+      r.from.path_radiance_w_m2_sr >> r.from.background_radiance_w_m2_sr >> r.from.target_area_px;
+  if (!in || in.get() != ' ' || !std::getline(in, r.png)) return std::nullopt;
+  return r;
+}
+
+absl::Status paint_many(const std::string& out_path, const std::string& in_path) {
+  std::ifstream in(in_path, std::ios::binary);
+  std::ofstream out(out_path);
+  std::string exr;
+  while (const auto request = next_request(in)) {
+    exr.resize(request->bytes);
+    in.read(exr.data(), static_cast<std::streamsize>(exr.size()));
+    if (!in) return absl::InvalidArgumentError(in_path + " ends within an image");
+    auto image = irsig::decode_exr(exr);
+    if (!image.ok())
+      return absl::Status(image.status().code(),
+                          request->png + ": " + std::string(image.status().message()));
+    irsig::ImageContent content = irsig::content_of(*image);
+    if (request->seen != 0) {
+      *image = irsig::seen_from(*image, request->from);
+      content.hottest_w_m2_sr =
+          *std::max_element(image->radiance_w_m2_sr.begin(), image->radiance_w_m2_sr.end());
+    }
+    if (request->png != "-") {
+      const auto png = irsig::encode_png(*image, request->scale);
+      if (!png.ok()) return png.status();
+      std::ofstream file(request->png, std::ios::binary);
+      file << *png;
+      if (absl::Status s = written(request->png, file); !s.ok()) return s;
+    }
+    char line[160];
+    std::snprintf(line, sizeof line, "%.9g %u %u %u %u %u\n",
+                  static_cast<double>(content.hottest_w_m2_sr), content.shown_px, content.left_px,
+                  content.top_px, content.width_px, content.height_px);
+    out << line;
+  }
+  if (!in.eof()) return absl::InvalidArgumentError(in_path + ": a line that is no image's");
+  return written(out_path, out);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER\n");
+    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER, OUT many FILE\n");
     return 2;
   }
-  const absl::Status status = paint(argv[1], argv[2], argv[3]);
+  const absl::Status status = std::string(argv[2]) == "many" ? paint_many(argv[1], argv[3])
+                                                             : paint(argv[1], argv[2], argv[3]);
   if (status.ok()) return 0;
   std::fprintf(stderr, "irsig-picture: %s\n", std::string(status.message()).c_str());
   return 1;

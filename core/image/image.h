@@ -36,6 +36,31 @@ struct GreyScale {
 // pixels that do not fill it, or one that is not finite. Safe to call from several threads; no
 // thread of its own.
 
+// What stands in front of and behind a target whose image is of the target alone, 0 elsewhere.
+struct SeenFrom {
+  double gain = 1;                         // what of the target's radiance arrives
+  double path_radiance_w_m2_sr = 0;        // between target and sensor
+  double background_radiance_w_m2_sr = 0;  // at the sensor, beside the target
+  double target_area_px = 0;               // of the silhouette, in pixels
+};
+
+// The image as the sensor has it:
+//   share x (path radiance) + gain x radiance + (1 - share) x background
+// with the share of a pixel that is target: 1 inside, 0 where the image is 0, and the same on all
+// edge pixels (of the target, beside one that is not, or at the image's edge), so that the shares
+// add up to the area as far as values from 0 to 1 can. Then the sum over pixels less the background
+// is gain x (sum of the image) + area x (path radiance - background). Limits: holes in the target
+// are background, and so are pixels that no path of it met.
+[[nodiscard]] RadianceImage seen_from(const RadianceImage& image, const SeenFrom& there);
+
+// Where an image shows something, and how bright it is at most.
+struct ImageContent {
+  float hottest_w_m2_sr = 0;
+  std::uint32_t shown_px = 0;                                          // pixels that are not 0
+  std::uint32_t left_px = 0, top_px = 0, width_px = 0, height_px = 0;  // their box; 0: none
+};
+[[nodiscard]] ImageContent content_of(const RadianceImage& image);
+
 // The pixels of an EXR file written by encode_exr.
 [[nodiscard]] absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes);
 

@@ -142,7 +142,8 @@ assert np.isnat(d["time"].sel(season="winter", time_of_day="2025-06-22T01:30:00Z
 
 TEST_F(Export, CsvHasTheCausesAndTheFilters) {
   FakeStoreReader db = fake_database();
-  ASSERT_TRUE(export_file(db, {.season = "winter", .band = "mwir"}, "csv", path("w.csv")).ok());
+  ASSERT_TRUE(
+      export_file(db, {.query = {.season = "winter", .band = "mwir"}}, "csv", path("w.csv")).ok());
   const std::string text = contents(path("w.csv"));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 192);
   EXPECT_THAT(text, HasSubstr("sun_reflected_w_sr"));
@@ -151,14 +152,16 @@ TEST_F(Export, CsvHasTheCausesAndTheFilters) {
 TEST_F(Export, RefusalsLeaveNothingBehind) {
   FakeStoreReader db = fake_database();
   std::ofstream(path("old.nc")) << "old";
-  EXPECT_EQ(export_file(db, {.max_relative_error = 1e-9}, "netcdf", path("old.nc")).code(),
-            absl::StatusCode::kNotFound);
+  EXPECT_EQ(
+      export_file(db, {.query = {.max_relative_error = 1e-9}}, "netcdf", path("old.nc")).code(),
+      absl::StatusCode::kNotFound);
   EXPECT_EQ(export_file(db, {}, "parquet", path("old.nc")).code(),
             absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(export_file(db, {.aspect = SignatureFilter::Direction{0, 20}, .interpolate = true},
-                        "netcdf", path("old.nc"))
-                .code(),
-            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(
+      export_file(db, {.query = {.aspect = SignatureFilter::Direction{0, 20}, .interpolate = true}},
+                  "netcdf", path("old.nc"))
+          .code(),
+      absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(export_file(db, {}, "csv", path("no/such/folder.csv")).code(),
             absl::StatusCode::kInvalidArgument);
   // A store that breaks in the middle of the export.

@@ -78,5 +78,44 @@ TEST(Image, RefusesWhatIsNoImage) {
   EXPECT_FALSE(decode_exr(encode_exr(ship())->substr(0, 200)).ok());
 }
 
+// A target of 4 x 3 pixels whose silhouette has 9.5 of them, at the edge of the image.
+TEST(Image, ATargetIsSeenBeforeItsBackground) {
+  RadianceImage image{6, 5, std::vector<float>(30, 0.0f)};
+  double sum = 0;
+  for (std::size_t y = 1; y < 4; ++y)
+    for (std::size_t x = 0; x < 4; ++x)
+      sum += image.radiance_w_m2_sr[6 * y + x] = 2.0f + 0.25f * static_cast<float>(x);
+  const SeenFrom there{0.5, 0.25, 3, 9.5};
+  const RadianceImage seen = seen_from(image, there);
+  const double share = (9.5 - 2) / 10;  // two pixels are inside, ten at the edge
+  EXPECT_FLOAT_EQ(seen.radiance_w_m2_sr[6 * 2 + 1], 0.5f * 2.25f + 0.25f);
+  EXPECT_FLOAT_EQ(seen.radiance_w_m2_sr[6 * 1 + 1],
+                  static_cast<float>(0.5 * 2.25 + share * 0.25 + (1 - share) * 3));
+  EXPECT_FLOAT_EQ(seen.radiance_w_m2_sr[0], 3);
+  double contrast = 0;
+  for (const float pixel : seen.radiance_w_m2_sr) contrast += static_cast<double>(pixel) - 3;
+  EXPECT_NEAR(contrast, 0.5 * sum + 9.5 * (0.25 - 3), 1e-5);
+  // More area than pixels, or less than those inside: as far as shares go.
+  EXPECT_FLOAT_EQ(seen_from(image, {1, 1, 3, 50}).radiance_w_m2_sr[6], 3.0f);
+  EXPECT_FLOAT_EQ(seen_from(image, {1, 1, 3, 0}).radiance_w_m2_sr[6], 5.0f);
+  const RadianceImage nothing{2, 1, {0, 0}};
+  EXPECT_EQ(seen_from(nothing, there).radiance_w_m2_sr, (std::vector<float>{3, 3}));
+}
+
+TEST(Image, ContentIsTheBoxOfWhatIsShown) {
+  RadianceImage image{6, 5, std::vector<float>(30, 0.0f)};
+  EXPECT_EQ(content_of(image).shown_px, 0u);
+  EXPECT_EQ(content_of(image).width_px, 0u);
+  image.radiance_w_m2_sr[6 * 1 + 4] = 2;
+  image.radiance_w_m2_sr[6 * 3 + 2] = 1;
+  const ImageContent content = content_of(image);
+  EXPECT_EQ(content.hottest_w_m2_sr, 2);
+  EXPECT_EQ(content.shown_px, 2u);
+  EXPECT_EQ(content.left_px, 2u);
+  EXPECT_EQ(content.top_px, 1u);
+  EXPECT_EQ(content.width_px, 3u);
+  EXPECT_EQ(content.height_px, 3u);
+}
+
 }  // namespace
 }  // namespace irsig

@@ -1,0 +1,263 @@
+"""What `irsig export` hands over: tables long and wide, cubes and pictures, of several ranges and several sweeps.
+
+usage: export_test.py <irsig> <irsig-picture> <repository>
+"""
+import csv, io, os, pathlib, signal, struct, subprocess, sys, tempfile, time, unittest, zlib
+
+IRSIG, PICTURE, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
+
+
+def irsig(*arguments, expect=0):
+    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == expect, f"{arguments}: {done.returncode}\n{done.stderr}"
+    return done
+
+
+def table(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def grey(path):
+    """Pixels of an 8 bit grey PNG, by the specification."""
+    data, at, packed = path.read_bytes(), 8, b""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    while at < len(data):
+        size, name = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        at += 12 + size
+        if name == b"IHDR":
+            width, height, depth, kind = struct.unpack(">IIBB", body[:10])
+            assert (depth, kind) == (8, 0)
+        elif name == b"IDAT":
+            packed += body
+    raw, rows, before = zlib.decompress(packed), [], bytes(width)
+    for y in range(height):
+        how, line = raw[y * (width + 1)], bytearray(raw[y * (width + 1) + 1:(y + 1) * (width + 1)])
+        for x in range(width):
+            left, up, corner = (line[x - 1] if x else 0), before[x], (before[x - 1] if x else 0)
+            p = left + up - corner
+            paeth = min((abs(p - left), 0, left), (abs(p - up), 1, up), (abs(p - corner), 2, corner))[2]
+            line[x] = (line[x] + (0, left, up, (left + up) // 2, paeth)[how]) & 255
+        rows.append(bytes(line))
+        before = rows[-1]
+    return rows
+
+
+class Export(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        text = (ROOT / "jobs/examples/quickstart.toml").read_text().replace("count = 24", "count = 3")
+        cls.db = cls.path / "s.sigdb"
+        for name, text in (("quickstart", text), ("other", text.replace('name = "quickstart"', 'name = "other"'))):
+            sweep = cls.path / (name + ".toml")
+            sweep.write_text(text)
+            irsig("run", sweep, "--db", cls.db, "--workers", "2")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def export(self, name, *options):
+        irsig("export", self.db, "--out", self.path / name, *options)
+        return self.path / name
+
+    def test_several_ranges_are_one_after_the_other(self):
+        chosen = ("--sweep", "quickstart", "--causes", "--csv")
+        together = table(irsig("query", self.db, *chosen, "--range-m", "20000,5000,10000").stdout)
+        self.assertEqual(len(together), 3 * 18)
+        for i, range_m in enumerate((20000, 5000, 10000)):
+            self.assertEqual(together[i::3], table(irsig("query", self.db, *chosen, "--range-m", range_m).stdout))
+        exported = table(self.export("r.csv", "--sweep", "quickstart", "--range-m", "20000,5000,10000").read_text())
+        self.assertEqual(exported, together)
+        limit = ("--quantity", "contrast_intensity", "--max-relative-error", "0.05")
+        exact = table(irsig("query", self.db, *chosen, "--range-m", "20000,5000,10000", *limit).stdout)
+        self.assertEqual(exact, [r for r in together if float(r["contrast_numerical_error_w_sr"]) <= 0.05 * abs(float(r["contrast_intensity_w_sr"]))])
+        self.assertNotIn(len(exact), (0, len(together)))
+
+    def test_a_cube_has_an_axis_of_ranges(self):
+        import numpy
+        import xarray
+        rows = table(self.export("r2.csv", "--sweep", "quickstart", "--range-m", "20000,5000").read_text())
+        one = irsig("query", self.db, "--row", "1", "--sweep", "quickstart", "--range-m", "20000", "--spectrum", "--csv")
+        with xarray.open_dataset(self.export("r.nc", "--sweep", "quickstart", "--range-m", "20000,5000")) as d:
+            self.assertEqual(d["range_m"].values.tolist(), [5000, 20000])
+            self.assertEqual(d["contrast_intensity_w_sr"].dims, ("viewpoint", "season", "time_of_day", "band", "range_m"))
+            self.assertEqual(set(d["stored_range_m"].values.tolist()), {float(rows[0]["stored_range_m"])})
+            for name in ("contrast_intensity_w_sr", "apparent_numerical_error_w_sr", "intensity_w_sr", "range_bound_w_sr"):
+                for i, range_m in enumerate((20000, 5000)):
+                    there = d[name].sel(range_m=range_m)
+                    for r in rows[i::2]:
+                        near = int(numpy.argmin(abs(d["aspect_azimuth_deg"].values - float(r["aspect_azimuth_deg"]))))
+                        self.assertEqual(float(there.isel(viewpoint=near, time_of_day=0).sel(season=r["season"], band=r["band"])), float(r[name]), name)
+            first = table(one.stdout)
+            spectrum = d["contrast_spectral_intensity_w_sr_um"].sel(range_m=20000, season=first[0]["season"], band=first[0]["band"])
+            for value, r in zip(spectrum.isel(viewpoint=0, time_of_day=0).values, first):
+                self.assertAlmostEqual(float(value), float(r["contrast_spectral_intensity_w_sr_um"]), delta=1e-6 * abs(value))
+        # Without ranges of its own a cube is as it was.
+        with xarray.open_dataset(self.export("p.nc", "--sweep", "quickstart")) as d:
+            self.assertEqual(d["range_m"].dims, ("viewpoint",))
+
+    def test_tables_long_and_wide_hold_the_same(self):
+        for more in ((), ("--range-m", "20000")):
+            chosen = ("--band", "lwir", "--quantity", "contrast_intensity", *more)
+            long = table(self.export("long.csv", "--spectra", "long", *chosen).read_text())
+            wide = table(self.export("wide.csv", "--spectra", "wide", *chosen).read_text())
+            self.assertEqual(len(wide), 2 * 9)  # of both sweeps
+            self.assertEqual({r["sweep"] for r in wide}, {"quickstart", "other"})
+            lines = iter(long)
+            for row in wide:
+                for name in row:
+                    if not name.startswith("contrast_spectral_intensity_w_sr_um_at_"):
+                        continue
+                    line = next(lines)
+                    self.assertEqual((line["sweep"], line["row"]), (row["sweep"], row["row"]))
+                    at = name.split("_at_")[1]
+                    self.assertEqual(f"{float(line['lambda_um']):g}um", at)
+                    self.assertEqual(row[name], line["contrast_spectral_intensity_w_sr_um"])
+                    self.assertEqual(row["contrast_spectral_intensity_stderr_w_sr_um_at_" + at], line["contrast_spectral_intensity_stderr_w_sr_um"])
+            self.assertEqual(list(lines), [])
+        both = irsig("export", self.db, "--spectra", "wide", "--out", self.path / "no.csv", expect=2)
+        self.assertIn("expected --band", both.stderr)
+        self.assertFalse((self.path / "no.csv").exists())
+        self.assertIn("belongs to the format csv", irsig("export", self.db, "--spectra", "long", "--out", self.path / "no.nc", expect=2).stderr)
+
+    def test_plots_have_a_curve_for_each_range(self):
+        chosen = ("--sweep", "quickstart", "--band", "lwir", "--range-m", "5000,20000")
+        for kind, more in (("spectrum", ("--row", "2", "--quantity", "contrast_intensity")), ("transmittance", ("--row", "2"))):
+            irsig("plot", self.db, "--kind", kind, *chosen, *more, "--out", self.path / "r.svg")
+            text = (self.path / "r.svg").read_text()
+            self.assertIn("winter, 5 km", text)
+            self.assertIn("winter, 20 km", text)
+        self.assertIn("one range", irsig("plot", self.db, "--kind", "map", *chosen, "--out", self.path / "r.svg", expect=2).stderr)
+        self.assertIn("belongs to --kind polar or", irsig("plot", self.db, "--kind", "hours", *chosen, "--out", self.path / "r.svg", expect=2).stderr)
+
+    def labels(self, folder):
+        rows = table((folder / "labels.csv").read_text())
+        self.assertEqual(sorted(r["image"] for r in rows), sorted(str(p.relative_to(folder)) for p in folder.glob("images/*.png")))
+        return rows
+
+    def pixels(self, exr):
+        folder, out = self.path / "one", self.path / "pixels"
+        folder.mkdir(exist_ok=True)
+        (folder / "picture.exr").write_bytes(exr.read_bytes())
+        subprocess.run([PICTURE, out, "pixels", folder], check=True)
+        size, values = out.read_bytes().split(b"\n", 1)
+        width, height = map(int, size.split())
+        flat = struct.unpack(f"={width * height}f", values)
+        return [flat[y * width:(y + 1) * width] for y in range(height)]
+
+    def test_thumbnails_are_on_one_scale(self):
+        folder = self.export("t", "--format", "thumbnails", "--sweep", "quickstart", "--exr")
+        rows = self.labels(folder)
+        self.assertEqual(len(rows), 18)
+        self.assertEqual([int(r["row"]) for r in rows], list(range(1, 19)))
+        stored = {r["row"]: r for r in table(irsig("query", self.db, "--sweep", "quickstart", "--csv").stdout)}
+        hottest = {}
+        for r in rows:
+            pixels = self.pixels((folder / r["image"]).with_suffix(".exr"))
+            hottest[r["band"]] = max(hottest.get(r["band"], 0), max(map(max, pixels)))
+        for r in rows:
+            self.assertEqual(float(r["black_w_m2_sr"]), 0)
+            self.assertAlmostEqual(float(r["white_w_m2_sr"]), hottest[r["band"]], delta=1e-6 * hottest[r["band"]])
+            for name in ("contrast_intensity_w_sr", "aspect_azimuth_deg", "numerical_error_w_sr", "season", "range_m"):
+                self.assertEqual(r[name], stored[r["row"]][name], name)
+        r = rows[5]
+        pixels, shades = self.pixels((folder / r["image"]).with_suffix(".exr")), grey(folder / r["image"])
+        for line, shade in zip(pixels, shades, strict=True):
+            for value, is_ in zip(line, shade, strict=True):
+                self.assertLessEqual(abs(255 * value / float(r["white_w_m2_sr"]) - is_), 0.51)
+        shown = [(x, y) for y, line in enumerate(pixels) for x, v in enumerate(line) if v]
+        self.assertEqual(int(r["target_px"]), len(shown))
+        left, top = min(x for x, _ in shown), min(y for _, y in shown)
+        self.assertEqual([int(r[f"box_{n}_px"]) for n in ("left", "top", "width", "height")],
+                         [left, top, max(x for x, _ in shown) - left + 1, max(y for _, y in shown) - top + 1])
+        parts = table(irsig("query", self.db, "--sweep", "quickstart", "--row", "6", "--parts", "--csv").stdout)
+        self.assertEqual({p["part"]: p["part_intensity_w_sr"] for p in parts},
+                         {n.split(":")[0]: v for n, v in r.items() if n.endswith(":part_intensity_w_sr")})
+
+    def test_of_several_sweeps_on_scales_of_ones_own(self):
+        folder = self.export("own", "--thumbnails", "--thumbnail-scale", "own", "--band", "mwir")
+        rows = self.labels(folder)
+        self.assertEqual(len(rows), 18)
+        self.assertEqual({r["image"].split("/")[1][0] for r in rows}, {"1", "2"})
+        self.assertTrue(all(max(map(max, grey(folder / r["image"]))) == 255 for r in rows))
+        stated = self.export("stated", "--thumbnails", "--thumbnail-scale", "2,30", "--row", "3")
+        self.assertEqual({(r["black_w_m2_sr"], r["white_w_m2_sr"]) for r in self.labels(stated)}, {("2", "30")})
+
+    def test_before_the_background_contrast_adds_up(self):
+        folder = self.export("sea", "--thumbnails", "--background", "--exr", "--sweep", "quickstart", "--season", "winter", "--thumbnail-scale", "own")
+        rows = {r["row"]: r for r in table(irsig("query", self.db, "--sweep", "quickstart", "--csv").stdout)}
+        for label in self.labels(folder):
+            r = {k: float(v) for k, v in rows[label["row"]].items() if v and k.endswith(("_w_sr", "_w_m2_sr", "_m2"))}
+            shades, white = grey(folder / label["image"]), float(label["white_w_m2_sr"])
+            stored = self.pixels((folder / label["image"]).with_suffix(".exr"))
+            pixel_m2 = (float(label["pixel_rad"]) * float(label["range_m"])) ** 2
+            area_px = float(label["target_area_px"])
+            self.assertAlmostEqual(area_px * pixel_m2, r["projected_area_m2"], delta=1e-9 * r["projected_area_m2"])
+            path, sea = r["path_radiance_w_m2_sr"], r["background_radiance_w_m2_sr"]
+            self.assertAlmostEqual(255 * sea / white, shades[0][0], delta=0.51)
+            gain = (r["apparent_intensity_w_sr"] - r["projected_area_m2"] * path) / r["intensity_w_sr"]
+            # Few paths: fewer pixels than the silhouette has.
+            shown_px = min(area_px, int(label["target_px"]))
+            expected = pixel_m2 * (gain * sum(map(sum, stored)) + shown_px * (path - sea))
+            contrast = pixel_m2 * sum(white * s / 255 - sea for line in shades for s in line)
+            offset = white * shades[0][0] / 255 - sea  # of the background's shade, on all of its pixels
+            contrast -= pixel_m2 * offset * (sum(map(len, shades)) - int(label["target_px"]))
+            # 8 bits, of as many pixels: 5 sigma of independent roundings.
+            step = pixel_m2 * white / 255 * 5 * (int(label["target_px"]) / 12) ** 0.5
+            self.assertLess(abs(contrast - expected), step, label["image"])
+            self.assertLess(step, 0.05 * abs(expected))
+
+    def test_an_export_that_was_killed_goes_on(self):
+        question = ("--thumbnails", "--exr", "--out", self.path / "k")
+        partial = self.path / "k.partial"
+        whole = self.export("k0", "--thumbnails", "--exr")
+        # Killed at some moment; then gone on with by the same question alone.
+        for wait_s in (0.05, 0.15, 0.3):
+            process = subprocess.Popen([IRSIG, "export", self.db, *question], stderr=subprocess.DEVNULL)
+            time.sleep(wait_s)
+            process.send_signal(signal.SIGKILL)
+            process.wait()
+            self.assertFalse((self.path / "k").exists() and partial.exists())
+        if partial.exists() and (partial / "progress").exists():
+            other = irsig("export", self.db, *question, "--band", "lwir", expect=2)
+            self.assertIn("is of another export", other.stderr)
+        if not (self.path / "k").exists():
+            irsig("export", self.db, *question)
+        same = lambda folder: {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+        self.assertEqual(same(self.path / "k"), same(whole))
+        self.assertFalse(partial.exists())
+
+    def test_a_journal_is_gone_on_with(self):
+        """What an end in between leaves: all images looked at, none painted, half a table."""
+        folder, partial = self.path / "j", self.path / "j.partial"
+        question = ("--thumbnails", "--sweep", "other", "--out", folder)
+        whole = self.export("j0", "--thumbnails", "--sweep", "other")
+        irsig("export", self.db, *question)
+        os.rename(folder, partial)
+        (partial / "progress").write_text("of something else\n0 0 0 0 0\n")
+        self.assertIn("another export", irsig("export", self.db, *question, expect=2).stderr)
+        (partial / "progress").unlink()
+        with open(partial / "labels.csv", "a") as f:
+            f.write("torn")
+        irsig("export", self.db, *question)
+        self.assertEqual((folder / "labels.csv").read_text(), (whole / "labels.csv").read_text())
+
+    def test_bad_input(self):
+        before = sorted(os.listdir(self.path))
+        for options, text in ((("--thumbnail-scale", "3"), "expected common, own, or BLACK,WHITE"),
+                              (("--range-m", "20000"), "of the stored range alone"),
+                              (("--aspect", "0,10", "--interpolate"), "not interpolated"),
+                              (("--season", "autumn"), 'no season "autumn"')):
+            self.assertIn(text, irsig("export", self.db, "--thumbnails", "--out", self.path / "x", *options, expect=2).stderr)
+        self.assertIn("exists already", irsig("export", self.db, "--thumbnails", "--out", self.path, expect=2).stderr)
+        self.assertIn("need a folder", irsig("export", self.db, "--thumbnails", "--out", "-", expect=2).stderr)
+        self.assertIn("belong to the format thumbnails", irsig("export", self.db, "--exr", "--out", self.path / "x.csv", expect=2).stderr)
+        self.assertIn("5000 comes twice", irsig("query", self.db, "--range-m", "5000,5000", expect=2).stderr)
+        self.assertEqual(sorted(os.listdir(self.path)), before)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,453 @@
+#include "view/export_thumbnails.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_split.h"
+#include "view/atomic_file.h"
+#include "view/progress.h"
+#include "view/table.h"
+
+namespace irsig {
+namespace {
+
+namespace fs = std::filesystem;
+
+// As many as one call of the painter gets: what is computed again after an end in between. Images
+// of 20 kB: 40 MB.
+constexpr std::size_t kAtOnce = 2000;
+
+struct Scale {
+  enum class Kind { kCommon, kOwn, kStated } kind = Kind::kCommon;
+  double black_w_m2_sr = 0, white_w_m2_sr = 0;
+};
+
+absl::StatusOr<Scale> parse_scale(const std::string& text) {
+  if (text == "common") return Scale{};
+  if (text == "own") return Scale{Scale::Kind::kOwn};
+  const std::vector<std::string> ends = absl::StrSplit(text, ',');
+  Scale out{Scale::Kind::kStated};
+  if (ends.size() == 2 && absl::SimpleAtod(ends[0], &out.black_w_m2_sr) &&
+      absl::SimpleAtod(ends[1], &out.white_w_m2_sr) && out.black_w_m2_sr < out.white_w_m2_sr &&
+      std::isfinite(out.black_w_m2_sr) && std::isfinite(out.white_w_m2_sr))
+    return out;
+  return absl::InvalidArgumentError(fmt::format(
+      "thumbnail scale {}: expected common, own, or BLACK,WHITE in W/(m2 sr) as 0,12.5", text));
+}
+
+using SweepBand = std::pair<std::string, std::string>;
+
+// How far an earlier call has come: a text of lines.
+struct Journal {
+  std::string asked;                  // of the question and of the rows
+  std::size_t seen = 0, painted = 0;  // rows
+  std::uint64_t labels_bytes = 0, images = 0;
+  std::map<SweepBand, double> hottest;  // of the rows seen
+
+  [[nodiscard]] std::string text() const {
+    std::string out = fmt::format("{}\n{} {} {} {} {}\n", asked, seen, painted, labels_bytes,
+                                  images, hottest.size());
+    for (const auto& [of, value] : hottest)
+      out += fmt::format("{}\n{}\n{:.17g}\n", of.first, of.second, value);
+    return out;
+  }
+  static std::optional<Journal> read(const std::string& path) {
+    std::ifstream file(path);
+    Journal out;
+    std::size_t scales = 0;
+    std::string line;
+    const auto rest = [&] { std::getline(file, line); };
+    if (!std::getline(file, out.asked)) return std::nullopt;
+    file >> out.seen >> out.painted >> out.labels_bytes >> out.images >> scales;
+    rest();
+    for (std::size_t i = 0; i < scales && file; ++i) {
+      SweepBand of;
+      std::getline(file, of.first);
+      std::getline(file, of.second);
+      file >> out.hottest[of];
+      rest();
+    }
+    if (!file) return std::nullopt;
+    return out;
+  }
+};
+
+absl::Status cannot(const std::string& path, const std::error_code& error) {
+  const std::string text = fmt::format("cannot make {}: {}", path, error.message());
+  return error == std::errc::no_space_on_device ? absl::ResourceExhaustedError(text)
+                                                : absl::InvalidArgumentError(text);
+}
+
+// One call at a time works in a folder.
+class FolderLock {
+ public:
+  static absl::StatusOr<std::unique_ptr<FolderLock>> take(const std::string& folder) {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return cannot(folder, std::error_code(errno, std::generic_category()));
+    std::unique_ptr<FolderLock> lock(new FolderLock(descriptor));
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0)
+      return absl::FailedPreconditionError(
+          fmt::format("{}: another irsig is writing this folder", folder));
+    return lock;
+  }
+  ~FolderLock() { ::close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  explicit FolderLock(int descriptor) : descriptor_(descriptor) {}
+  int descriptor_;
+};
+
+struct Image {
+  StoredSignature signature;
+  schema::Thumbnail thumbnail;
+};
+
+class ThumbnailFolder {
+ public:
+  ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
+                  std::string folder, const PaintPictures& paint)
+      : reader_(reader),
+        asked_(asked),
+        scale_(scale),
+        folder_(std::move(folder)),
+        partial_(folder_ + ".partial"),
+        paint_(paint) {}
+
+  absl::StatusOr<std::uint64_t> write() {
+    const auto filter = filter_of(asked_.query);
+    if (!filter.ok()) return filter.status();
+    auto ids = reader_.find_ids(*filter);
+    if (!ids.ok()) return ids.status();
+    if (ids->empty()) {
+      if (absl::Status why = explain_nothing(reader_, *filter); !why.ok()) return why;
+      return absl::NotFoundError("nothing to export: no signature matches the filters");
+    }
+    ids_ = *std::move(ids);
+    if (absl::Status s = find_parts(); !s.ok()) return s;
+    const auto lock = begin();
+    if (!lock.ok()) return lock.status();
+    if (absl::Status s = find_scale(); !s.ok()) return s;
+    if (absl::Status s = paint_all(); !s.ok()) return s;
+    std::error_code error;
+    if (journal_.images == 0) {
+      fs::remove_all(partial_, error);
+      return absl::NotFoundError(
+          "none of the signatures was computed with an image (output.thumbnail_px = 0)");
+    }
+    fs::remove(journal_path(), error);
+    fs::rename(partial_, folder_, error);
+    if (error) return cannot(folder_, error);
+    return journal_.images;
+  }
+
+ private:
+  [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
+  [[nodiscard]] std::string labels_path() const { return partial_ + "/labels.csv"; }
+
+  // In the order of sweeps and of their lists.
+  absl::Status find_parts() {
+    const auto sweeps = reader_.contents();
+    if (!sweeps.ok()) return sweeps.status();
+    for (const SweepContents& of : *sweeps) {
+      if (!asked_.query.sweep.empty() && of.name != asked_.query.sweep) continue;
+      const auto sweep = reader_.sweep(of.name);
+      if (!sweep.ok()) return sweep.status();
+      for (const schema::Part& part : sweep->resolved.sweep().part())
+        if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
+          parts_.push_back(part.name());
+      place_[of.name] = place_.size();
+    }
+    return absl::OkStatus();
+  }
+
+  // Anew, or where an earlier call ended.
+  absl::StatusOr<std::unique_ptr<FolderLock>> begin() {
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(folder_, error)))
+      return absl::InvalidArgumentError(
+          fmt::format("{}: exists already, expected the name of a new folder", folder_));
+    fs::create_directory(partial_, error);
+    if (error) return cannot(partial_, error);
+    auto lock = FolderLock::take(partial_);
+    if (!lock.ok()) return lock;
+    fs::create_directory(partial_ + "/images", error);
+    if (error) return cannot(partial_ + "/images", error);
+    const auto progress = reader_.progress();
+    if (!progress.ok()) return progress.status();
+    std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+    const auto add = [&](std::uint64_t value) {
+      for (int byte = 0; byte < 8; ++byte, value >>= 8)
+        hash = (hash ^ (value & 255)) * 1099511628211u;
+    };
+    for (const std::int64_t id : ids_) add(static_cast<std::uint64_t>(id));
+    for (const SweepProgress& p : *progress)
+      for (const char c : p.sweep_sha256) add(static_cast<unsigned char>(c));
+    journal_.asked = fmt::format("{} scale {}{}{}, {} rows {:016x}", asked_.said, asked_.scale,
+                                 asked_.exr ? " exr" : "", asked_.background ? " background" : "",
+                                 ids_.size(), hash);
+    if (!fs::exists(journal_path())) {
+      fs::remove(labels_path(), error);
+      return lock;
+    }
+    auto earlier = Journal::read(journal_path());
+    if (!earlier || earlier->asked != journal_.asked)
+      return absl::InvalidArgumentError(fmt::format(
+          "{} is of another export: expected the same question again, or that it is removed",
+          partial_));
+    journal_ = *std::move(earlier);
+    fs::resize_file(labels_path(), journal_.labels_bytes, error);
+    if (error && journal_.labels_bytes > 0) return cannot(labels_path(), error);
+    return lock;
+  }
+
+  // Rows from..to that have an image.
+  absl::StatusOr<std::vector<Image>> images(std::size_t from, std::size_t to) {
+    auto rows = reader_.read({ids_.data() + from, to - from});
+    if (!rows.ok()) return rows.status();
+    std::vector<Image> out;
+    for (StoredSignature& s : *rows) {
+      auto thumbnail = reader_.thumbnail(s.signature_id);
+      if (!thumbnail.ok()) return thumbnail.status();
+      if (thumbnail->has_value()) out.push_back({std::move(s), **std::move(thumbnail)});
+    }
+    return out;
+  }
+
+  // Of the silhouette.
+  static double area_px(const Image& image) {
+    const double pixel_m = image.thumbnail.pixel_rad() * image.signature.range_m;
+    return image.signature.projected_area_m2 / (pixel_m * pixel_m);
+  }
+
+  absl::StatusOr<PictureAsked> picture(const Image& image) const {
+    PictureAsked out{image.thumbnail.exr(), "", 0, 0, {}};
+    if (!asked_.background) return out;
+    const StoredSignature& s = image.signature;
+    if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
+      return absl::FailedPreconditionError(fmt::format(
+          "row {} was computed without contrast, background and path: run the sweep again", s.row));
+    // So that the target's pixels add up to its apparent intensity.
+    const double arrives_w_sr =
+        s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
+    out.seen = {s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
+                s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, area_px(image)};
+    return out;
+  }
+
+  absl::StatusOr<std::vector<PictureFacts>> painted(const std::vector<PictureAsked>& pictures) {
+    auto facts = paint_(pictures);
+    if (facts.ok() && facts->size() != pictures.size())
+      return absl::InternalError(
+          fmt::format("{} of {} images were painted", facts->size(), pictures.size()));
+    return facts;
+  }
+
+  // Of all rows, before the first is painted.
+  absl::Status find_scale() {
+    if (scale_.kind != Scale::Kind::kCommon) return absl::OkStatus();
+    LoopProgress progress("images compared", ids_.size());
+    progress.step(journal_.seen);
+    while (journal_.seen < ids_.size()) {
+      const std::size_t to = std::min(ids_.size(), journal_.seen + kAtOnce);
+      auto some = images(journal_.seen, to);
+      if (!some.ok()) return some.status();
+      std::vector<PictureAsked> pictures;
+      for (const Image& image : *some) {
+        auto one = picture(image);
+        if (!one.ok()) return one.status();
+        pictures.push_back(*std::move(one));
+      }
+      const auto facts = painted(pictures);
+      if (!facts.ok()) return facts.status();
+      for (std::size_t i = 0; i < some->size(); ++i) {
+        const StoredSignature& s = (*some)[i].signature;
+        double& hottest = journal_.hottest[{s.sweep, s.band}];
+        hottest = std::max(hottest, (*facts)[i].hottest_w_m2_sr);
+      }
+      progress.step(to - journal_.seen);
+      journal_.seen = to;
+      if (absl::Status s = replace_file(journal_path(), journal_.text()); !s.ok()) return s;
+    }
+    return absl::OkStatus();
+  }
+
+  [[nodiscard]] std::string name_of(const StoredSignature& s) const {
+    return place_.size() > 1 ? fmt::format("images/{}-{:07}", place_.at(s.sweep) + 1, s.row)
+                             : fmt::format("images/{:07}", s.row);
+  }
+
+  absl::Status paint_all() {
+    LoopProgress progress("images written", ids_.size());
+    progress.step(journal_.painted);
+    while (journal_.painted < ids_.size()) {
+      const std::size_t to = std::min(ids_.size(), journal_.painted + kAtOnce);
+      auto some = images(journal_.painted, to);
+      if (!some.ok()) return some.status();
+      if (absl::Status s = paint_some(*some); !s.ok()) return s;
+      progress.step(to - journal_.painted);
+      journal_.painted = to;
+      journal_.images += some->size();
+      if (absl::Status s = replace_file(journal_path(), journal_.text()); !s.ok()) return s;
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status paint_some(const std::vector<Image>& some) {
+    std::vector<PictureAsked> pictures;
+    for (const Image& image : some) {
+      auto one = picture(image);
+      if (!one.ok()) return one.status();
+      const StoredSignature& s = image.signature;
+      const std::string name = partial_ + "/" + name_of(s);
+      if (asked_.exr)
+        if (absl::Status status = plain_file(name + ".exr", image.thumbnail.exr()); !status.ok())
+          return status;
+      one->png = name + ".png";
+      one->black_w_m2_sr = scale_.black_w_m2_sr;
+      one->white_w_m2_sr = scale_.kind == Scale::Kind::kCommon
+                               ? journal_.hottest.at({s.sweep, s.band})
+                               : scale_.white_w_m2_sr;
+      pictures.push_back(*std::move(one));
+    }
+    if (scale_.kind == Scale::Kind::kOwn) {
+      std::vector<PictureAsked> looks = pictures;
+      for (PictureAsked& look : looks) look.png.clear();
+      const auto facts = painted(looks);
+      if (!facts.ok()) return facts.status();
+      for (std::size_t i = 0; i < pictures.size(); ++i)
+        pictures[i].white_w_m2_sr = (*facts)[i].hottest_w_m2_sr;
+    }
+    const auto facts = painted(pictures);
+    if (!facts.ok()) return facts.status();
+    std::ostringstream lines;
+    if (absl::Status s = write_labels(some, pictures, *facts, lines); !s.ok()) return s;
+    return append_labels(lines.str());
+  }
+
+  // In the folder that nobody reads yet.
+  static absl::Status plain_file(const std::string& path, const std::string& bytes) {
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file << bytes;
+    file.close();
+    return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + path);
+  }
+
+  absl::Status append_labels(const std::string& table) {
+    // Every table has its heading; the file has the first's.
+    const std::size_t from = journal_.labels_bytes == 0 ? 0 : table.find('\n') + 1;
+    std::ofstream file(labels_path(), std::ios::binary | std::ios::app);
+    file.write(table.data() + from, static_cast<std::streamsize>(table.size() - from));
+    file.close();
+    if (!file) return absl::UnavailableError("cannot write " + labels_path());
+    journal_.labels_bytes += table.size() - from;
+    return absl::OkStatus();
+  }
+
+  absl::Status write_labels(const std::vector<Image>& some,
+                            const std::vector<PictureAsked>& pictures,
+                            const std::vector<PictureFacts>& facts, std::ostream& out) {
+    using S = StoredSignature;
+    struct Number {
+      const char* name;
+      double S::*member;
+    };
+    static constexpr Number kAspect[] = {{"aspect_azimuth_deg", &S::aspect_azimuth_deg},
+                                         {"aspect_elevation_deg", &S::aspect_elevation_deg},
+                                         {"range_m", &S::range_m},
+                                         {"sun_azimuth_deg", &S::sun_azimuth_deg},
+                                         {"sun_zenith_deg", &S::sun_zenith_deg}};
+    static constexpr Number kValues[] = {
+        {"intensity_w_sr", &S::intensity_w_sr},
+        {"numerical_error_w_sr", &S::numerical_error_w_sr},
+        {"apparent_intensity_w_sr", &S::apparent_intensity_w_sr},
+        {"apparent_numerical_error_w_sr", &S::apparent_numerical_error_w_sr},
+        {"contrast_intensity_w_sr", &S::contrast_intensity_w_sr},
+        {"contrast_numerical_error_w_sr", &S::contrast_numerical_error_w_sr},
+        {"background_radiance_w_m2_sr", &S::background_radiance_w_m2_sr},
+        {"projected_area_m2", &S::projected_area_m2}};
+    std::vector<Column> heads;
+    const auto head = [&](std::string name) { heads.push_back({std::move(name)}); };
+    for (const char* name : {"image", "sweep", "row", "season", "time_utc", "band"}) head(name);
+    for (const Number& n : kAspect) head(n.name);
+    for (const char* name :
+         {"width_px", "height_px", "pixel_rad", "black_w_m2_sr", "white_w_m2_sr", "target_area_px",
+          "target_px", "box_left_px", "box_top_px", "box_width_px", "box_height_px"})
+      head(name);
+    for (const Number& n : kValues) head(n.name);
+    for (const std::string& part : parts_) {
+      head(part + ":part_intensity_w_sr");
+      head(part + ":part_intensity_stderr_w_sr");
+    }
+    auto table = make_table_writer("csv", heads, out);
+    if (!table.ok()) return table.status();
+    const auto known = [](double v) { return std::isnan(v) ? Cell() : Cell(v); };
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const S& s = some[i].signature;
+      const schema::Thumbnail& t = some[i].thumbnail;
+      const PictureFacts& f = facts[i];
+      std::vector<Cell> line{name_of(s) + ".png", s.sweep, s.row, s.season, s.time_utc, s.band};
+      for (const Number& n : kAspect) line.push_back(known(s.*n.member));
+      for (const std::uint32_t n : {t.width_px(), t.height_px()})
+        line.emplace_back(std::uint64_t{n});
+      for (const double v :
+           {t.pixel_rad(), pictures[i].black_w_m2_sr, pictures[i].white_w_m2_sr, area_px(some[i])})
+        line.emplace_back(v);
+      for (const std::uint32_t n : {f.shown_px, f.left_px, f.top_px, f.width_px, f.height_px})
+        line.emplace_back(std::uint64_t{n});
+      for (const Number& n : kValues) line.push_back(known(s.*n.member));
+      const auto parts = reader_.parts(s.signature_id);
+      if (!parts.ok()) return parts.status();
+      for (const std::string& name : parts_) {
+        const auto part = std::find_if(parts->begin(), parts->end(),
+                                       [&](const StoredPart& p) { return p.part == name; });
+        const bool there = part != parts->end();
+        line.push_back(there ? Cell(part->intensity_w_sr) : Cell());
+        line.push_back(there ? Cell(part->intensity_stderr_w_sr) : Cell());
+      }
+      (*table)->row(line);
+    }
+    return (*table)->finish();
+  }
+
+  StoreReader& reader_;
+  const ThumbnailsAsked& asked_;
+  const Scale scale_;
+  const std::string folder_, partial_;
+  const PaintPictures& paint_;
+  std::vector<std::int64_t> ids_;
+  std::vector<std::string> parts_;
+  std::map<std::string, std::size_t> place_;  // of sweeps
+  Journal journal_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const ThumbnailsAsked& asked,
+                                                const std::string& folder,
+                                                const PaintPictures& paint) {
+  if (asked.query.interpolate)
+    return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
+  if (!asked.query.range_m.empty())
+    return absl::InvalidArgumentError("thumbnails: images are of the stored range alone");
+  const auto scale = parse_scale(asked.scale);
+  if (!scale.ok()) return scale.status();
+  std::string path = folder;
+  while (path.size() > 1 && path.ends_with('/')) path.pop_back();
+  return ThumbnailFolder(reader, asked, *scale, path, paint).write();
+}
+
+}  // namespace irsig
