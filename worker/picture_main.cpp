@@ -3,11 +3,13 @@
 //
 //   irsig-picture OUT.png SCALE FOLDER
 //   irsig-picture OUT pixels FOLDER
-//   irsig-picture OUT many FILE
+//   irsig-picture SAID many ASKED
 //
 // FOLDER/picture.exr is painted. SCALE: "common", from 0 to the hottest pixel of all the folder's
 // images, or BLACK,WHITE in W/(m2 sr). "pixels": a line "WIDTH HEIGHT", then float32 of this
-// machine, row by row from the top left. "many": FILE has, of each image, a line
+// machine, row by row from the top left. "many": ASKED and SAID are pipes. Each line
+// of ASKED, "OUT<tab>FILE", is answered by a line of SAID, "ok" or what is wrong; the program ends
+// with ASKED. FILE has, of each image, a line
 //
 //   BYTES BLACK WHITE SEEN GAIN PATH BACKGROUND AREA PNG
 //
@@ -125,15 +127,30 @@ absl::Status paint_many(const std::string& out_path, const std::string& in_path)
   return written(out_path, out);
 }
 
+absl::Status serve(const std::string& said_path, const std::string& asked_path) {
+  std::ifstream asked(asked_path);
+  std::ofstream said(said_path);
+  std::string line;
+  while (std::getline(asked, line)) {
+    const std::vector<std::string> files = absl::StrSplit(line, '\t');
+    absl::Status done = files.size() == 2 ? paint_many(files[0], files[1])
+                                          : absl::InvalidArgumentError("no two files: " + line);
+    std::string text = done.ok() ? "ok" : std::string(done.message());
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    said << text << std::endl;
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER, OUT many FILE\n");
+    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER, SAID many ASKED\n");
     return 2;
   }
-  const absl::Status status = std::string(argv[2]) == "many" ? paint_many(argv[1], argv[3])
-                                                             : paint(argv[1], argv[2], argv[3]);
+  const absl::Status status =
+      std::string(argv[2]) == "many" ? serve(argv[1], argv[3]) : paint(argv[1], argv[2], argv[3]);
   if (status.ok()) return 0;
   std::fprintf(stderr, "irsig-picture: %s\n", std::string(status.message()).c_str());
   return 1;
