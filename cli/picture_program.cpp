@@ -149,7 +149,7 @@ absl::StatusOr<std::vector<PictureFacts>> PicturePainters::paint(
     if (!made.ok()) return made.status();
     folder_ = *std::move(made);
   }
-  // The program takes half a second of CPU time to load: worth it for some hundreds.
+  // The program takes 0.25 s of CPU time to load: worth it for some hundreds.
   const std::size_t pieces =
       std::max<std::size_t>(1, std::min<std::size_t>(usable_cores(), pictures.size() / 500));
   while (painter_.size() < pieces) {

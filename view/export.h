@@ -24,7 +24,7 @@ struct ExportAsked {
 };
 
 // Writes what a query selects to a file, completely or not at all. Memory does not grow with the
-// number of rows but for netcdf (3 kB a row, and its spectrum if it is moved).
+// number of rows but for netcdf (4 kB a row, and its spectrum if it is moved).
 //   csv      the columns of `irsig query --format csv --causes`, one line per signature; or with
 //            spectra. Of several sweeps, too
 //   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day, band,

@@ -240,6 +240,11 @@ class ThumbnailFolder {
     if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
       return absl::FailedPreconditionError(fmt::format(
           "row {} was computed without contrast, background and path: run the sweep again", s.row));
+    if (!std::isnan(s.plume_w_sr))
+      return absl::InvalidArgumentError(
+          fmt::format("row {} has hot gas, which lets part of the background through: its picture "
+                      "cannot be put before it",
+                      s.row));
     // So that the target's pixels add up to its apparent intensity.
     const double arrives_w_sr =
         s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
