@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 
+#include "core/base/printable.h"
+
 namespace irsig {
 namespace {
 
@@ -65,10 +67,11 @@ absl::StatusOr<std::vector<std::string>> floor_notes(StoreReader& reader,
 }
 
 std::string slice_text(const schema::Slice& slice) {
-  return fmt::format("sliced from {}: {} of {} rows, {}; sweep {}{}", slice.source(), slice.rows(),
-                     slice.source_rows(), slice.filter().empty() ? "all" : slice.filter(),
-                     slice.sweep_sha256(),
-                     slice.source_digest().empty() ? "" : ", digest " + slice.source_digest());
+  // A database may come from anywhere.
+  return one_line(fmt::format(
+      "sliced from {}: {} of {} rows, {}; sweep {}{}", slice.source(), slice.rows(),
+      slice.source_rows(), slice.filter().empty() ? "all" : slice.filter(), slice.sweep_sha256(),
+      slice.source_digest().empty() ? "" : ", digest " + slice.source_digest()));
 }
 
 }  // namespace irsig
