@@ -274,6 +274,8 @@ LightAround::Binned LightAround::binned(std::size_t first, std::span<const doubl
     }
     share_first.push_back(share.size());
   }
+  // Of a ring's sunlight behind the line's air.
+  std::vector<double> seen_air(share.size()), seen_surface(share.size());
   Binned out;
   out.source.assign(count() * bins, 0.0);
   out.apparent.assign(count() * bins, 0.0);
@@ -281,6 +283,11 @@ LightAround::Binned LightAround::binned(std::size_t first, std::span<const doubl
     if (is_dark(ring)) continue;
     const bool lower = ring >= sky_rings_;
     const double *here = thermal_->ring.row(ring), *seen = apparent_->row(ring);
+    for (std::size_t j = 0; sunlight_ != nullptr && j < share.size(); ++j) {
+      seen_air[j] = share[j].solar * ratio_->air.row(ring)[share[j].band];
+      if (lower)
+        seen_surface[j] = share[j].solar * ratio_->surface.row(ring - sky_rings_)[share[j].band];
+    }
     for (std::uint32_t a = 0; a < azimuths_; ++a) {
       const std::uint32_t node = ring * azimuths_ + a;
       double* source = out.source.data() + node * bins;
@@ -296,19 +303,20 @@ LightAround::Binned LightAround::binned(std::size_t first, std::span<const doubl
           apparent[k] += share[j].thermal * seen[share[j].band];
         }
       if (sunlight_ == nullptr) continue;
-      const auto add = [&](const float* light, const double* ratio) {
-        for (std::size_t k = 0; k < bins; ++k)
+      const auto add = [&](const float* light, const std::vector<double>& seen_share) {
+        for (std::size_t k = 0; k < bins; ++k) {
+          double at_target = 0, at_sensor = 0;
           for (std::size_t j = share_first[k]; j < share_first[k + 1]; ++j) {
-            const std::size_t b = share[j].band;
-            const double sun = share[j].solar * static_cast<double>(light[b]);
-            source[k] += sun;
-            apparent[k] += sun * ratio[b];
+            const double l = static_cast<double>(light[share[j].band]);
+            at_target += share[j].solar * l;
+            at_sensor += seen_share[j] * l;
           }
+          source[k] += at_target;
+          apparent[k] += at_sensor;
+        }
       };
-      add(sunlight_->air.row(node), ratio_->air.row(ring));
-      if (lower)
-        add(sunlight_->surface.row(node - sky_rings_ * azimuths_),
-            ratio_->surface.row(ring - sky_rings_));
+      add(sunlight_->air.row(node), seen_air);
+      if (lower) add(sunlight_->surface.row(node - sky_rings_ * azimuths_), seen_surface);
     }
   }
   return out;
