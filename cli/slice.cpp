@@ -6,6 +6,7 @@
 
 #include "cli/commands.h"
 #include "cli/filter_options.h"
+#include "planning/interruption.h"
 #include "view/print.h"
 #include "view/progress.h"
 
@@ -26,14 +27,19 @@ struct SliceCommand {
           "--interpolate: a slice holds computed signatures only; expected --nearest or --within");
     const auto asked = filter_of(*query);
     if (!asked.ok()) return asked.status();
+    hear_interruptions();
     std::optional<LoopProgress> progress;
     std::uint64_t before = 0;
-    const auto sliced = slice_database(filter.database(), {*asked, filter.text(), source_digest},
-                                       out, [&](std::uint64_t rows, std::uint64_t of) {
-                                         if (!progress) progress.emplace("rows copied", of);
-                                         progress->step(rows - before);
-                                         before = rows;
-                                       });
+    const auto sliced =
+        slice_database(filter.database(), {*asked, filter.text(), source_digest}, out,
+                       [&](std::uint64_t rows, std::uint64_t of) -> absl::Status {
+                         if (interrupted())
+                           return absl::AbortedError("interrupted: nothing was written");
+                         if (!progress) progress.emplace("rows copied", of);
+                         progress->step(rows - before);
+                         before = rows;
+                         return absl::OkStatus();
+                       });
     if (absl::IsNotFound(sliced.status())) {
       const auto reader = StoreReader::open(filter.database());
       if (!reader.ok()) return reader.status();

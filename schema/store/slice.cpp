@@ -205,7 +205,7 @@ class Slicing {
       for (const char* table : kOfSignatures) IRSIG_STORE_TRY(database_.run(table, after, *last));
       after = *last;
       done = std::min(out_.rows, done + kRowsAtOnce);
-      if (progress_) progress_(done, out_.rows);
+      if (progress_) IRSIG_STORE_TRY(progress_(done, out_.rows));
     }
     return absl::OkStatus();
   }

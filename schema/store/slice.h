@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/store/store.h"
 
@@ -21,8 +22,8 @@ struct Sliced {
   std::string source_digest;  // empty: not asked for
 };
 
-// How many of how many rows are copied.
-using SliceProgress = std::function<void(std::uint64_t rows, std::uint64_t of)>;
+// Told how many of how many rows are copied; another status than OK ends it, and leaves nothing.
+using SliceProgress = std::function<absl::Status(std::uint64_t rows, std::uint64_t of)>;
 
 // Makes a database of the rows that a filter selects, with all that belongs to them and nothing
 // else; rows of an earlier version of a sweep stay behind. Its sweeps keep their names, and have

@@ -13,6 +13,7 @@
 
 #include "fake_store_reader.h"
 #include "view/atomic_file.h"
+#include "view/query_table.h"
 
 namespace irsig {
 namespace {
@@ -46,6 +47,19 @@ class Export : public ::testing::Test {
  private:
   std::string folder_;
 };
+
+// More rows than are read at once.
+TEST_F(Export, ATableHasTheRowsOfTheQueryInTheirOrder) {
+  FakeStoreReader db = fake_database();
+  const auto rows = run_query(db, {});
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_GT(rows->size(), 1000U);
+  std::ostringstream all, streamed;
+  ASSERT_TRUE(write_rows(db, *rows, {.causes = true}, "csv", all).ok());
+  ASSERT_TRUE(export_csv(db, {}, streamed).ok());
+  EXPECT_TRUE(all.str() == streamed.str());
+  for (std::size_t i = 0; i < rows->size(); ++i) EXPECT_EQ((*rows)[i].signature.row, i + 1);
+}
 
 TEST_F(Export, NetcdfOpensInXarray) {
   FakeStoreReader db = fake_database();

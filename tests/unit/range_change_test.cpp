@@ -233,6 +233,44 @@ TEST_F(RangeChanged, WhatCannotBeMovedIsRefused) {
           kInvalidArgument, "interpolated");
 }
 
+// More rows than are read at once, on more threads than one: each as it is alone.
+TEST_F(RangeChanged, ManyRowsAreMovedAsEachAlone) {
+  const QueryRow near = at(600)->front(), far = at(20000)->front();
+  const StoredSignature first = db_.signatures[0];
+  const schema::Spectrum spectrum = db_.spectra[1];
+  constexpr int kRows = 450;
+  for (int i = 1; i < kRows; ++i) {
+    StoredSignature& s = db_.signatures.emplace_back(first);
+    s.signature_id = i + 1;
+    s.row = static_cast<std::uint64_t>(i) + 1;
+    s.aspect_azimuth_deg = 0.5 * i;
+    s.intensity_w_sr = first.intensity_w_sr + i;  // which one it is
+    db_.spectra[i + 1] = spectrum;
+  }
+  const auto rows = run_query(db_, {.range_m = {20000, 600}},
+                              [](const StoredSweep&) -> absl::StatusOr<TargetExtent> {
+                                return TargetExtent{10, 5};
+                              });
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_EQ(rows->size(), 2 * static_cast<std::size_t>(kRows));
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    const QueryRow& row = (*rows)[i];
+    const QueryRow& alone = i % 2 == 0 ? far : near;
+    EXPECT_EQ(row.signature.row, i / 2 + 1);
+    EXPECT_EQ(row.signature.range_m, alone.signature.range_m);
+    EXPECT_EQ(row.signature.intensity_w_sr, first.intensity_w_sr + static_cast<double>(i / 2));
+    EXPECT_EQ(row.signature.contrast_intensity_w_sr, alone.signature.contrast_intensity_w_sr);
+    EXPECT_EQ(row.range_change->stored_range_m, kRange);
+    EXPECT_EQ(row.range_change->spectrum->SerializeAsString(),
+              alone.range_change->spectrum->SerializeAsString());
+  }
+  // One that cannot be moved: nothing is.
+  db_.signatures[300].plume_w_sr = 1;
+  const auto hot = at(600);
+  EXPECT_EQ(hot.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(hot.status().message()), HasSubstr("row 301: hot gas"));
+}
+
 TEST_F(RangeChanged, ABackgroundThatTheAirHidesIsNotBroughtNearer) {
   db_.sweeps["box"].resolved.mutable_sweep()->mutable_air()->set_absorption_m2_kg(5e-3);
   EXPECT_EQ(at(600).status().code(), absl::StatusCode::kFailedPrecondition);

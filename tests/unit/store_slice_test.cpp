@@ -268,6 +268,32 @@ TEST_F(StoreSlice, LeavesRowsThatWaitForTheirReplacementBehind) {
             "00");
 }
 
+TEST_F(StoreSlice, IdsAreThoseOfTheRows) {
+  const auto reader = StoreReader::open(path_).value();
+  SignatureFilter season, nearest, within, row, range;
+  season.season = "summer";
+  nearest.direction = within.direction = {80, 0};
+  nearest.nearest = 3;
+  within.within_deg = 100;
+  row.row = 7;
+  range.range_m = 5000 * (1 + 5e-10);
+  for (const SignatureFilter& filter : {SignatureFilter{}, season, nearest, within, row, range}) {
+    const auto rows = reader->find(filter).value();
+    const auto ids = reader->find_ids(filter).value();
+    const auto read = reader->read(ids).value();
+    ASSERT_FALSE(rows.empty());
+    ASSERT_EQ(ids.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      EXPECT_EQ(ids[i], rows[i].signature_id);
+      EXPECT_EQ(read[i].row, rows[i].row);
+    }
+  }
+  range.range_m = 5001;
+  EXPECT_THAT(reader->find_ids(range).value(), IsEmpty());
+  const std::int64_t unknown[] = {1, 999};
+  EXPECT_TRUE(absl::IsNotFound(reader->read(unknown).status()));
+}
+
 TEST_F(StoreSlice, AppearsWholeOrNotAtAll) {
   SignatureFilter none;
   none.season = "autumn";
@@ -278,6 +304,15 @@ TEST_F(StoreSlice, AppearsWholeOrNotAtAll) {
   EXPECT_THAT(over.status().message(), HasSubstr("exists already"));
   EXPECT_FALSE(slice_database(path_, {}, folder_.file("no/such/folder.sigdb")).ok());
   EXPECT_FALSE(slice_database(folder_.file("absent"), {}, folder_.file("none.sigdb")).ok());
+  std::uint64_t told = 0;
+  const auto ended = slice_database(path_, {}, folder_.file("none.sigdb"),
+                                    [&](std::uint64_t rows, std::uint64_t of) {
+                                      EXPECT_EQ(of, 16);
+                                      told = rows;
+                                      return absl::AbortedError("enough");
+                                    });
+  EXPECT_TRUE(absl::IsAborted(ended.status())) << ended.status();
+  EXPECT_EQ(told, 16);
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
     names.insert(entry.path().filename());
