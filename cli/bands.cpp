@@ -53,16 +53,10 @@ struct BandsCommand {
   // Of one database, at its own ranges or at those that are asked for.
   [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> rows_of(StoreReader& reader,
                                                               Query query) const {
-    if (range_m.empty()) return run_query(reader, query, stored_target_extent);
-    std::vector<QueryRow> all;
-    for (const double range : range_m) {
+    for (const double range : range_m)
       if (auto s = check_number("Viewpoints.range_m", "--range-m", range); !s.ok()) return s;
-      query.range_m = {range};
-      auto rows = run_query(reader, query, stored_target_extent);
-      if (!rows.ok()) return rows.status();
-      std::move(rows->begin(), rows->end(), std::back_inserter(all));
-    }
-    return all;
+    query.range_m = range_m;
+    return run_query(reader, query, stored_target_extent);
   }
 
   // A window of the user's own, between the nearest edges.

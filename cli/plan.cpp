@@ -250,7 +250,7 @@ absl::Status plan_refinement(const PlanAsked& asked) {
   query.quantity = *quantity;
   auto reader = StoreReader::open(asked.refine_db);
   if (!reader.ok()) return reader.status();
-  const auto rows = signatures_to_plot(**reader, query);
+  const auto rows = signatures_to_plot(**reader, query, {});
   if (!rows.ok()) return rows.status();
   const auto fields = fields_of(*rows, *quantity);
   for (const SignatureField& f : fields)
