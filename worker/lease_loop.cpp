@@ -18,7 +18,6 @@
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/handshake.h"
-#include "jobs/expand.h"
 #include "spdlog/spdlog.h"
 
 namespace irsig {
@@ -428,13 +427,11 @@ class LeaseLoop {
     chunk.set_fencing_token(one.fencing_token);
     chunk.set_result_bytes(bytes.size());
     chunk.set_sweep_sha256(one.result.sweep_sha256());
-    chunk.set_result_sha256(sha256_hex(bytes));
     bool open = true;
     for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
       chunk.set_piece(bytes.substr(at, kPieceBytes));
       open = stream->Write(chunk);
       chunk.clear_sweep_sha256();
-      chunk.clear_result_sha256();
     }
     stream->WritesDone();
     return to_absl(stream->Finish());

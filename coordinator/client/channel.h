@@ -15,6 +15,7 @@ namespace irsig {
 // workers on a loaded machine for dead.
 inline constexpr int kKeepaliveMs = 4000;
 inline constexpr int kKeepaliveTimeoutMs = 6000;
+inline constexpr int kConnectTimeoutMs = 10000;
 // One piece of a stream.
 inline constexpr std::size_t kPieceBytes = 1 << 20;
 // The largest message that the coordinator takes: a piece and what goes with it. Larger things come
@@ -29,7 +30,8 @@ inline constexpr std::uint64_t kMaxResultBytes = 256 << 20;
 // The largest asset: SQLite's default limit of a value is 10^9 bytes.
 inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 
-// A channel of its own (never shared with another one of this process) that reconnects within 2 s.
+// A channel of its own (never shared with another one of this process) that reconnects within 2 s
+// of the moment at which somebody listens again.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);
 
 // gRPC reports on standard error what our own messages say better ("address already in use", three

@@ -257,7 +257,6 @@ TEST_F(ServerTest, AResultThatWasCutIsNotTakenForAResult) {
     chunk.set_worker_id(registered.worker_id());
     chunk.set_fencing_token(lease.fencing_token());
     chunk.set_result_bytes(bytes.size());
-    chunk.set_result_sha256(sha256_hex(bytes));
     chunk.set_piece(piece);
     stream->Write(chunk);
     stream->WritesDone();

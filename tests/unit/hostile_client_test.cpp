@@ -102,14 +102,12 @@ class HostileClient : public testing::Test {
     grpc::ClientContext context;
     schema::CompleteReply reply;
     const auto stream = farm_->Complete(&context, &reply);
-    const std::string result_sha256 = sha256_hex(bytes);
     bool open = true;
     for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
       schema::CompleteChunk chunk;
       chunk.set_worker_id(worker_id);
       chunk.set_fencing_token(token);
       chunk.set_result_bytes(bytes.size());
-      chunk.set_result_sha256(result_sha256);
       chunk.set_sweep_sha256(sweep_sha256);
       chunk.set_piece(bytes.substr(at, kPieceBytes));
       open = stream->Write(chunk);
