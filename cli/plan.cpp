@@ -268,7 +268,7 @@ absl::Status plan_refinement(const PlanAsked& asked) {
   if (!found.ok()) return found.status();
   print_note(
       "irsig: note: {} viewpoints, {} fields of the {}: interpolation between them states up to "
-      "{:.2g} % (one sigma); more than {:.2g} % at {:.3g} % of the directions\n",
+      "{:.3g} % (one sigma); more than {:.3g} % at {:.3g} % of the directions\n",
       fields.front().signature.size(), fields.size(), columns_of(*quantity).name,
       100 * found->largest_before, 100 * error,
       100 * static_cast<double>(found->above_before) / static_cast<double>(found->directions));
@@ -277,7 +277,7 @@ absl::Status plan_refinement(const PlanAsked& asked) {
     return absl::OkStatus();
   }
   print_note(
-      "irsig: note: with {} more it would state up to {:.2g} %, more than {:.2g} % at {:.3g} % of "
+      "irsig: note: with {} more it would state up to {:.3g} %, more than {:.3g} % at {:.3g} % of "
       "the directions{}\n",
       found->add.size(), 100 * found->largest_after, 100 * error,
       100 * static_cast<double>(found->above_after) / static_cast<double>(found->directions),

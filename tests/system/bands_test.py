@@ -274,6 +274,25 @@ class Bands(unittest.TestCase):
         expected = sum(w * (numpy.array([1, 3]) @ [snr[i] for i, v in enumerate(view) if v == a]) / 4 for a, w in of_aspect.items()) / 7
         self.assertAlmostEqual(merit("aspects.csv", "hours.csv"), expected, delta=1e-6 * expected)
 
+    def test_rows_of_an_aspect_share_its_weight(self):
+        """Whose rows are not all there yet has the weight of its direction all the same."""
+        lambda_um, contrast, _, _, _, view = self.spectra(self.db)
+        snr = abs(contrast @ integrals(lambda_um, RESPONSE, [3.05, 4.95])[1]) / 5000 ** 2 / 2e-8
+        places = sorted(set(view))
+        (self.path / "two.csv").write_text("aspect_azimuth_deg,aspect_elevation_deg,weight\n" + "".join(f"{a},{e},{w}\n" for (a, e), w in zip(places[:2], (1, 3))))
+        less = self.path / "unfinished.sigdb"
+        shutil.copy(self.db, less)
+        sql = sqlite3.connect(less)
+        sql.execute("PRAGMA foreign_keys = ON")
+        sql.execute("DELETE FROM signature WHERE signature_id = (SELECT signature_id FROM signature_view WHERE band = 'mwir' AND aspect_azimuth_deg = ? "
+                    "AND aspect_elevation_deg = ? ORDER BY time_utc DESC LIMIT 1)", places[0])
+        sql.commit()
+        sql.close()
+        of = [[snr[i] for i, v in enumerate(view) if v == place] for place in places[:2]]
+        expected = (of[0][0] + 3 * numpy.mean(of[1])) / 4  # rows are in the order of their times
+        found = self.table(less, "--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--weights", self.path / "two.csv")
+        self.assertAlmostEqual(float(found[0]["merit"]), expected, delta=1e-6 * expected)
+
     def times(self, db):
         with irsig.open(db) as opened:
             rows = opened.query(band="mwir")

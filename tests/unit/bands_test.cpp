@@ -1,0 +1,121 @@
+// Margins of windows. Rationale: a designer buys a filter by them. Expected: the scatter that drawn
+// errors leave of a merit is that of the closed form, for each kind of error by itself, in the
+// whole band and in half of it, of one target and of two. Source: a contrast of 1 W/(sr um) from 3
+// to 5 um at 1 km, seen with a noise of 1e-6 W/m2, has a signal-to-noise ratio of the window's
+// width.
+#include "view/bands.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace irsig {
+namespace {
+
+constexpr std::size_t kBins = 21;
+constexpr double kWithin = 0.16;  // of a scatter of 400 draws: 4 sigma
+
+TargetContrast contrast(double level) {
+  return {std::vector<double>(kBins, level), {}, std::vector<double>(kBins, 0.0), 0, 0, 0};
+}
+
+BandPopulation population(TargetContrast target, std::optional<TargetContrast> against = {}) {
+  BandPopulation out;
+  for (std::size_t k = 0; k < kBins; ++k)
+    out.lambda_um.push_back(3 + 2.0 * static_cast<double>(k) / (kBins - 1));
+  out.row.push_back({1, 0, 0, "s", "t", 0, 0, 1000, std::move(target), std::move(against), {}});
+  return out;
+}
+
+struct Margins {
+  CandidateMerit whole, half;
+};
+Margins margins(BandPopulation of) {
+  const auto search = BandSearch::make(std::move(of), {{}, ConstantNoise{1e-6}});
+  EXPECT_TRUE(search.ok()) << search.status();
+  const std::size_t last = search->edges_um().size() - 1;
+  // Half of it ends in the middle of a bin: up to the limit below.
+  std::size_t middle = 0;
+  while (search->edges_um()[middle + 1] <= 4) ++middle;
+  const Candidate both[] = {search->candidate({}, {0, last}), search->candidate({}, {0, middle})};
+  EXPECT_NEAR(both[1].merit, search->edges_um()[middle] - 3, 1e-12);
+  EXPECT_NEAR(search->edges_um()[middle], 3.95, 1e-9);
+  const BandChoice choice = search->compare({}, both);
+  return {choice.candidate[0], choice.candidate[1]};
+}
+// Of the window from 3 to 3.95 um: integrals of 1 and of a slope that is -1 at 3 and 1 at 5 um.
+constexpr double kShape = 0.95, kSlope = 0.95 * 0.95 / 2 - 0.95;
+
+void expect_near(double found, double expected) {
+  EXPECT_NEAR(found / expected, 1, kWithin) << found << " for " << expected;
+}
+
+TEST(BandMargins, OfModesAndOfWhatTheyLeaveOver) {
+  TargetContrast t = contrast(1);
+  t.modes = {std::vector<double>(kBins, 0.01)};
+  Margins m = margins(population(t));
+  expect_near(m.whole.samples_stderr, 0.02);
+  expect_near(m.half.samples_stderr, 0.01 * kShape);
+  EXPECT_DOUBLE_EQ(m.whole.total_error, m.whole.samples_stderr);
+  t.modes.clear();
+  t.rest = std::vector<double>(kBins, 0.03);
+  m = margins(population(t));
+  expect_near(m.whole.samples_stderr, 0.06);
+  expect_near(m.half.samples_stderr, 0.03 * kShape);
+}
+
+TEST(BandMargins, OfBoundsUnseenLightAndModels) {
+  TargetContrast t = contrast(1);
+  t.bias_bound_w_sr = 0.1;
+  Margins m = margins(population(t));
+  EXPECT_EQ(m.whole.samples_stderr, 0);
+  // Uniform within the bound, half of the variance level, half slope; of the whole band no slope.
+  expect_near(m.whole.numerical_error, 0.1 * std::sqrt(0.5 / 3));
+  expect_near(m.half.numerical_error,
+              0.1 / 2 * std::sqrt(0.5 * (kShape * kShape / 3 + kSlope * kSlope)));
+  EXPECT_DOUBLE_EQ(m.half.total_error, m.half.numerical_error);
+  t.bias_bound_w_sr = 0;
+  t.unseen_stderr_w_sr = 0.1;
+  m = margins(population(t));
+  expect_near(m.half.numerical_error, 0.1 / 2 * kShape);
+  t.unseen_stderr_w_sr = 0;
+  t.model_error_w_sr = 0.1;
+  m = margins(population(t));
+  EXPECT_EQ(m.half.numerical_error, 0);
+  expect_near(m.whole.total_error, 0.1 * std::sqrt(0.5));
+  expect_near(m.half.total_error,
+              0.1 / 2 * std::sqrt(0.5 * (kShape * kShape + 3 * kSlope * kSlope)));
+}
+
+// Samples and models of two targets are independent; their bounds err in opposite ways.
+TEST(BandMargins, OfTwoTargets) {
+  TargetContrast one = contrast(3), other = contrast(2);
+  one.modes = other.modes = {std::vector<double>(kBins, 0.01)};
+  expect_near(margins(population(one, other)).whole.samples_stderr, std::sqrt(2.0) * 0.02);
+  one.modes = other.modes = {};
+  one.bias_bound_w_sr = other.bias_bound_w_sr = 0.1;
+  expect_near(margins(population(one, other)).whole.numerical_error, 0.2 * std::sqrt(0.5 / 3));
+  one.bias_bound_w_sr = other.bias_bound_w_sr = 0;
+  one.model_error_w_sr = other.model_error_w_sr = 0.1;
+  expect_near(margins(population(one, other)).whole.total_error, 0.1);
+}
+
+// Rows of a view share their paths, those of two views do not.
+TEST(BandMargins, RowsOfAViewErrTogether) {
+  TargetContrast t = contrast(1);
+  t.modes = {std::vector<double>(kBins, 0.01)};
+  for (const bool same_view : {true, false}) {
+    BandPopulation p = population(t);
+    p.row.push_back(p.row.front());
+    p.row[0].weight = p.row[1].weight = 0.5;
+    p.row[1].view = same_view ? 0 : 1;
+    const double expected = same_view ? 0.02 : 0.02 / std::sqrt(2.0);
+    expect_near(margins(p).whole.samples_stderr, expected);
+    const auto search = BandSearch::make(std::move(p), {{}, ConstantNoise{1e-6}});
+    ASSERT_TRUE(search.ok());
+    EXPECT_NEAR(search->mean_stderr({0, search->edges_um().size() - 1}), expected, 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace irsig
