@@ -112,7 +112,7 @@ COMMANDS = [
     (["model", "tank", "--triangles", "100", "--out", "x.obj"], r'model "tank", expected one of disk, sphere'),
     (["model", "box", "--triangles", "12", "--out", "x.stl"], r"does not write .stl files, expected obj"),
     (["material", "show", "gold paint"], r'no material is called "gold paint": expected one of'),
-    (["status", "--coordinator", "tcp"], r"expected unix:PATH, a loopback port"),
+    (["status", "--coordinator", "tcp"], r"expected unix:PATH, or HOST:PORT with TLS"),
     (["completion", "fish"], r"fish not in \{bash,zsh\}"),
 ]
 
