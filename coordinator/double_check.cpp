@@ -36,10 +36,18 @@ std::optional<JobName> DoubleCheck::next_for(const std::string& worker) {
   return job;
 }
 
-std::optional<DoubleCheck::Verdict> DoubleCheck::agrees(const JobName& job) {
+std::optional<DoubleCheck::Verdict> DoubleCheck::agrees(const JobName& job,
+                                                        const std::string& content) {
   ++audited_;
   const auto disputed = others_.find(job);
   if (disputed == others_.end()) return std::nullopt;
+  // Whoever differed from what was stored once may have what is stored now: a job is computed again
+  // when its first worker was set aside.
+  disputed->second.erase(content);
+  if (disputed->second.empty()) {
+    others_.erase(disputed);
+    return std::nullopt;
+  }
   const Verdict verdict{Verdict::Kind::kOneIsWrong, disputed->second.begin()->second};
   others_.erase(disputed);
   return verdict;

@@ -41,7 +41,7 @@ class DoubleCheck {
     std::string wrong;
   };
   // `worker` has the same content as what is stored. nullopt: so has everybody else.
-  std::optional<Verdict> agrees(const JobName& job);
+  std::optional<Verdict> agrees(const JobName& job, const std::string& content);
   // third_is_there: a worker besides these two.
   Verdict differs(const JobName& job, const std::string& stored_content,
                   const std::string& stored_by, const std::string& content,

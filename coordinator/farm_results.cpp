@@ -173,7 +173,7 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
   if (known.content_sha256.empty() || content == known.content_sha256) {
     // Of an older version there is nothing to compare; the same worker's again says nothing.
     if (!known.content_sha256.empty() && known.worker_name != session.worker_name)
-      if (const auto verdict = double_check_.agrees(job))
+      if (const auto verdict = double_check_.agrees(job, content))
         if (auto status = contradicted(
                 verdict->wrong, absl::StrCat(of_job, " differs from that of two other workers"));
             !status.ok())
