@@ -164,6 +164,7 @@ absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sw
 absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked, double seconds) {
   auto reader = StoreReader::open(asked.db_path);
   if (!reader.ok()) return reader.status();
+  for (const std::string& warning : status.warning()) print_note("irsig: warning: {}\n", warning);
   absl::Status failed;
   for (const auto& sweep : status.sweep()) {
     const auto kept = shortfall(**reader, sweep.name());

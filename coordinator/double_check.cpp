@@ -55,7 +55,7 @@ std::optional<DoubleCheck::Verdict> DoubleCheck::agrees(const JobName& job,
 
 DoubleCheck::Verdict DoubleCheck::differs(const JobName& job, const std::string& stored_content,
                                           const std::string& stored_by, const std::string& content,
-                                          const std::string& worker, bool third_is_there) {
+                                          const std::string& worker) {
   ++audited_;
   if (others_.size() >= kMostDisputed) others_.clear();
   auto& others = others_[job];
@@ -66,7 +66,6 @@ DoubleCheck::Verdict DoubleCheck::differs(const JobName& job, const std::string&
   }
   const bool first = others.empty();
   others.emplace(content, worker);
-  if (!third_is_there) return {Verdict::Kind::kFirstStands, worker};
   if (first) ask_for(job, {stored_by, worker});
   return {Verdict::Kind::kUndecided, ""};
 }

@@ -17,9 +17,9 @@ struct JobName {
 };
 
 // Which jobs are computed by a second worker, and what becomes of results that differ. A share of
-// jobs is chosen by a hash that no worker knows in advance. Of two results that differ a third one
-// decides, where a third worker is there. Bookkeeping alone; it is forgotten when the coordinator
-// starts again. Not thread-safe.
+// jobs is chosen by a hash that no worker knows in advance. Of two results that differ a third
+// worker's decides, once there is one: until then nobody is to blame. Bookkeeping alone; it is
+// forgotten when the coordinator starts again. Not thread-safe.
 class DoubleCheck {
  public:
   // share: of all jobs. salt: differs with every start of the coordinator.
@@ -33,8 +33,7 @@ class DoubleCheck {
 
   struct Verdict {
     enum class Kind {
-      kFirstStands,   // nobody can decide: what came first stays, who came later is set aside
-      kUndecided,     // a third worker is asked
+      kUndecided,     // a third worker is asked, now or when it comes
       kOneIsWrong,    // two agree with what is stored: `wrong` is set aside
       kStoredIsWrong  // two agree against what is stored: `wrong` has computed that
     } kind;
@@ -42,10 +41,9 @@ class DoubleCheck {
   };
   // `worker` has the same content as what is stored. nullopt: so has everybody else.
   std::optional<Verdict> agrees(const JobName& job, const std::string& content);
-  // third_is_there: a worker besides these two.
   Verdict differs(const JobName& job, const std::string& stored_content,
                   const std::string& stored_by, const std::string& content,
-                  const std::string& worker, bool third_is_there);
+                  const std::string& worker);
 
   [[nodiscard]] std::uint64_t audited() const { return audited_; }
 

@@ -189,20 +189,14 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
                    *kept ? ", which is kept aside" : ", of which there is no more room aside");
   spdlog::error("{}", what);
   if (differing_.size() < kMostDifferingTold) differing_.push_back(what);
-  const auto verdict = double_check_.differs(
-      job, known.content_sha256, known.worker_name, content, session.worker_name,
-      somebody_besides({known.worker_name, session.worker_name}));
-  using Kind = DoubleCheck::Verdict::Kind;
-  if (verdict.kind == Kind::kUndecided) return answer(schema::CompleteReply::STATE_ASIDE);
-  const bool stored_is_wrong = verdict.kind == Kind::kStoredIsWrong;
-  if (auto status = contradicted(
-          verdict.wrong,
-          absl::StrCat(of_job, " differs from that of ",
-                       stored_is_wrong ? "two other workers"
-                                       : "the worker before, and nobody else was there to decide"));
+  const auto verdict = double_check_.differs(job, known.content_sha256, known.worker_name, content,
+                                             session.worker_name);
+  if (verdict.kind == DoubleCheck::Verdict::Kind::kUndecided)
+    return answer(schema::CompleteReply::STATE_ASIDE);
+  if (auto status = contradicted(verdict.wrong,
+                                 absl::StrCat(of_job, " differs from that of two other workers"));
       !status.ok())
     return status;
-  if (!stored_is_wrong) return answer(schema::CompleteReply::STATE_ASIDE);
   if (auto status = store_.reopen(job.sweep_sha256, job.job_key); !status.ok()) return status;
   KnownJob waiting = known;
   waiting.job.fencing_token = 0;

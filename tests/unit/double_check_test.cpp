@@ -79,23 +79,52 @@ TEST_F(AuditTest, AWorkerAloneIsNotAudited) {
       << "who comes later finds nothing to do";
 }
 
-// With nobody to decide, what came first stays.
-TEST_F(AuditTest, OfTwoThatDifferTheLaterIsSetAside) {
-  submit(2);
-  const auto a = worker("a"), b = worker("b");
-  ASSERT_TRUE(complete(a, job(a)).ok());
-  const auto audit = job(b);
-  EXPECT_EQ(*returns(b, audit, wrong_result(audit)), State::STATE_ASIDE);
-  EXPECT_EQ(state_of("b"), Worker::STATE_SET_ASIDE);
-  EXPECT_EQ(state_of("a"), Worker::STATE_IDLE);
-  EXPECT_TRUE(absl::IsAborted(lease(b).status()));
-  const auto told = farm_status();
-  EXPECT_EQ(told.differing(), 1U);
-  ASSERT_EQ(told.warning_size(), 1);
-  EXPECT_THAT(told.warning(0), HasSubstr("of a, which is stored, and of b, which is kept aside"));
+// With nobody to decide nobody is to blame, whoever came first; who comes later decides.
+TEST_F(AuditTest, OfTwoThatDifferNobodyIsToBlameUntilAThirdComes) {
+  for (const bool first_is_wrong : {true, false}) {
+    SCOPED_TRACE(first_is_wrong);
+    folder_ += first_is_wrong ? "/first" : "/second";
+    std::filesystem::create_directories(folder_);
+    open("it");
+    submit(1);
+    const auto a = worker("a"), b = worker("b");
+    const auto first = job(a);
+    ASSERT_TRUE((first_is_wrong ? returns(a, first, wrong_result(first)) : returns(a, first)).ok());
+    const auto audit = job(b);
+    EXPECT_EQ(*(first_is_wrong ? returns(b, audit) : returns(b, audit, wrong_result(audit))),
+              State::STATE_ASIDE);
+    for (const char* name : {"a", "b"}) EXPECT_EQ(state_of(name), Worker::STATE_IDLE) << name;
+    const auto told = farm_status();
+    EXPECT_EQ(told.differing(), 1U);
+    ASSERT_EQ(told.warning_size(), 1);
+    EXPECT_THAT(told.warning(0), HasSubstr("of a, which is stored, and of b, which is kept aside"));
+    const auto c = worker("c");
+    const auto decides = job(c);
+    EXPECT_EQ(decides.job().job_key(), audit.job().job_key());
+    EXPECT_EQ(*returns(c, decides), first_is_wrong ? State::STATE_STORED : State::STATE_KNOWN);
+    EXPECT_EQ(state_of("a"), first_is_wrong ? Worker::STATE_SET_ASIDE : Worker::STATE_IDLE);
+    EXPECT_EQ(state_of("b"), first_is_wrong ? Worker::STATE_IDLE : Worker::STATE_SET_ASIDE);
+  }
   // The database remembers.
-  open("second");
+  open("third");
   EXPECT_EQ(farm_status().differing(), 1U);
+}
+
+// Whose right result lost to a wrong one is right again when that one is thrown away.
+TEST_F(AuditTest, WhoeverDifferedFromWhatWasWrongIsNotToBlame) {
+  submit(2);
+  const auto a = worker("a"), b = worker("b"), c = worker("c");
+  const auto one = job(a);
+  ASSERT_EQ(*returns(a, one, wrong_result(one)), State::STATE_STORED);
+  const auto two = job(a);
+  ASSERT_EQ(*returns(a, two, wrong_result(two)), State::STATE_STORED);
+  EXPECT_EQ(*returns(b, one), State::STATE_ASIDE);
+  EXPECT_EQ(*returns(b, two), State::STATE_ASIDE);
+  EXPECT_EQ(*returns(c, one), State::STATE_STORED);  // and so a is wrong, in two as well
+  EXPECT_EQ(state_of("a"), Worker::STATE_SET_ASIDE);
+  EXPECT_EQ(*returns(c, two), State::STATE_STORED);
+  EXPECT_EQ(*returns(b, two), State::STATE_KNOWN);
+  for (const char* name : {"b", "c"}) EXPECT_EQ(state_of(name), Worker::STATE_IDLE) << name;
 }
 
 TEST_F(AuditTest, AThirdWorkerDecidesForWhatIsStored) {
