@@ -9,13 +9,9 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <random>
 
 namespace irsig {
 namespace {
-
-constexpr int kDraws = 400;
-constexpr std::uint32_t kSeed = 20240229;
 
 // So many signal-to-noise ratios of pairs are worked out at most before edges are taken at a
 // stride: some seconds.
@@ -43,10 +39,6 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 double squared(double x) { return x * x; }
 
-double of(const std::vector<std::vector<double>>& by_limit, Passband p, std::size_t row) {
-  return by_limit[p.last][row] - by_limit[p.first][row];
-}
-
 double ratio_snr(double a1, double a2, double b1, double b2) {
   const double a = std::hypot(a1, a2), b = std::hypot(b1, b2);
   if (!(a > 0 && b > 0)) return 0;
@@ -59,63 +51,7 @@ double cost_of(const MeritOf& merit, Pairing pairing) {
          (pairing == Pairing::kRatio ? 20.0 : 1.0);
 }
 
-double merit_of(const MeritOf& merit, std::span<const double> weight, std::span<const double> snr) {
-  switch (merit.merit) {
-    case Merit::kMean: {
-      double sum = 0;
-      for (std::size_t i = 0; i < snr.size(); ++i) sum += weight[i] * snr[i];
-      return sum;
-    }
-    case Merit::kWorst:
-      return *std::min_element(snr.begin(), snr.end());
-    case Merit::kAbove: {
-      double sum = 0;
-      for (std::size_t i = 0; i < snr.size(); ++i)
-        if (snr[i] >= merit.threshold) sum += weight[i];
-      return sum;
-    }
-    case Merit::kPercentile: {
-      std::vector<std::size_t> order(snr.size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      std::sort(order.begin(), order.end(),
-                [&](std::size_t a, std::size_t b) { return snr[a] < snr[b]; });
-      double sum = 0;
-      for (const std::size_t i : order) {
-        sum += weight[i];
-        if (sum >= 0.01 * merit.percentile * (1 - 1e-12)) return snr[i];
-      }
-      return snr[order.back()];
-    }
-  }
-  return 0;
-}
-
-bool better(const Candidate& a, const Candidate& b) { return a.merit > b.merit; }
-
 }  // namespace
-
-namespace {
-constexpr std::pair<std::string_view, Merit> kMerits[] = {{"mean", Merit::kMean},
-                                                          {"percentile", Merit::kPercentile},
-                                                          {"worst", Merit::kWorst},
-                                                          {"above", Merit::kAbove}};
-}  // namespace
-
-std::optional<Merit> merit_named(std::string_view name) {
-  for (const auto& [known, merit] : kMerits)
-    if (known == name) return merit;
-  return std::nullopt;
-}
-
-std::string_view name_of(Merit merit) {
-  for (const auto& [name, known] : kMerits)
-    if (known == merit) return name;
-  return "";
-}
-
-struct BandSearch::Errors {
-  std::array<double, 2> target{}, against{};  // [passband]
-};
 
 absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Detector& detector,
                                             Pairing pairing, std::span<const NamedFilter> filters) {
@@ -463,136 +399,6 @@ double BandSearch::mean_stderr(Passband p) const {
   double variance = 0;
   for (const auto& [key, value] : sum) variance += squared(value);
   return std::sqrt(variance);
-}
-
-BandChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
-  std::vector<Candidate> candidate(asked.begin(), asked.end());
-  std::stable_sort(candidate.begin(), candidate.end(), better);
-  BandChoice out;
-  if (candidate.empty()) return out;
-
-  enum Kind { kSamples, kNumerical, kAll, kKinds };
-  const std::size_t count = candidate.size(), rows = population_.row.size();
-  // [kind][candidate][draw]
-  std::vector<std::vector<std::vector<double>>> drawn(kKinds,
-                                                      std::vector<std::vector<double>>(count));
-  const bool two = population_.row.front().against.has_value();
-  std::size_t views = 0, modes = 0;
-  for (std::size_t i = 0; i < rows; ++i) {
-    views = std::max(views, population_.row[i].view + 1);
-    modes = std::max(modes, target_.mode[i].size());
-    if (two) modes = std::max(modes, against_.mode[i].size());
-  }
-  std::mt19937_64 random(kSeed);
-  // Of a library's distributions the numbers are its own; these are the same everywhere.
-  const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
-  const auto normal = [&] {
-    const double radius = std::sqrt(-2 * std::log(uniform()));  // the first of two numbers
-    return radius * std::cos(2 * std::numbers::pi * uniform());
-  };
-  // What is drawn of one target.
-  struct Drawn {
-    std::vector<double> z;
-    double bound_level, bound_slope, model_level, model_slope;
-  };
-  const auto draw_target = [&] {
-    Drawn d;
-    for (std::size_t k = 0; k < views * (modes + 2); ++k) d.z.push_back(normal());
-    d.bound_level = 2 * uniform() - 1;
-    d.bound_slope = std::sqrt(3.0) * (2 * uniform() - 1);
-    d.model_level = normal();
-    d.model_slope = std::sqrt(3.0) * normal();
-    return d;
-  };
-  const auto error_of = [&](const Drawn& d, const Cumulated& c, const TargetContrast& t,
-                            std::size_t i, Passband p, Kind kind) {
-    const BandCase& row = population_.row[i];
-    const double* z = d.z.data() + row.view * (modes + 2);
-    double error = z[modes] * of(c.rest, p, i);
-    for (std::size_t k = 0; k < c.mode[i].size(); ++k)
-      error += z[k] * (c.mode[i][k][p.last] - c.mode[i][k][p.first]);
-    if (kind == kSamples) return error;
-    const double half = std::sqrt(0.5), shape = of(c.shape, p, i), slope = of(c.slope, p, i);
-    const double per_w_sr =
-        c.whole_shape[i] > 0 ? ratio_ / squared(row.range_m) / c.whole_shape[i] : 0;
-    error +=
-        per_w_sr * (t.bias_bound_w_sr * half * (d.bound_level * shape + d.bound_slope * slope) +
-                    t.unseen_stderr_w_sr * z[modes + 1] * shape);
-    if (kind == kNumerical) return error;
-    return error +
-           per_w_sr * t.model_error_w_sr * half * (d.model_level * shape + d.model_slope * slope);
-  };
-  std::vector<double> of_rows(rows);
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const Drawn of_target = draw_target();
-    Drawn of_against;
-    if (two) {
-      of_against = draw_target();
-      of_against.bound_level = -of_target.bound_level;
-      of_against.bound_slope = -of_target.bound_slope;
-    }
-    for (std::size_t w = 0; w < count; ++w) {
-      const Candidate& c = candidate[w];
-      for (const Kind kind : {kSamples, kNumerical, kAll}) {
-        for (std::size_t i = 0; i < rows; ++i) {
-          const BandCase& row = population_.row[i];
-          Errors error;
-          for (std::size_t k = 0; k < (c.other ? 2U : 1U); ++k) {
-            const Passband p = k == 0 ? c.one : *c.other;
-            error.target[k] = error_of(of_target, target_, row.target, i, p, kind);
-            if (two) error.against[k] = error_of(of_against, against_, *row.against, i, p, kind);
-          }
-          of_rows[i] = of_row(c, i, error);
-        }
-        drawn[kind][w].push_back(merit_of(merit, weight_, of_rows));
-      }
-    }
-  }
-  const auto scatter = [&](const std::vector<double>& values) {
-    double mean = 0, sum = 0;
-    // Of equal values exactly that: a mean of differences.
-    for (const double v : values) mean += (v - values.front()) / kDraws;
-    mean += values.front();
-    for (const double v : values) sum += squared(v - mean) / (kDraws - 1);
-    return std::sqrt(sum);
-  };
-  for (std::size_t w = 0; w < count; ++w) {
-    CandidateMerit& m = out.candidate.emplace_back(
-        CandidateMerit{candidate[w], scatter(drawn[kSamples][w]), scatter(drawn[kNumerical][w]),
-                       scatter(drawn[kAll][w]), 0, 0, 0, 0});
-    const auto as_good = [&](Kind kind) {
-      int count_as_good = 0;
-      for (std::size_t d = 0; d < kDraws; ++d)
-        if (drawn[kind][w][d] >= drawn[kind][0][d]) ++count_as_good;
-      return static_cast<double>(count_as_good) / kDraws;
-    };
-    m.as_good_numerical = as_good(kNumerical);
-    m.as_good = as_good(kAll);
-  }
-  for (std::size_t d = 0; d < kDraws; ++d)
-    for (const Kind kind : {kNumerical, kAll}) {
-      std::size_t best = 0;
-      for (std::size_t w = 1; w < count; ++w)
-        if (drawn[kind][w][d] > drawn[kind][best][d]) best = w;
-      ++(kind == kAll ? out.candidate[best].best : out.candidate[best].best_numerical);
-    }
-  for (CandidateMerit& w : out.candidate) {
-    w.best /= kDraws;
-    w.best_numerical /= kDraws;
-  }
-  if (count < 2) return out;
-  const auto difference_of = [&](Kind kind) {
-    std::vector<double> difference;
-    for (std::size_t d = 0; d < kDraws; ++d)
-      difference.push_back(drawn[kind][0][d] - drawn[kind][1][d]);
-    return scatter(difference);
-  };
-  const double apart = 0.5 * (candidate[0].merit - candidate[1].merit);
-  const double samples = squared(difference_of(kSamples)), all = squared(difference_of(kAll));
-  if (all <= squared(apart)) return out;
-  const double left = squared(apart) - std::max(0.0, all - samples);
-  out.samples_to_tell = left > 0 ? samples / left : std::numeric_limits<double>::infinity();
-  return out;
 }
 
 std::vector<BandSearch::Detection> BandSearch::detection(const Candidate& c,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,25 +11,11 @@
 #include "absl/status/statusor.h"
 #include "core/detector/detector.h"
 #include "view/band_population.h"
+#include "view/merit.h"
 
 namespace irsig {
 
 // Which part of a stored band a detector sees a target best in, or which two. (docs/bands.md)
-
-// Of the signal-to-noise ratios s of the rows.
-enum class Merit {
-  kMean,
-  kPercentile,  // what all but `percentile` % of the population exceed
-  kWorst,
-  kAbove  // the share of the population with s >= threshold
-};
-// "mean", "percentile", "worst", "above"; nullopt: none of these.
-[[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
-[[nodiscard]] std::string_view name_of(Merit merit);
-struct MeritOf {
-  Merit merit = Merit::kMean;
-  double percentile = 10, threshold = 5;
-};
 
 // What a detector sees through: a window between two of the search's edges, or a filter.
 struct Passband {
@@ -53,6 +40,10 @@ struct Candidate {
   double gain = 0;  // of a difference
   double merit = 0;
 };
+
+[[nodiscard]] inline bool better(const Candidate& a, const Candidate& b) {
+  return a.merit > b.merit;
+}
 
 struct CandidateMerit {
   Candidate of;
@@ -148,7 +139,12 @@ class BandSearch {
     std::vector<std::vector<std::vector<double>>> mode;  // [row][mode][limit]
     std::vector<double> whole_shape;                     // [row], of all windows
   };
-  struct Errors;  // of the signals of both targets in both passbands
+  struct Errors {  // of the signals of both targets in both passbands
+    std::array<double, 2> target{}, against{};
+  };
+  static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
+    return by_limit[p.last][row] - by_limit[p.first][row];
+  }
   [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error) const;
   [[nodiscard]] double gain(Passband one, Passband other) const;
   void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,

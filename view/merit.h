@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace irsig {
+
+// Of the signal-to-noise ratios s of the rows.
+enum class Merit {
+  kMean,
+  kPercentile,  // what all but `percentile` % of the population exceed
+  kWorst,
+  kAbove  // the share of the population with s >= threshold
+};
+// "mean", "percentile", "worst", "above"; nullopt: none of these.
+[[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
+[[nodiscard]] std::string_view name_of(Merit merit);
+struct MeritOf {
+  Merit merit = Merit::kMean;
+  double percentile = 10, threshold = 5;
+};
+
+// Of rows with these weights, which sum to 1.
+[[nodiscard]] double merit_of(const MeritOf& merit, std::span<const double> weight,
+                              std::span<const double> snr);
+
+}  // namespace irsig
