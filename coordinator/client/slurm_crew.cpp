@@ -104,14 +104,10 @@ absl::Status SlurmCrew::write_script() const {
 
 absl::Status SlurmCrew::hand_in() {
   std::vector<std::string> sbatch = {
-      sbatch_,
-      "--parsable",
-      "--requeue",
-      "--job-name=irsig",
-      "--signal=B:TERM@60",
-      "--open-mode=append",
-      absl::StrCat("--array=1-", plan_.nodes > 0 ? plan_.nodes : workers_),
-      absl::StrCat("--output=", folder_, "/worker-%a.log")};
+      sbatch_, "--parsable", "--requeue", "--job-name=irsig", "--signal=B:TERM@60",
+      "--open-mode=append", absl::StrCat("--array=1-", plan_.nodes > 0 ? plan_.nodes : workers_),
+      // A percent sign of the folder's own is doubled.
+      absl::StrCat("--output=", absl::StrReplaceAll(folder_, {{"%", "%%"}}), "/worker-%a.log")};
   if (plan_.nodes > 0)
     sbatch.insert(sbatch.end(), {"--nodes=1", "--exclusive"});
   else
@@ -152,9 +148,10 @@ absl::Status SlurmCrew::keep_alive(std::uint64_t jobs_settled) {
     std::stringstream words;
     words << log.rdbuf();
     const std::string text = words.str();
-    return absl::AbortedError(
-        absl::StrCat("Slurm's workers keep ending without a job done: ",
-                     text.substr(text.size() > 2000 ? text.size() - 2000 : 0)));
+    return absl::AbortedError(absl::StrCat(
+        "Slurm's workers keep ending without a job done: ",
+        text.empty() ? absl::StrCat("they wrote nothing; do the nodes see ", folder_, "?")
+                     : text.substr(text.size() > 2000 ? text.size() - 2000 : 0)));
   }
   return hand_in();
 }
