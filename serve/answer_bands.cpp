@@ -69,7 +69,7 @@ std::string windows(const BandSearch& search, const std::vector<Candidate>& map)
   return out.finish();
 }
 
-std::string best(const BandSearch& search, const BandChoice& choice) {
+std::string best(const BandSearch& search, const WindowChoice& choice) {
   std::vector<double> low, high, merit, error, probability, as_good;
   for (const CandidateMerit& m : choice.candidate) {
     low.push_back(search.lambda_min_um(m.of.one));
@@ -94,7 +94,7 @@ std::string best(const BandSearch& search, const BandChoice& choice) {
 absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Question& q) {
   const auto made = search_of(sources, q);
   if (!made.ok()) return made.status();
-  const BandChoice choice = made->search.compare(q.bands.merit, made->found.best);
+  const WindowChoice choice = made->search.compare(q.bands.merit, made->found.best);
   JsonObject out;
   out.text("title", merit_name(q.bands.merit));
   out.text("detector", q.bands.detector ? sources.detector[*q.bands.detector].name

@@ -17,10 +17,10 @@ double squared(double x) { return x * x; }
 
 }  // namespace
 
-BandChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
+WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
   std::vector<Candidate> candidate(asked.begin(), asked.end());
   std::stable_sort(candidate.begin(), candidate.end(), better);
-  BandChoice out;
+  WindowChoice out;
   if (candidate.empty()) return out;
 
   enum Kind { kSamples, kNumerical, kAll, kKinds };

@@ -68,7 +68,7 @@ void add_cells(const BandSearch& search, bool filters, const Candidate& c, std::
   if (search.pairing() == Pairing::kDifference)
     out.insert(out.end(), {c.gain, search.background_left(c)});
 }
-bool any_filter(const BandSearch& search, const BandChoice& choice) {
+bool any_filter(const BandSearch& search, const WindowChoice& choice) {
   return std::any_of(choice.candidate.begin(), choice.candidate.end(), [&](const auto& m) {
     return !search.name(m.of.one).empty() || (m.of.other && !search.name(*m.of.other).empty());
   });
@@ -83,7 +83,7 @@ std::vector<double> ranges_of(const BandPopulation& population) {
 
 }  // namespace
 
-absl::Status write_choice(const BandSearch& search, const BandChoice& choice,
+absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                           std::string_view format, std::ostream& out) {
   const bool filters = any_filter(search, choice);
   std::vector<Column> columns = {{"rank"}};
@@ -130,8 +130,8 @@ absl::Status write_map(const BandSearch& search, const MeritOf& merit,
   return (*writer)->finish();
 }
 
-absl::Status write_ranges(const BandSearch& search, const MeritOf& merit, const BandChoice& choice,
-                          std::string_view format, std::ostream& out) {
+absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
+                          const WindowChoice& choice, std::string_view format, std::ostream& out) {
   const bool filters = any_filter(search, choice);
   std::vector<Column> columns = {{"rank"}};
   add_columns(search, filters, columns);
@@ -151,7 +151,7 @@ absl::Status write_ranges(const BandSearch& search, const MeritOf& merit, const 
   return (*writer)->finish();
 }
 
-std::string plot_ranges(const BandSearch& search, const MeritOf& merit, const BandChoice& choice,
+std::string plot_ranges(const BandSearch& search, const MeritOf& merit, const WindowChoice& choice,
                         const std::string& title) {
   constexpr std::size_t kCurves = 5;
   CurvePanel panel{"", "range [km]", merit_name(merit), {}};
@@ -168,7 +168,7 @@ std::string plot_ranges(const BandSearch& search, const MeritOf& merit, const Ba
   return plot_curves(title, fmt::format("{} rows", search.population().row.size()), {panel}, 1);
 }
 
-absl::Status write_detection(const BandSearch& search, const BandChoice& choice, double threshold,
+absl::Status write_detection(const BandSearch& search, const WindowChoice& choice, double threshold,
                              std::string_view format, std::ostream& out) {
   const bool filters = any_filter(search, choice);
   std::vector<Column> columns = {{"rank"}};
@@ -201,7 +201,7 @@ absl::Status write_detection(const BandSearch& search, const BandChoice& choice,
   return (*writer)->finish();
 }
 
-std::string note_on_detection(const BandSearch& search, const BandChoice& choice,
+std::string note_on_detection(const BandSearch& search, const WindowChoice& choice,
                               double threshold) {
   const Candidate& best = choice.candidate.front().of;
   auto seen = search.detection(best, threshold);
@@ -304,7 +304,7 @@ std::string response_csv(const ResponseTable& response) {
   return out;
 }
 
-std::vector<std::string> notes_on(const BandChoice& choice, const BandPopulation& population,
+std::vector<std::string> notes_on(const WindowChoice& choice, const BandPopulation& population,
                                   const schema::Accuracy& accuracy) {
   std::vector<std::string> out;
   if (population.without_modes > 0)

@@ -53,7 +53,7 @@ struct CandidateMerit {
   // of numerical errors, and of all.
   double best_numerical, best, as_good_numerical, as_good;
 };
-struct BandChoice {
+struct WindowChoice {
   std::vector<CandidateMerit> candidate;  // compared with each other, the best first
   // How many times as many samples would tell the first from the second (at two sigma); 0: they are
   // told apart; infinite: no number of samples, what is left are bounds and models.
@@ -115,8 +115,8 @@ class BandSearch {
   // bounds    uniform within them, models and inputs normal: one draw for all rows, spread over
   //           wavelengths as |contrast| is, half of the variance level and half a slope. Of two
   //           targets bounds err in opposite ways, models each for itself.
-  [[nodiscard]] BandChoice compare(const MeritOf& merit,
-                                   std::span<const Candidate> candidates) const;
+  [[nodiscard]] WindowChoice compare(const MeritOf& merit,
+                                     std::span<const Candidate> candidates) const;
 
   // The range at which a row's s falls to the threshold, between the ranges of the population, on a
   // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.

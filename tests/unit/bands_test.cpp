@@ -40,7 +40,7 @@ Margins margins(BandPopulation of) {
   const Candidate both[] = {search->candidate({}, {0, last}), search->candidate({}, {0, middle})};
   EXPECT_NEAR(both[1].merit, search->edges_um()[middle] - 3, 1e-12);
   EXPECT_NEAR(search->edges_um()[middle], 3.95, 1e-9);
-  const BandChoice choice = search->compare({}, both);
+  const WindowChoice choice = search->compare({}, both);
   return {choice.candidate[0], choice.candidate[1]};
 }
 // Of the window from 3 to 3.95 um: integrals of 1 and of a slope that is -1 at 3 and 1 at 5 um.
