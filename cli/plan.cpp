@@ -7,7 +7,6 @@
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
-#include "core/base/printable.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "planning/machine.h"
@@ -16,7 +15,7 @@
 #include "view/atomic_file.h"
 #include "view/plot_frame.h"
 #include "view/print.h"
-#include "view/refine.h"
+#include "view/refine_tables.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -201,39 +200,6 @@ absl::Status write_rows(const LoadedSweep& loaded, const SweepPilot& pilot,
   return (*writer)->finish();
 }
 
-// Each viewpoint as the others have it.
-absl::Status write_left_out(const std::vector<SignatureField>& fields, bool is_signed,
-                            const std::string& file) {
-  if (!file.ends_with(".csv"))
-    return absl::InvalidArgumentError(
-        fmt::format("--left-out {}: expected a name that ends in .csv", file));
-  return replace_file(file, [&](const std::string& name) -> absl::Status {
-    std::ofstream out(name, std::ios::binary);
-    auto writer = make_table_writer("csv",
-                                    {{"season"},
-                                     {"time_utc"},
-                                     {"band"},
-                                     {"aspect_azimuth_deg"},
-                                     {"aspect_elevation_deg"},
-                                     {"value"},
-                                     {"interpolated"},
-                                     {"error"},
-                                     {"relative_deviation"}},
-                                    out);
-    if (!writer.ok()) return writer.status();
-    for (const SignatureField& field : fields) {
-      const auto left_out = leave_one_out(field, is_signed);
-      if (!left_out.ok()) return left_out.status();
-      for (const LeftOut& l : *left_out) {
-        const StoredSignature& s = field.signature[l.sample];
-        (*writer)->row({s.season, s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg,
-                        l.value, l.interpolated, l.error, l.relative_deviation});
-      }
-    }
-    return (*writer)->finish();
-  });
-}
-
 // Viewpoints that interpolation needs, as lines for the sweep file.
 absl::Status plan_refinement(const PlanAsked& asked) {
   if (!asked.sweep_path.empty())
@@ -260,57 +226,23 @@ absl::Status plan_refinement(const PlanAsked& asked) {
           f.signature.front().season, f.signature.front().time_utc, f.signature.front().band,
           f.signature.size(), fields.front().signature.size()));
   const bool is_signed = columns_of(*quantity).is_signed();
-  if (!asked.refine_left_out.empty()) {
-    const auto written = write_left_out(fields, is_signed, asked.refine_left_out);
+  if (const std::string& file = asked.refine_left_out; !file.empty()) {
+    if (!file.ends_with(".csv"))
+      return absl::InvalidArgumentError(
+          fmt::format("--left-out {}: expected a name that ends in .csv", file));
+    const auto written = replace_file(file, [&](const std::string& name) {
+      std::ofstream out(name, std::ios::binary);
+      return write_left_out(fields, is_signed, "csv", out);
+    });
     if (!written.ok()) return written;
   }
   const auto found = refine(fields, is_signed, error, asked.refine_most);
   if (!found.ok()) return found.status();
-  print_note(
-      "irsig: note: {} viewpoints, {} fields of the {}: interpolation between them states up to "
-      "{:.3g} % (one sigma); more than {:.3g} % at {:.3g} % of the directions\n",
-      fields.front().signature.size(), fields.size(), columns_of(*quantity).name,
-      100 * found->largest_before, 100 * error,
-      100 * static_cast<double>(found->above_before) / static_cast<double>(found->directions));
-  if (found->add.empty()) {
-    print_note("irsig: note: no viewpoint is needed\n");
-    return absl::OkStatus();
-  }
-  print_note(
-      "irsig: note: with {} more it would state up to {:.3g} %, more than {:.3g} % at {:.3g} % of "
-      "the directions{}\n",
-      found->add.size(), 100 * found->largest_after, 100 * error,
-      100 * static_cast<double>(found->above_after) / static_cast<double>(found->directions),
-      found->above_after > 0 ? " (--most)" : "");
-  return asked.output.write([&](std::string_view format, std::ostream& out) -> absl::Status {
-    if (format == "text") {
-      fmt::print(out,
-                 "# Viewpoints besides, of irsig plan --refine: for the end of [viewpoints]\n");
-      for (const ProposedViewpoint& v : found->add) {
-        const StoredSignature& s = fields[v.field].signature.front();
-        fmt::print(out,
-                   "[[viewpoints.aspect]]  # {:.2g} % in {} {}, {}\nazimuth_deg = {:.2f}\n"
-                   "elevation_deg = {:.2f}\n",
-                   100 * v.relative_error, one_line(s.season), s.time_utc, one_line(s.band),
-                   v.azimuth_deg, v.elevation_deg);
-      }
-      return absl::OkStatus();
-    }
-    auto writer = make_table_writer(format,
-                                    {{"aspect_azimuth_deg"},
-                                     {"aspect_elevation_deg"},
-                                     {"relative_error"},
-                                     {"season"},
-                                     {"time_utc"},
-                                     {"band"}},
-                                    out);
-    if (!writer.ok()) return writer.status();
-    for (const ProposedViewpoint& v : found->add) {
-      const StoredSignature& s = fields[v.field].signature.front();
-      (*writer)->row(
-          {v.azimuth_deg, v.elevation_deg, v.relative_error, s.season, s.time_utc, s.band});
-    }
-    return (*writer)->finish();
+  for (const std::string& note : notes_on(*found, fields, *quantity, error))
+    print_note("irsig: note: {}\n", note);
+  if (found->add.empty()) return absl::OkStatus();
+  return asked.output.write([&](std::string_view format, std::ostream& out) {
+    return write_proposed(*found, fields, format, out);
   });
 }
 
