@@ -12,7 +12,7 @@ namespace irsig {
 
 struct EffectsCurves {
   std::vector<WorkMeasurement> work;  // kAutomatic, kAllEffects: a point for each asked error
-  std::vector<LeftOut> left_out;
+  std::vector<LeftOutEffects> left_out;
 };
 
 // One row of a sweep computed as a sweep of this one row would be: with the effects that the

@@ -201,8 +201,8 @@ absl::StatusOr<PageReply> answer_compare(const PageSources& sources, const Quest
   name_quantity(out, q.quantity);
   out.text("command", selection_command(sources.database[q.a.database], q.a, q.quantity) + "\n" +
                           selection_command(sources.database[q.b->database], *q.b, q.quantity));
-  const std::vector<ComparedValue>& v = compared->value;
-  using C = ComparedValue;
+  const std::vector<ComparedAspect>& v = compared->value;
+  using C = ComparedAspect;
   out.counts("a_row", picked_rows(v, [](const C& c) { return c.a.row; }));
   out.counts("b_row", picked_rows(v, [](const C& c) { return c.b.row; }));
   out.numbers("azimuth_deg", picked(v, [](const C& c) { return c.aspect_azimuth_deg; }));

@@ -279,9 +279,10 @@ class Presentation {
       } else {
         cells.insert(cells.end(), 4, "-");
       }
-      const auto left_out = std::find_if(
-          m_.left_out.begin(), m_.left_out.end(),
-          [&](const LeftOut& l) { return l.asked_relative_error == a.asked_relative_error; });
+      const auto left_out =
+          std::find_if(m_.left_out.begin(), m_.left_out.end(), [&](const LeftOutEffects& l) {
+            return l.asked_relative_error == a.asked_relative_error;
+          });
       const bool nothing = left_out == m_.left_out.end() || left_out->effects.empty();
       cells.push_back(nothing ? "nothing" : left_out->effects);
       t.row.push_back(std::move(cells));

@@ -31,7 +31,7 @@ struct StepMeasurement {
 };
 
 // Effects that the program left out of the row at one asked error: names, separated by commas.
-struct LeftOut {
+struct LeftOutEffects {
   double asked_relative_error;
   std::string effects;
 };
@@ -45,7 +45,7 @@ struct RowMeasurements {
   ReferenceValue reference;
   std::vector<WorkMeasurement> work;
   std::vector<StepMeasurement> step;
-  std::vector<LeftOut> left_out;
+  std::vector<LeftOutEffects> left_out;
   std::string too_wide_steps;  // steps that could not be studied, in words
 };
 

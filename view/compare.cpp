@@ -29,7 +29,7 @@ Measured measured(const StoredValue& v) {
   return with_rest({v.value, v.value_stderr, {}, 0}, v.numerical_error, BoundOf::kUnseen);
 }
 
-ComparedValue compared(const StoredValue& a, const StoredValue& b) {
+ComparedAspect compared(const StoredValue& a, const StoredValue& b) {
   const Measured d =
       difference(measured(b), measured(a), std::hypot(a.value_stderr, b.value_stderr));
   const double error = d.numerical_error();
@@ -81,7 +81,7 @@ absl::Status write_comparison(const Comparison& comparison, const QuantityColumn
                                    {"difference_sigmas"}},
                                   out);
   if (!writer.ok()) return writer.status();
-  for (const ComparedValue& v : comparison.value)
+  for (const ComparedAspect& v : comparison.value)
     (*writer)->row({v.aspect_azimuth_deg, v.aspect_elevation_deg, v.a.row, v.a.value,
                     v.a.numerical_error, v.b.row, v.b.value, v.b.numerical_error, v.difference,
                     v.difference_error, v.sigmas});

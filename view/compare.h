@@ -15,7 +15,7 @@ namespace irsig {
 // One aspect under two conditions: b - a. The error takes the samples of both as independent and
 // lets their bounds add up: where both come from the same paths (conditions of one view) it is too
 // large rather than too small.
-struct ComparedValue {
+struct ComparedAspect {
   double aspect_azimuth_deg, aspect_elevation_deg;
   StoredValue a, b;
   double difference, difference_error;
@@ -23,7 +23,7 @@ struct ComparedValue {
 };
 
 struct Comparison {
-  std::vector<ComparedValue> value;          // in the order of a
+  std::vector<ComparedAspect> value;         // in the order of a
   std::size_t only_in_a = 0, only_in_b = 0;  // aspects that the other one does not have
 };
 

@@ -84,10 +84,11 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-absl::StatusOr<std::vector<LeftOut>> leave_one_out(const SignatureField& field, bool is_signed) {
+absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(const SignatureField& field,
+                                                            bool is_signed) {
   const SphereSamples& all = field.samples;
   const double scale = rms(all.value);
-  std::vector<LeftOut> out;
+  std::vector<LeftOutViewpoint> out;
   for (std::size_t i = 0; i < all.direction.size(); ++i) {
     SphereSamples others = all;
     const auto at = static_cast<std::ptrdiff_t>(i);

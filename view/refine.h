@@ -16,7 +16,7 @@ namespace irsig {
 // its field.
 
 // A viewpoint as the others of its field have it.
-struct LeftOut {
+struct LeftOutViewpoint {
   std::size_t sample;         // of the field
   double value;               // left out
   double interpolated;        // from the others
@@ -24,8 +24,8 @@ struct LeftOut {
   double relative_deviation;  // |interpolated - value|, as a share
 };
 // Viewpoints that the others surround; the outermost are left out of it.
-[[nodiscard]] absl::StatusOr<std::vector<LeftOut>> leave_one_out(const SignatureField& field,
-                                                                 bool is_signed);
+[[nodiscard]] absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(
+    const SignatureField& field, bool is_signed);
 
 struct ProposedViewpoint {
   double azimuth_deg, elevation_deg;  // to 0.01 deg

@@ -77,7 +77,7 @@ absl::Status write_left_out(std::span<const SignatureField> fields, bool is_sign
   for (const SignatureField& field : fields) {
     const auto left_out = leave_one_out(field, is_signed);
     if (!left_out.ok()) return left_out.status();
-    for (const LeftOut& l : *left_out) {
+    for (const LeftOutViewpoint& l : *left_out) {
       const StoredSignature& s = field.signature[l.sample];
       (*writer)->row({s.season, s.time_utc, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg,
                       l.value, l.interpolated, l.error, l.relative_deviation});

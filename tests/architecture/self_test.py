@@ -105,6 +105,15 @@ class Layers(TreeTest):
                 self.assertEqual(len(findings), 1)
                 self.assertIn(f"core/base/base.h:1: {header} may be included in ", findings[0])
 
+    def test_one_name_for_two_types(self):
+        first = {"core/base/base.h": "namespace irsig {\nstruct Row {\n"}
+        for text in ("class Row {\n", "enum class Row { kA };\n", "struct Row final : Base {\n", "struct Row : std::any {\n"):
+            self.expect("core/scene/scene.h:2: irsig::Row is a type of core/base/base.h:2 too",
+                        {**first, "core/scene/scene.h": "namespace irsig {\n" + text})
+        for text in ("namespace irsig::other {\nstruct Row {\n", "namespace irsig {\nstruct Row;\nstruct Rows {\n",
+                     "namespace irsig {\nstruct Field::Row {\n"):
+            self.assertEqual(self.layers({**first, "core/scene/scene.h": text}), [])
+
     def test_ray_tracer_in_one_file_only(self):
         self.assertEqual(len(self.layers({"core/scene/scene.h": "#include <embree3/rtcore.h>\n"})), 1)
         self.assertEqual(len(self.layers({"tests/unit/base_test.cpp": "#include <embree3/rtcore.h>\n"})), 1)

@@ -50,7 +50,7 @@ SweepShape shape() {
 }
 
 TEST(StoreKill, NothingAcknowledgedIsLost) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep(shape());
   {
@@ -143,7 +143,7 @@ TEST(StoreKill, NothingAcknowledgedIsLost) {
 // A creation that was killed half-way: the next writer starts anew.
 TEST(StoreKill, AKilledCreationDoesNotBlockTheNext) {
   for (int microseconds = 200; microseconds < 60000; microseconds = microseconds * 3 / 2) {
-    const ScratchFolder folder;
+    const TestFolder folder;
     const std::string path = folder.file("a.sigdb");
     const pid_t child = fork();
     if (child == 0) {

@@ -13,7 +13,7 @@
 #include "core/scene/import_reply.h"
 #include "core/scene/mesh.h"
 #include "tests/unit/float32_files.h"
-#include "tests/unit/scratch_folder.h"
+#include "tests/unit/test_folder.h"
 
 namespace irsig {
 namespace {
@@ -107,7 +107,7 @@ class ImportByAnother : public ::testing::Test {
     ::chmod(path.c_str(), 0700);
     return import_apart(path, std::string(1000000, 'a'), "stl").status();
   }
-  ScratchFolder folder_;
+  TestFolder folder_;
 };
 
 TEST_F(ImportByAnother, EveryEndIsAnError) {

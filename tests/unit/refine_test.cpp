@@ -129,7 +129,7 @@ TEST(LeaveOneOut, IsTheInterpolationFromTheOthers) {
   ASSERT_TRUE(all.ok()) << all.status();
   EXPECT_THAT(*all, testing::SizeIs(testing::AllOf(testing::Ge(35U), testing::Le(60U))));
   double in_sigmas = 0, largest = 0;
-  for (const LeftOut& l : *all) {
+  for (const LeftOutViewpoint& l : *all) {
     EXPECT_EQ(l.value, field.samples.value[l.sample]);
     EXPECT_DOUBLE_EQ(l.relative_deviation, std::abs(l.interpolated - l.value) / l.value);
     in_sigmas += std::pow((l.interpolated - l.value) / l.error, 2);

@@ -27,7 +27,7 @@ class StoreContent : public ::testing::Test {
     reader_ = *std::move(reader);
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = make_sweep({});
   std::unique_ptr<StoreReader> reader_;

@@ -42,7 +42,7 @@ class StoreCost : public ::testing::Test {
   }
   std::unique_ptr<StoreReader> reader() { return StoreReader::open(path_).value(); }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
 };
 

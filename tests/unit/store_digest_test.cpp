@@ -29,7 +29,7 @@ std::vector<schema::JobSpec> cut_along_conditions(const std::vector<schema::JobS
 }
 
 std::string digest_of(const Run& run) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep({});
   const auto whole = make_jobs(sweep, "sweep-a");

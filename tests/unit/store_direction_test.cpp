@@ -44,7 +44,7 @@ class StoreDirection : public ::testing::Test {
     return out;
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   SweepShape shape_{.seasons = {"winter"}, .bands = {"mwir"}, .parts = 1, .wavelengths = 5};
   std::unique_ptr<StoreReader> reader_;

@@ -19,7 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/store.h"
 #include "tests/fault/synthetic_ledger.h"
-#include "tests/unit/scratch_folder.h"
+#include "tests/unit/test_folder.h"
 
 namespace irsig {
 

@@ -62,7 +62,7 @@ class StoreHeat : public ::testing::Test {
   std::string digest() { return StoreReader::open(path_).value()->digest().value(); }
   std::string text(const std::string& statement) { return sqlite_text(path_, statement); }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = with_heat(make_sweep({}));
   std::unique_ptr<StoreWriter> writer_;

@@ -25,7 +25,7 @@ class StoreInputs : public ::testing::Test {
     ASSERT_OK(writer->finish());
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = make_sweep({});
 };

@@ -18,7 +18,7 @@ class StoreLedger : public ::testing::Test {
     ASSERT_OK(writer->finish());
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = make_sweep({});
 };

@@ -5,7 +5,7 @@ namespace irsig {
 namespace {
 
 TEST(StoreModes, ComeBackAsTheyCameAndAreNoPartOfTheDigest) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep({});
   std::map<std::string, schema::Spectrum> sent;

@@ -63,7 +63,7 @@ class StorePlume : public ::testing::Test {
     ASSERT_OK(writer->finish());
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = make_sweep({});
 };

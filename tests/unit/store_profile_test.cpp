@@ -76,7 +76,7 @@ class StoreProfile : public ::testing::Test {
     return StoreReader::open(path_).value()->profiles(filter).value();
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
 };
 
@@ -162,7 +162,7 @@ TEST_F(StoreProfile, IsPartOfTheDigest) {
   std::set<std::string> digests;
   const auto digest_of = [&](const schema::ResolvedSweep& sweep,
                              const std::function<void(schema::JobResult&)>& change) {
-    const ScratchFolder folder;
+    const TestFolder folder;
     path_ = folder.file("b.sigdb");
     EXPECT_TRUE(complete(sweep, "a", change).ok());
     return StoreReader::open(path_).value()->digest().value();

@@ -27,7 +27,7 @@ class StoreQueue : public ::testing::Test {
   }
   SweepProgress progress() { return writer_->progress().value().front(); }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   schema::ResolvedSweep sweep_ = make_sweep({});
   std::unique_ptr<StoreWriter> writer_;

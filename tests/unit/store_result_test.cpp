@@ -20,7 +20,7 @@ struct Damage {
 };
 
 TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep({});
   auto writer = StoreWriter::open(path).value();
@@ -164,7 +164,7 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
 
 // A full disk, simulated by a limit on the file's pages.
 TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep({});
   {
@@ -200,7 +200,7 @@ TEST(StoreResult, AFullDiskLosesNothingThatWasCommitted) {
 }
 
 TEST(StoreResult, ARolledBackCompletionLeavesNothing) {
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.sigdb");
   const schema::ResolvedSweep sweep = make_sweep({});
   auto writer = StoreWriter::open(path).value();

@@ -105,7 +105,7 @@ class StoreSlice : public ::testing::Test {
     return out;
   }
 
-  const ScratchFolder folder_;
+  const TestFolder folder_;
   const std::string path_ = folder_.file("all.sigdb");
   const schema::ResolvedSweep sweep_ = with_heat(make_sweep({}));
   Sliced last_{};

@@ -24,7 +24,7 @@ class StoreSweep : public ::testing::Test {
   std::string digest() { return StoreReader::open(path_).value()->digest().value(); }
   // Of a database that was never anything else.
   static std::string digest_of_fresh(const SweepShape& shape) {
-    const ScratchFolder folder;
+    const TestFolder folder;
     const std::string path = folder.file("fresh.sigdb");
     auto writer = StoreWriter::open(path).value();
     const auto sweep = make_sweep(shape);
@@ -40,7 +40,7 @@ class StoreSweep : public ::testing::Test {
         "0");
   }
 
-  ScratchFolder folder_;
+  TestFolder folder_;
   std::string path_ = folder_.file("a.sigdb");
   std::unique_ptr<StoreWriter> writer_;
 };

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tests/unit/scratch_folder.h"
+#include "tests/unit/test_folder.h"
 
 namespace irsig {
 namespace {
@@ -27,7 +27,7 @@ class UserFile : public ::testing::Test {
     EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << path;
     return std::string(read.status().message());
   }
-  ScratchFolder folder_;
+  TestFolder folder_;
 };
 
 TEST_F(UserFile, RegularFilesAndLinksToThemAreRead) {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tests/unit/scratch_folder.h"
+#include "tests/unit/test_folder.h"
 
 namespace irsig {
 namespace {
@@ -67,7 +67,7 @@ std::string vdb_file(const std::vector<VdbGrid>& how, bool stream) {
     io::Stream(out).write(grids);
     return out.str();
   }
-  const ScratchFolder folder;
+  const TestFolder folder;
   const std::string path = folder.file("a.vdb");
   io::File file(path);
   file.write(grids);

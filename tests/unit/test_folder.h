@@ -10,14 +10,14 @@
 namespace irsig {
 
 // A folder that goes when the test ends.
-class ScratchFolder {
+class TestFolder {
  public:
-  ScratchFolder() {
+  TestFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "irsig-store-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder: " + name);
     path_ = name;
   }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  ~TestFolder() { std::filesystem::remove_all(path_); }
   std::string file(const std::string& name) const { return (path_ / name).string(); }
   std::vector<std::string> names() const {
     std::vector<std::string> out;
