@@ -18,6 +18,8 @@
 #include "jobs/detector_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/response_file.h"
+#include "planning/machine.h"
+#include "planning/prediction.h"
 #include "view/atomic_file.h"
 #include "view/band_tables.h"
 #include "view/print.h"
@@ -25,6 +27,9 @@
 
 namespace irsig {
 namespace {
+
+// 45 kB a row of 81 wavelengths with 16 modes, measured.
+constexpr double kBytesOfRowAndWavelength = 45e3 / 81;
 
 struct BandsCommand {
   explicit BandsCommand(CLI::App& command)
@@ -116,6 +121,24 @@ struct BandsCommand {
     return out;
   }
 
+  // All spectra of the population are held, with their modes.
+  [[nodiscard]] static absl::Status check_memory_of(StoreReader& reader,
+                                                    const std::vector<QueryRow>& rows,
+                                                    const std::vector<QueryRow>& their_rows) {
+    if (rows.empty()) return absl::OkStatus();
+    const auto first = reader.spectrum(rows.front().signature.signature_id);
+    if (!first.ok()) return first.status();
+    const std::size_t count = rows.size() + their_rows.size();
+    const double bytes =
+        static_cast<double>(count) * first->lambda_um_size() * kBytesOfRowAndWavelength;
+    const double usable = usable_memory_bytes(1);
+    if (bytes <= usable) return absl::OkStatus();
+    return absl::ResourceExhaustedError(
+        fmt::format("{} rows of {} wavelengths take {} of memory, this machine has {}: choose "
+                    "fewer by --season, --time or --aspect, or ask for fewer --range-m",
+                    count, first->lambda_um_size(), bytes_text(bytes), bytes_text(usable)));
+  }
+
   [[nodiscard]] absl::StatusOr<DetectorOfFile> asked_detector() const {
     if (!nei_w_m2) return read_detector(detector);
     if (auto s = check_number("DetectorNoise.nei_w_m2", "--nei", *nei_w_m2); !s.ok()) return s;
@@ -161,6 +184,7 @@ struct BandsCommand {
       if (!found.ok()) return found.status();
       their_rows = *std::move(found);
     }
+    if (auto s = check_memory_of(**reader, *rows, their_rows); !s.ok()) return s;
     std::vector<RowWeights> weights;
     for (const std::string& file : weights_file) {
       auto table = read_row_weights(file);
@@ -199,7 +223,7 @@ struct BandsCommand {
           pairs.empty() ? "" : ", for two of them"));
     const auto stored = (*reader)->sweep(rows->front().signature.sweep);
     if (!stored.ok()) return stored.status();
-    const BandChoice choice = search->compare(*of, found->best);
+    const WindowChoice choice = search->compare(*of, found->best);
     print_note("irsig: note: {} {}, {} rows, {}; detector {}\n", found->judged,
                search->pairing() != Pairing::kNone ? "pairs"
                : filter_file.empty()               ? "windows"
@@ -246,7 +270,7 @@ struct BandsCommand {
 
   [[nodiscard]] absl::Status write_files(const BandSearch& search, const MeritOf& of,
                                          const BandSearch::Found& found,
-                                         const BandChoice& choice) const {
+                                         const WindowChoice& choice) const {
     if (!map.empty()) {
       if (auto s = write_file(
               "--map", map,
