@@ -41,10 +41,6 @@ struct RunAsked {
 
 constexpr double kMuchMemory = 1e9;  // is said before it is taken
 
-std::uint64_t settled(const schema::SweepStatus& sweep) {
-  return sweep.done() + sweep.quarantined() + sweep.cancelled();
-}
-
 // What an existing database means for this sweep: OK to go on, or what the user has to decide. A
 // sweep that a time budget once became is taken over with its samples.
 absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& asked,
@@ -71,7 +67,7 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
     const bool same =
         same_name && sweep.sweep_sha256() == sha256_hex(canonical_encoding(loaded.resolved));
     if (same && sweep.done() == sweep.jobs()) return true;
-    const bool open = settled(sweep) < sweep.jobs() || (same && sweep.done() < sweep.jobs());
+    const bool open = settled_jobs(sweep) < sweep.jobs() || (same && sweep.done() < sweep.jobs());
     if (open && (same || !same_name) && !asked.resume) {
       return absl::InvalidArgumentError(fmt::format(
           "{} holds the sweep \"{}\" with {} of {} jobs done: add --resume to go on with it",
@@ -108,10 +104,7 @@ absl::Status stopped(const RunAsked& asked, const std::string& why) {
 absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked,
                                           const std::string& sweep_sha256) {
   ProgressLine line;
-  ProgressView view;
-  view.workers = asked.workers;
-  auto start = Steady::now();
-  bool first = true;  // or nothing but temperatures has been computed yet
+  SweepWatch sweep_watch;
   std::uint64_t jobs_settled = 0;
   auto pause = std::chrono::milliseconds(20);
   while (true) {
@@ -125,17 +118,12 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
       open = false;
       jobs_settled = 0;
       for (const auto& sweep : status->sweep()) {
-        jobs_settled += settled(sweep);
-        open = open || settled(sweep) < sweep.jobs();
+        jobs_settled += settled_jobs(sweep);
+        open = open || settled_jobs(sweep) < sweep.jobs();
         if (sweep.sweep_sha256() != sweep_sha256) continue;
-        if (first) {
-          view.done_before = sweep.done();
-          view.rays_before = sweep.rays();
-          start = Steady::now();
-          first = sweep.heat_done() < sweep.heat_jobs();
-        }
-        view.elapsed_s = std::chrono::duration<double>(Steady::now() - start).count();
-        line.show(progress_text(sweep, view));
+        line.show(sweep_watch.text(
+            sweep, asked.workers,
+            std::chrono::duration<double>(Steady::now().time_since_epoch()).count()));
       }
     }
     if (!open) return *status;

@@ -1,7 +1,11 @@
 #include <algorithm>
+#include <chrono>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "absl/strings/str_join.h"
@@ -12,8 +16,11 @@
 #include "cli/output_options.h"
 #include "coordinator/client/certificate.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/progress_text.h"
 #include "fmt/ostream.h"
+#include "planning/interruption.h"
 #include "view/print.h"
+#include "view/progress.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -114,10 +121,51 @@ absl::Status write_workers(const schema::StatusReply& status, std::string_view f
   return (*writer)->finish();
 }
 
+// Until every job is settled, or the user has seen enough.
+absl::Status follow(const Address& coordinator) {
+  using namespace std::chrono_literals;
+  constexpr double kPatienceS = 60;  // a coordinator may be started again
+  hear_interruptions();
+  ProgressLine line;
+  std::map<std::string, SweepWatch> watch;
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<double> answered_s;
+  while (!interrupted()) {
+    const auto status = farm_status(coordinator, 5);
+    const double now_s =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (status.ok()) {
+      answered_s = now_s;
+      std::string text;
+      std::size_t open = 0;
+      for (const auto& sweep : status->sweep()) {
+        if (settled_jobs(sweep) == sweep.jobs()) continue;
+        const std::string of_sweep =
+            watch[sweep.sweep_sha256()].text(sweep, status->workers(), now_s);
+        if (++open == 1) text = fmt::format("{}: {}", sweep.name(), of_sweep);
+      }
+      if (open == 0) return absl::OkStatus();
+      if (open > 1)
+        text += fmt::format("; {} more sweep{}", open - 1, open == 2 ? " waits" : "s wait");
+      line.show(text);
+    } else if (!absl::IsUnavailable(status.status()) || !answered_s ||
+               now_s - *answered_s > kPatienceS) {
+      return status.status();
+    } else {
+      line.show(fmt::format("no answer for {:.0f} s", now_s - *answered_s));
+    }
+    for (int i = 0; i < 10 && !interrupted(); ++i) std::this_thread::sleep_for(100ms);
+  }
+  return absl::OkStatus();
+}
+
 absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOptions& output,
-                         bool workers) {
+                         bool workers, bool followed) {
   const auto address = coordinator.address();
   if (!address.ok()) return address.status();
+  if (followed) {
+    if (auto seen = follow(*address); !seen.ok()) return seen;
+  }
   auto status = farm_status(*address);
   if (!status.ok()) return status.status();
   if (address->tls)
@@ -141,8 +189,13 @@ void add_status(CLI::App& app, int& exit_code) {
       std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
   auto workers = std::make_shared<bool>(false);
   command->add_flag("--workers", *workers, "a line for each worker instead of each sweep");
-  command->callback(
-      [=, &exit_code] { exit_code = report(show_status(*coordinator, *output, *workers)); });
+  auto followed = std::make_shared<bool>(false);
+  command->add_flag(
+      "--follow", *followed,
+      "first show how far it is, once a second, until every job is settled or Ctrl-C");
+  command->callback([=, &exit_code] {
+    exit_code = report(show_status(*coordinator, *output, *workers, *followed));
+  });
 }
 
 }  // namespace irsig

@@ -20,8 +20,25 @@ std::string count_text(double count, std::string_view noun) {
   return fmt::format("{:.3g} {}", count, noun);
 }
 
+std::uint64_t settled_jobs(const schema::SweepStatus& sweep) {
+  return sweep.done() + sweep.quarantined() + sweep.cancelled();
+}
+
+std::string SweepWatch::text(const schema::SweepStatus& sweep, std::uint32_t workers,
+                             double seconds) {
+  if (!rated_) {
+    view_.done_before = sweep.done();
+    view_.rays_before = sweep.rays();
+    start_s_ = seconds;
+    rated_ = sweep.heat_done() >= sweep.heat_jobs();
+  }
+  view_.elapsed_s = seconds - start_s_;
+  view_.workers = workers;
+  return progress_text(sweep, view_);
+}
+
 std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view) {
-  const std::uint64_t settled = sweep.done() + sweep.quarantined() + sweep.cancelled();
+  const std::uint64_t settled = settled_jobs(sweep);
   const std::uint64_t left = sweep.jobs() > settled ? sweep.jobs() - settled : 0;
   std::string text;
   if (sweep.heat_done() < sweep.heat_jobs()) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "schema/farm.pb.h"
 
@@ -17,6 +19,22 @@ struct ProgressView {
 // "temperatures 1 of 2, then 191 views" while jobs compute what the views need; then
 // "jobs 57/191  2.1 Mrays/s  1:23 left  worst error 0.12 %": one line without a line feed.
 [[nodiscard]] std::string progress_text(const schema::SweepStatus& sweep, const ProgressView& view);
+
+// Jobs that nobody will compute any more: done, failed for good or cancelled.
+[[nodiscard]] std::uint64_t settled_jobs(const schema::SweepStatus& sweep);
+
+// Watches one sweep from the moment when it is first asked, and says how far it is.
+class SweepWatch {
+ public:
+  // seconds: of any clock that does not jump.
+  [[nodiscard]] std::string text(const schema::SweepStatus& sweep, std::uint32_t workers,
+                                 double seconds);
+
+ private:
+  bool rated_ = false;  // something but temperatures is being computed
+  double start_s_ = 0;
+  ProgressView view_;
+};
 
 // "1:23", "2:03:04".
 [[nodiscard]] std::string duration_text(double seconds);

@@ -13,6 +13,7 @@ import time
 import unittest
 
 IRSIG, COORDINATOR, SOURCE = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
+WORKER = pathlib.Path(IRSIG).with_name("irsig-worker")
 SWEEP = (SOURCE / "jobs/examples/quickstart.toml").read_text().replace("count = 24", "count = 3").replace(
     "triangles = 20000", "triangles = 2000").replace("relative_error = 0.01", "relative_error = 0.1")
 
@@ -97,6 +98,14 @@ class Output(unittest.TestCase):
                     time.sleep(0.05)
                 self.irsig("submit", "a.toml", "--coordinator", address)
                 sweep, = json.loads(self.irsig("status", "--coordinator", address, "--json"))
+                with subprocess.Popen([IRSIG, "status", "--follow", "--coordinator", address], stdout=subprocess.PIPE,
+                                      stderr=subprocess.PIPE, text=True) as follower:
+                    first = follower.stderr.readline()
+                    subprocess.run([WORKER, "--coordinator", address, "--exit-when-finished"], check=True, timeout=300,
+                                   stderr=subprocess.DEVNULL)
+                    table, _ = follower.communicate(timeout=300)
+                self.assertEqual((follower.returncode, first), (0, "quickstart: jobs 0/3  0 workers\n"))
+                self.assertEqual(table.splitlines()[1].split()[:3], ["quickstart", "3", "3"])
             finally:
                 coordinator.terminate()
         self.assertEqual((sweep["sweep"], sweep["jobs"], sweep["done"], sweep["workers"]), ("quickstart", 3, 0, 0))

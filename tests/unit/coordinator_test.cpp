@@ -99,6 +99,26 @@ TEST(ProgressText, LeavesOutWhatWasDoneBefore) {
   EXPECT_EQ(duration_text(3723.4), "1:02:03");
 }
 
+TEST(ProgressText, AWatchRatesWhatItHasSeenItself) {
+  schema::SweepStatus sweep;
+  sweep.set_jobs(100);
+  sweep.set_heat_jobs(2);
+  sweep.set_done(1);
+  sweep.set_heat_done(1);
+  SweepWatch watch;
+  EXPECT_EQ(watch.text(sweep, 2, 1000), "temperatures 1 of 2, then 98 views  2 workers");
+  sweep.set_heat_done(2);
+  sweep.set_done(20);
+  sweep.set_rays(1'000'000);
+  EXPECT_EQ(watch.text(sweep, 2, 1500), "jobs 20/100  worst error 0 %  2 workers");
+  sweep.set_done(40);
+  sweep.set_quarantined(20);
+  sweep.set_rays(3'000'000);
+  EXPECT_EQ(settled_jobs(sweep), 60U);
+  EXPECT_EQ(watch.text(sweep, 3, 1510),
+            "jobs 40/100  200 krays/s  0:20 left  worst error 0 %  20 failed  3 workers");
+}
+
 TEST(ProgressText, SaysTheStages) {
   schema::SweepStatus sweep;
   sweep.set_jobs(193);
