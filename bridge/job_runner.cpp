@@ -230,10 +230,12 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
 std::string build_id() { return IRSIG_BUILD_ID; }
 
 std::string determinism_class() {
-  static const std::string name = absl::StrCat(
-      build_id(), "/", cpu_vendor(), "/", isa_name(widest_isa()), "/glibc-", gnu_get_libc_version(),
-      "/arithmetic-", absl::Hex(arithmetic_fingerprint(), absl::kZeroPad8));
-  return name;
+  static const std::uint32_t narrow = arithmetic_fingerprint(false),
+                             wide = arithmetic_fingerprint(true);
+  const TracerIsa isa = widest_isa();
+  return absl::StrCat(build_id(), "/", cpu_vendor(), "/", isa_name(isa), "/glibc-",
+                      gnu_get_libc_version(), "/arithmetic-",
+                      absl::Hex(isa == TracerIsa::kAvx512 ? wide : narrow, absl::kZeroPad8));
 }
 
 int physics_version() { return kPhysicsVersion; }

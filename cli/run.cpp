@@ -10,6 +10,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
+#include "core/scene/tracer.h"
 #include "fmt/format.h"
 #include "jobs/expand.h"
 #include "planning/interruption.h"
@@ -35,6 +36,7 @@ struct RunAsked {
   bool plan = false;
   std::string launcher = "local";
   SlurmPlan slurm;
+  std::string isa;  // empty: each worker its machine's widest
 
   [[nodiscard]] bool on_cluster() const { return launcher == "slurm"; }
 };
@@ -83,7 +85,8 @@ absl::StatusOr<std::unique_ptr<LocalFarm>> start_farm(const RunAsked& asked) {
        .workers = asked.workers,
        .coordinator_executable = beside_this_executable("irsig-coordinator"),
        .worker_executable = beside_this_executable("irsig-worker"),
-       .worker_arguments = {},
+       .worker_arguments = asked.isa.empty() ? std::vector<std::string>()
+                                             : std::vector<std::string>{"--isa", asked.isa},
        .slurm = asked.on_cluster() ? std::optional(asked.slurm) : std::nullopt});
 }
 
@@ -235,6 +238,9 @@ absl::Status run_sweep(RunAsked asked) {
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (auto s = check_launcher(asked); !s.ok()) return s;
+  if (!asked.isa.empty() && !asked.on_cluster()) {
+    if (auto s = pin_isa(asked.isa); !s.ok()) return s;
+  }
   if (asked.workers == 0) asked.workers = asked.on_cluster() ? asked.slurm.nodes : usable_cores();
   print_note("irsig: {}\n", size_text(loaded->size));
   const std::uint64_t conditions = loaded->size.conditions;
@@ -328,6 +334,11 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--host", asked->slurm.host,
                       "slurm: the name under which the nodes reach this machine (default: its "
                       "host name)");
+  command
+      ->add_option("--isa", asked->isa,
+                   "no wider instruction set than this one: of nodes that are not alike, the one "
+                   "that all of them have")
+      ->check(CLI::IsMember({"avx512", "avx2", "sse4.2"}));
   command->callback([=, &exit_code] { exit_code = report(run_sweep(*asked)); });
   command->footer(
       "Ctrl-C stops it with exit code 1; the database stays consistent, and --resume goes on.");

@@ -22,6 +22,7 @@ constexpr std::size_t kLossesToQuarantine = 3;
 // A fencing token that is no lease of the queue: of a job that is computed for the second time.
 constexpr std::uint64_t kDuplicate = std::uint64_t{1} << 63;
 constexpr int kMostWorkersTold = 1000;
+constexpr std::size_t kMostOfOtherClassTold = 20;
 
 StoredPrediction as_stored(const schema::Prediction& message, const std::string& sweep_sha256) {
   return {.sweep_sha256 = sweep_sha256,
@@ -106,6 +107,7 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
                   .memory_bytes = request.memory_bytes(),
                   .heard_at_s = clock_()};
   if (auto status = check_class(session); !status.ok()) return status;
+  of_other_class_.erase(session.worker_name);
   for (auto it = sessions_.begin(); it != sessions_.end();) {
     if (it->second.worker_name != request.worker_name()) {
       ++it;
@@ -303,11 +305,13 @@ absl::Status Farm::check_class(const Session& session) {
   const auto bound = store_.determinism_class();
   if (!bound.ok()) return bound.status();
   if (bound->empty() || *bound == session.determinism_class) return absl::OkStatus();
+  if (of_other_class_.size() < kMostOfOtherClassTold)
+    of_other_class_.try_emplace(session.worker_name, session.determinism_class);
   return absl::FailedPreconditionError(
       absl::StrCat("this database was begun by workers of the determinism class \"", *bound,
                    "\"; a worker of the class \"", session.determinism_class,
                    "\" would compute other last bits: run it on machines of the first class, or "
-                   "start a new database"));
+                   "start a new database with --isa, an instruction set that all of them have"));
 }
 
 Farm::SweepRules Farm::rules_for(const schema::ResolvedSweep& sweep) {
@@ -531,6 +535,9 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     out->set_job_s(clock_() - session.leased_at_s);
   }
   for (const std::string& line : differing_) reply.add_warning(line);
+  for (const auto& [name, its_class] : of_other_class_)
+    reply.add_warning(absl::StrCat("worker ", name, " computes nothing: it is of the determinism ",
+                                   "class \"", its_class, "\", the database of another one"));
   reply.set_audited(double_check_.audited());
   const auto aside = store_.results_aside();
   if (!aside.ok()) return aside.status();

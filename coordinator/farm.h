@@ -165,8 +165,9 @@ class Farm {
       out_of_memory_;  // job key -> of the worker that had too little
   // Worker name -> jobs that failed on it and that another one has done.
   std::map<std::string, std::set<std::string>> failed_alone_;
-  std::map<std::string, std::string> aside_;  // worker name -> why
-  std::vector<std::string> differing_;        // messages, for status
+  std::map<std::string, std::string> aside_;           // worker name -> why
+  std::map<std::string, std::string> of_other_class_;  // refused: worker name -> class
+  std::vector<std::string> differing_;                 // messages, for status
   DoubleCheck double_check_;
   Stragglers stragglers_;
   std::uint64_t duplicates_ = 0;

@@ -14,6 +14,7 @@
 #include "coordinator/client/plain_log.h"
 #include "core/base/printable.h"
 #include "core/image/image.h"
+#include "core/scene/tracer.h"
 #include "spdlog/sinks/stdout_sinks.h"
 #include "spdlog/spdlog.h"
 #include "worker/lease_loop.h"
@@ -78,6 +79,10 @@ int main(int argc, char** argv) {
                  "end when the coordinator has not answered for so long")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e9));
+  std::string isa;
+  app.add_option("--isa", isa,
+                 "no wider instruction set than this one, which all machines of a farm have: "
+                 "avx512, avx2 or sse4.2");
   app.add_option("--spool", plan.spool_folder,
                  "a folder for results that wait for their coordinator; workers of one machine may "
                  "share it");
@@ -89,6 +94,9 @@ int main(int argc, char** argv) {
   auto address = irsig::parse_address(coordinator, network);
   if (!address.ok()) return report(address.status());
   plan.coordinator = *std::move(address);
+  if (!isa.empty()) {
+    if (auto pinned = irsig::pin_isa(isa); !pinned.ok()) return report(pinned);
+  }
   plan.determinism_class = irsig::determinism_class();
   plan.build_id = irsig::build_id();
   plan.memory_bytes = static_cast<std::uint64_t>(irsig::usable_memory_bytes(1));

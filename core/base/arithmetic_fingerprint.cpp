@@ -44,17 +44,18 @@ __attribute__((target("avx512f"))) void add_wide_reciprocals(Hash& hash, float x
 }
 #endif
 
-void add_reciprocals([[maybe_unused]] Hash& hash, [[maybe_unused]] float x) {
+void add_reciprocals([[maybe_unused]] Hash& hash, [[maybe_unused]] float x,
+                     [[maybe_unused]] bool avx512) {
 #if defined(__x86_64__)
   hash.add(_mm_cvtss_f32(_mm_rcp_ss(_mm_set_ss(x))));
   hash.add(_mm_cvtss_f32(_mm_rsqrt_ss(_mm_set_ss(x))));
-  if (__builtin_cpu_supports("avx512f")) add_wide_reciprocals(hash, x);
+  if (avx512 && __builtin_cpu_supports("avx512f")) add_wide_reciprocals(hash, x);
 #endif
 }
 
 }  // namespace
 
-std::uint32_t arithmetic_fingerprint() {
+std::uint32_t arithmetic_fingerprint(bool avx512) {
   Hash hash;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     // Read at run time: the compiler's own arithmetic is not what is asked for.
@@ -62,7 +63,7 @@ std::uint32_t arithmetic_fingerprint() {
     const volatile float at_float = (static_cast<float>(mix64(~i) >> 42) + 0.5f) * 0x1p-22f;
     add_library<double>(hash, at);
     add_library<float>(hash, at_float);
-    add_reciprocals(hash, 1.0f + at_float);
+    add_reciprocals(hash, 1.0f + at_float, avx512);
   }
   return hash.value();
 }

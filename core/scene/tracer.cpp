@@ -10,8 +10,10 @@
 #include <cstring>
 #include <limits>
 #include <mutex>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "core/base/check.h"
 #include "core/base/clones.h"
 #include "core/scene/facet_pairs.h"
@@ -422,14 +424,32 @@ float radius_of(const std::vector<float>& vertex) {
   return std::sqrt(squared);
 }
 
-}  // namespace
-
-TracerIsa widest_isa() {
+TracerIsa widest_here() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl"))
     return TracerIsa::kAvx512;
   if (__builtin_cpu_supports("avx2")) return TracerIsa::kAvx2;
   return TracerIsa::kSse42;
+}
+
+std::atomic<TracerIsa> pinned_isa = TracerIsa::kAvx512;
+
+}  // namespace
+
+TracerIsa widest_isa() { return std::max(widest_here(), pinned_isa.load()); }
+
+absl::Status pin_isa(const std::string& name) {
+  for (const TracerIsa isa : {TracerIsa::kAvx512, TracerIsa::kAvx2, TracerIsa::kSse42}) {
+    if (isa_name(isa) != name) continue;
+    if (isa < widest_here())
+      return absl::FailedPreconditionError(absl::StrCat("this machine has no ", name,
+                                                        ": its widest instruction set is ",
+                                                        isa_name(widest_here())));
+    pinned_isa = isa;
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("instruction set \"", name, "\": expected avx512, avx2 or sse4.2"));
 }
 
 std::string isa_name(TracerIsa isa) {

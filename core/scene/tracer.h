@@ -26,7 +26,12 @@ struct alignas(64) RayPacket {
 // The instruction sets that the ray tracer may be pinned to; results can differ in the last bit
 // between them.
 enum class TracerIsa { kAvx512, kAvx2, kSse42 };
+// The widest that this machine has and pin_isa() allows.
 [[nodiscard]] TracerIsa widest_isa();
+// None wider than this one ("avx512", "avx2", "sse4.2") in this process, from here on: unlike
+// machines that share a sweep are pinned to what all of them have. INVALID_ARGUMENT: an unknown
+// name; FAILED_PRECONDITION: this machine does not have it.
+[[nodiscard]] absl::Status pin_isa(const std::string& name);
 [[nodiscard]] std::string isa_name(TracerIsa isa);
 
 // What is done beyond Embree's own ROBUST traversal. On the frigate kEdges costs 1 to 3 % of a

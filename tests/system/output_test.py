@@ -2,10 +2,12 @@
 
 usage: output_test.py <irsig executable> <irsig-coordinator executable> <source folder>
 """
+import contextlib
 import csv
 import io
 import json
 import pathlib
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -109,6 +111,19 @@ class Output(unittest.TestCase):
             finally:
                 coordinator.terminate()
         self.assertEqual((sweep["sweep"], sweep["jobs"], sweep["done"], sweep["workers"]), ("quickstart", 3, 0, 0))
+
+    def test_an_instruction_set_that_all_machines_have(self):
+        with self.assertRaises(AssertionError):
+            self.irsig("run", "a.toml", "--db", "isa.sigdb", "--isa", "avx")
+        self.irsig("run", "a.toml", "--db", "isa.sigdb", "--isa", "sse4.2")
+        rows = [json.loads(self.irsig("query", name, "--json")) for name in ("a.sigdb", "isa.sigdb")]
+        self.assertEqual(len(rows[0]), len(rows[1]))
+        with contextlib.closing(sqlite3.connect(self.path / "isa.sigdb")) as database:
+            (of,), = database.execute("SELECT DISTINCT determinism_class FROM provenance")
+        self.assertIn("/sse4.2/", of)
+        # Other last bits at most.
+        for a, b in zip(*(sorted(r, key=lambda row: row["row"]) for r in rows)):
+            self.assertAlmostEqual(a["intensity_w_sr"] / b["intensity_w_sr"], 1, 4)
 
     def test_sizes_are_said_and_a_changed_sweep_says_what_it_replaces(self):
         def said(name, *more, code=0):

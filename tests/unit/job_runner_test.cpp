@@ -8,6 +8,7 @@
 #include "bridge/heat_outputs.h"
 #include "bridge/sweep_temperatures.h"
 #include "core/geo/sun.h"
+#include "core/scene/tracer.h"
 #include "jobs/expand.h"
 #include "tests/unit/heated_sweep.h"
 #include "tests/unit/sweep_text.h"
@@ -265,6 +266,25 @@ schema::HeatField field_with(const schema::ResolvedSweep& sweep, float kelvin, f
     field.mutable_error_k()->append(reinterpret_cast<const char*>(&error_k), sizeof error_k);
   }
   return field;
+}
+
+TEST(JobRunner, AProcessMayBePinnedToLessThanItsMachineHas) {
+  const std::string machine = determinism_class();
+  const absl::Status unknown = pin_isa("avx");
+  EXPECT_TRUE(absl::IsInvalidArgument(unknown)) << unknown;
+  EXPECT_EQ(determinism_class(), machine);
+  const bool has_avx512 = widest_isa() == TracerIsa::kAvx512;
+  EXPECT_EQ(pin_isa("avx512").code(),
+            has_avx512 ? absl::StatusCode::kOk : absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(determinism_class(), machine);
+  ASSERT_TRUE(pin_isa("sse4.2").ok());
+  EXPECT_EQ(widest_isa(), TracerIsa::kSse42);
+  EXPECT_THAT(determinism_class(), HasSubstr("/sse4.2/"));
+  // Without AVX-512 its reciprocals do not count: two machines that differ in these agree.
+  if (has_avx512) {
+    EXPECT_NE(machine.substr(machine.size() - 8),
+              determinism_class().substr(determinism_class().size() - 8));
+  }
 }
 
 TEST(JobRunner, ComputesTemperaturesAndThenTheViewsThatNeedThem) {

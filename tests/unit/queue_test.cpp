@@ -330,6 +330,12 @@ TEST_F(FarmTest, AnotherDeterminismClassIsRefused) {
   EXPECT_THAT(
       std::string(other.status().message()),
       testing::AllOf(testing::HasSubstr(kSyntheticClass), testing::HasSubstr("another class")));
+  const schema::StatusReply told = farm_status();
+  ASSERT_EQ(told.warning_size(), 1);
+  EXPECT_THAT(told.warning(0), testing::AllOf(testing::HasSubstr("worker b computes nothing"),
+                                              testing::HasSubstr("another class")));
+  EXPECT_TRUE(try_worker("b", kSyntheticClass).ok());
+  EXPECT_EQ(farm_status().warning_size(), 0);
 }
 
 TEST_F(FarmTest, AClassThatWasFreeAtRegistrationIsCheckedAtTheLease) {
@@ -339,6 +345,7 @@ TEST_F(FarmTest, AClassThatWasFreeAtRegistrationIsCheckedAtTheLease) {
   const auto a = worker("a");
   (void)job(a);
   EXPECT_TRUE(absl::IsFailedPrecondition(lease(other->worker_id()).status()));
+  EXPECT_EQ(farm_status().warning_size(), 1);
 }
 
 TEST_F(FarmTest, AnotherPhysicsVersionIsRefusedAndLeavesTheJobFree) {
