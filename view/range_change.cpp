@@ -36,32 +36,31 @@ ViewEnvironment plain_view(const Air& air, double air_temperature_k, double rang
   return out;
 }
 
-// The air of one stored sweep.
-class SweepAir {
+// The air of one band of a stored sweep: what the other bands are does not matter to it.
+class BandAir {
  public:
-  static absl::StatusOr<SweepAir> make(StoredSweep sweep) {
-    SweepAir out;
+  static absl::StatusOr<BandAir> make(StoredSweep sweep, const StoredSignature& any) {
+    BandAir out;
     out.sweep_ = std::move(sweep);
     const schema::ResolvedSweep& resolved = out.sweep_.resolved;
-    const std::vector<double> breaks_um = spectral_breaks_um(resolved);
-    for (const schema::Band& b : resolved.sweep().band()) {
-      Band band{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}};
-      for (const schema::SpectralPoint& p : b.response())
-        band.response.push_back({p.lambda_um(), p.value()});
-      auto grid = make_band_grid(band, breaks_um);
-      if (!grid.ok()) return grid.status();
-      out.offset_.push_back(out.node_um_.size());
-      out.node_um_.insert(out.node_um_.end(), grid->node_um.begin(), grid->node_um.end());
-      out.grid_.push_back(*std::move(grid));
-    }
+    const auto& bands = resolved.sweep().band();
+    const auto b = std::find_if(bands.begin(), bands.end(),
+                                [&](const auto& of) { return of.name() == any.band; });
+    if (b == bands.end()) return outdated(any);
+    Band band{b->name(), b->lambda_min_um(), b->lambda_max_um(), b->step_um(), {}};
+    for (const schema::SpectralPoint& p : b->response())
+      band.response.push_back({p.lambda_um(), p.value()});
+    auto grid = make_band_grid(band, spectral_breaks_um(resolved));
+    if (!grid.ok()) return grid.status();
+    out.grid_ = *std::move(grid);
     if (!has_atmosphere(resolved)) return out;
-    auto environment = environment_of(resolved, out.node_um_);
+    auto environment = environment_of(resolved, out.grid_.node_um);
     if (!environment.ok()) return environment.status();
     out.environment_ = *std::move(environment);
     return out;
   }
 
-  // Index of a row's condition or band; FAILED_PRECONDITION if the sweep has no such one any more.
+  // Index of a row's condition; FAILED_PRECONDITION if the sweep has no such one any more.
   [[nodiscard]] absl::StatusOr<std::uint32_t> condition_of(const StoredSignature& s) const {
     const auto& conditions = sweep_.resolved.condition();
     const auto at = std::find_if(conditions.begin(), conditions.end(), [&](const auto& c) {
@@ -70,25 +69,20 @@ class SweepAir {
     if (s.superseded || at == conditions.end()) return outdated(s);
     return static_cast<std::uint32_t>(at - conditions.begin());
   }
-  [[nodiscard]] absl::StatusOr<std::size_t> band_of(const StoredSignature& s) const {
-    const auto& bands = sweep_.resolved.sweep().band();
-    const auto at =
-        std::find_if(bands.begin(), bands.end(), [&](const auto& b) { return b.name() == s.band; });
-    if (at == bands.end()) return outdated(s);
-    return static_cast<std::size_t>(at - bands.begin());
-  }
 
   // All conditions asked for, from one aspect and range.
-  [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> views(
+  [[nodiscard]] absl::StatusOr<std::vector<SightLine>> lines(
       double aspect_azimuth_deg, double aspect_elevation_deg, double range_m,
       const std::vector<std::uint32_t>& conditions) const {
+    std::vector<SightLine> out;
     if (environment_ == nullptr) {
       const auto air = air_from_message(sweep_.resolved.sweep().air());
       if (!air.ok()) return air.status();
-      std::vector<ViewEnvironment> out;
       for (const std::uint32_t c : conditions) {
         const schema::Condition& condition = sweep_.resolved.condition(static_cast<int>(c));
-        out.push_back(plain_view(*air, condition.air_temperature_k(), range_m, node_um_));
+        out.push_back(
+            sight_line(plain_view(*air, condition.air_temperature_k(), range_m, grid_.node_um),
+                       DirectionNodes(), grid_));
       }
       return out;
     }
@@ -96,14 +90,12 @@ class SweepAir {
     Environment::Line line =
         environment_->line({aspect_azimuth_deg, aspect_elevation_deg, range_m});
     line.behind = BehindNodes({static_cast<float>(-towards.z)}, std::atan2(-towards.y, -towards.x));
-    return environment_->view(line, conditions);
+    const auto views = environment_->view(line, conditions);
+    if (!views.ok()) return views.status();
+    for (const ViewEnvironment& view : *views)
+      out.push_back(sight_line(view, environment_->nodes(), grid_));
+    return out;
   }
-
-  [[nodiscard]] SightLine line(const ViewEnvironment& view, std::size_t band) const {
-    return sight_line(view, environment_ ? environment_->nodes() : DirectionNodes(), grid_[band],
-                      offset_[band]);
-  }
-  [[nodiscard]] const StoredSweep& sweep() const { return sweep_; }
 
  private:
   static absl::Status outdated(const StoredSignature& s) {
@@ -114,9 +106,7 @@ class SweepAir {
   }
 
   StoredSweep sweep_;
-  std::vector<BandGrid> grid_;
-  std::vector<std::size_t> offset_;
-  std::vector<double> node_um_;
+  BandGrid grid_;
   std::unique_ptr<const Environment> environment_;  // null: homogeneous air or none
 };
 
@@ -131,10 +121,10 @@ absl::Status check_lengths(double range_m, const char* what, const std::string& 
                   what, range_m, kFewestLengths, sweep, extent.length_m, least_m));
 }
 
-// Rows of one viewpoint.
-using ViewKey = std::tuple<std::string, double, double, double>;
+// Rows of one viewpoint and band.
+using ViewKey = std::tuple<std::string, std::string, double, double, double>;
 ViewKey key_of(const StoredSignature& s) {
-  return {s.sweep, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
+  return {s.sweep, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
 }
 
 }  // namespace
@@ -161,10 +151,10 @@ double perspective_bound(double from_range_m, double to_range_m, double reach_m)
 }
 
 struct RangeChanger::Air {
-  SweepAir air;
+  BandAir air;
   TargetExtent extent;
 
-  // Rows of one viewpoint with their spectra; out: [row][range].
+  // Rows of one viewpoint and band with their spectra; out: [row][range].
   absl::Status move_view(const std::vector<double>& ranges_m,
                          const std::vector<const QueryRow*>& rows,
                          const std::vector<schema::Spectrum>& spectra,
@@ -187,25 +177,18 @@ absl::Status RangeChanger::Air::move_view(const std::vector<double>& ranges_m,
   if (absl::Status s = check_lengths(any.range_m, "the stored range", any.sweep, extent); !s.ok())
     return s;
   const auto at = [&](double m) {
-    return air.views(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions);
+    return air.lines(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions);
   };
   const auto from = at(any.range_m);
   if (!from.ok()) return from.status();
-  std::vector<std::vector<ViewEnvironment>> to;
-  for (const double range_m : ranges_m) {
-    auto there = at(range_m);
-    if (!there.ok()) return there.status();
-    to.push_back(*std::move(there));
-  }
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const QueryRow& row = *rows[i];
-    const auto band = air.band_of(row.signature);
-    if (!band.ok()) return band.status();
-    const auto c = static_cast<std::size_t>(
-        std::find(conditions.begin(), conditions.end(), condition_of_row[i]) - conditions.begin());
-    const SightLine here = air.line((*from)[c], *band);
-    for (std::size_t r = 0; r < ranges_m.size(); ++r) {
-      auto moved = moved_row(row.signature, spectra[i], here, air.line(to[r][c], *band),
+  for (std::size_t r = 0; r < ranges_m.size(); ++r) {
+    const auto to = at(ranges_m[r]);
+    if (!to.ok()) return to.status();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto c = static_cast<std::size_t>(
+          std::find(conditions.begin(), conditions.end(), condition_of_row[i]) -
+          conditions.begin());
+      auto moved = moved_row(rows[i]->signature, spectra[i], (*from)[c], (*to)[c],
                              perspective_bound(any.range_m, ranges_m[r], extent.reach_m));
       if (!moved.ok()) return moved.status();
       moved->signature.range_m = ranges_m[r];
@@ -245,17 +228,18 @@ RangeChanger::RangeChanger(StoreReader& reader, std::vector<double> ranges_m, Ex
     : reader_(reader), ranges_m_(std::move(ranges_m)), extent_of_(std::move(extent_of)) {}
 RangeChanger::~RangeChanger() = default;
 
-absl::StatusOr<const RangeChanger::Air*> RangeChanger::air_of(const std::string& sweep) {
-  if (const auto known = air_.find(sweep); known != air_.end()) return known->second.get();
-  auto stored = reader_.sweep(sweep);
+absl::StatusOr<const RangeChanger::Air*> RangeChanger::air_of(const StoredSignature& any) {
+  const std::pair key(any.sweep, any.band);
+  if (const auto known = air_.find(key); known != air_.end()) return known->second.get();
+  auto stored = reader_.sweep(any.sweep);
   if (!stored.ok()) return stored.status();
   const auto extent = extent_of_(*stored);
   if (!extent.ok()) return extent.status();
   for (const double range_m : ranges_m_)
-    if (absl::Status s = check_lengths(range_m, "range", sweep, *extent); !s.ok()) return s;
-  auto air = SweepAir::make(*std::move(stored));
+    if (absl::Status s = check_lengths(range_m, "range", any.sweep, *extent); !s.ok()) return s;
+  auto air = BandAir::make(*std::move(stored), any);
   if (!air.ok()) return air.status();
-  return (air_[sweep] = std::make_unique<const Air>(Air{*std::move(air), *extent})).get();
+  return (air_[key] = std::make_unique<const Air>(Air{*std::move(air), *extent})).get();
 }
 
 absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<QueryRow>& rows) {
@@ -288,7 +272,7 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
   // What is read is read by this thread alone.
   std::vector<const View*> list;
   for (auto& [key, view] : views) {
-    const auto air = air_of(std::get<0>(key));
+    const auto air = air_of(view.rows.front()->signature);
     if (!air.ok()) return air.status();
     view.air = *air;
     for (const QueryRow* row : view.rows) {

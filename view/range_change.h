@@ -40,7 +40,8 @@ namespace irsig {
 // a line of sight that the environment does not have (environment.h); FAILED_PRECONDITION: a row
 // that an older irsig or an earlier version of the sweep left, whose air is not known.
 //
-// The air of a sweep is made once, for all rows: what many rows are moved with, some at a time.
+// The air of a sweep's band is made once, for all rows: what many rows are moved with, some at a
+// time.
 class RangeChanger {
  public:
   // extent_of: needed as soon as a row is moved.
@@ -54,11 +55,11 @@ class RangeChanger {
 
  private:
   struct Air;
-  absl::StatusOr<const Air*> air_of(const std::string& sweep);
+  absl::StatusOr<const Air*> air_of(const StoredSignature& any);
   StoreReader& reader_;
   std::vector<double> ranges_m_;
   ExtentOf extent_of_;
-  std::map<std::string, std::unique_ptr<const Air>> air_;
+  std::map<std::pair<std::string, std::string>, std::unique_ptr<const Air>> air_;  // sweep, band
 };
 
 }  // namespace irsig

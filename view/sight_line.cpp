@@ -8,13 +8,12 @@ namespace {
 
 using Values = SightLine::Values;
 
-// Of a spectrum whose value `offset` is at the band's first node.
-Values per_bin(const BandGrid& grid, std::size_t offset, const std::vector<double>& weight,
+Values per_bin(const BandGrid& grid, const std::vector<double>& weight,
                const std::vector<double>& spectrum) {
   Values out(grid.lambda_um.size());
   for (std::size_t k = 0; k < out.size(); ++k)
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
-      out[k] += weight[i] * spectrum[offset + i];
+      out[k] += weight[i] * spectrum[i];
   return out;
 }
 
@@ -45,12 +44,8 @@ std::vector<double> solid_angles(const DirectionNodes& nodes, std::uint32_t firs
 
 }  // namespace
 
-SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, const BandGrid& grid,
-                     std::size_t offset) {
+SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, const BandGrid& grid) {
   SightLine out;
-  out.sky_model_relative = e.sky_model_relative;
-  out.sea_model_relative = e.lower_model_relative;
-  out.sun_model_relative = e.sun_model_relative;
 
   struct Side {
     bool sky;
@@ -62,13 +57,13 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   std::array<Side, 2> sides{Side{true, 0, nodes.sky(), &out.sky, {}},
                             Side{false, nodes.sky(), nodes.lower(), &out.sea, {}}};
   const std::size_t bins = grid.lambda_um.size(), n = grid.node_um.size();
-  const LightAround::Binned light = e.around.binned(offset, grid.bin_weight, grid.bin_first);
+  const LightAround::Binned light = e.around.binned(0, grid.bin_weight, grid.bin_first);
   for (Side& side : sides) {
     std::vector<double> weight(nodes.sky() + nodes.lower());
     const std::vector<double> angle = solid_angles(nodes, side.first, side.count);
     std::copy(angle.begin(), angle.end(), weight.begin() + side.first);
     const LightAround::Weights list{weight.data(), 1};
-    side.mean = std::move(e.around.sums(side.sky, {&list, 1}, offset, n).front());
+    side.mean = std::move(e.around.sums(side.sky, {&list, 1}, 0, n).front());
     side.share->resize(side.count * bins);
     const double* radiance = light.source.data() + side.first * bins;
     const double* seen = light.apparent.data() + side.first * bins;
@@ -80,14 +75,14 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   for (auto [to, weight] :
        {std::pair{&out.bin, &grid.bin_weight}, {&out.band, &grid.band_weight}}) {
     const auto integral = [&](const std::vector<double>& s) {
-      return s.empty() ? Values() : per_bin(grid, offset, *weight, s);
+      return s.empty() ? Values() : per_bin(grid, *weight, s);
     };
     const auto mean = [&](const std::vector<double>& s) {
-      return per_bin(grid, offset, grid.bin_weight, s);
+      return per_bin(grid, grid.bin_weight, s);
     };
     const auto of_side = [&](const LightAround::Sum& side) {
-      return arriving(per_bin(grid, 0, *weight, side.apparent),
-                      per_bin(grid, 0, grid.bin_weight, side.radiance), to->transmittance);
+      return arriving(per_bin(grid, *weight, side.apparent),
+                      per_bin(grid, grid.bin_weight, side.radiance), to->transmittance);
     };
     to->width = integral(ones);
     to->transmittance = integral(e.transmittance);

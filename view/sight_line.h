@@ -30,13 +30,12 @@ struct SightLine {
   // Share of the mean radiance of each direction of sky and sea that arrives, [direction][bin];
   // negative: no radiance comes from there.
   Values sky, sea;
-  double sky_model_relative = 0, sea_model_relative = 0, sun_model_relative = 0;
 };
 
-// environment: on the nodes of several bands, `offset` the first of this one's. nodes: to which
-// environment.around refers. Reflected sky and sea arrive as the mean over the solid angle of their
-// side does: which directions a target mirrors is no longer known.
+// environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and
+// sea arrive as the mean over the solid angle of their side does: which directions a target mirrors
+// is no longer known.
 [[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
-                                   const BandGrid& grid, std::size_t offset);
+                                   const BandGrid& grid);
 
 }  // namespace irsig

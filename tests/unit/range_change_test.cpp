@@ -318,7 +318,7 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     e.around = LightAround::of_spectra({flat(2), flat(1), flat(1)},
                                        {flat(2 * low), flat(high), flat(grey)}, nodes.sky());
     e.behind_apparent = {flat(grey)};
-    return sight_line(e, nodes, grid, 0);
+    return sight_line(e, nodes, grid);
   };
   const SightLine from = line(0.8, 0.9, 0.7), to = line(0.3, 0.6, 0.4);
   // Solid angles: half the sphere's height each.
