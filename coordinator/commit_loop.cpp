@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "spdlog/spdlog.h"
+#include "coordinator/client/farm_log.h"
 
 namespace irsig {
 namespace {
@@ -51,7 +51,7 @@ absl::Status run_apart(CommitLoop::Work& work, Farm& farm, StoreWriter& store,
     broken = status;
     return status;
   }
-  spdlog::error("a request failed and was undone: {}", status.ToString());
+  log_line(LogLevel::err, {}, "a request failed and was undone: {}", status.ToString());
   broken = store.undo_request();
   if (broken.ok()) broken = farm.release_what_nobody_holds();
   return absl::InternalError(absl::StrCat("the request failed: ", status.message()));

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "coordinator/client/farm_log.h"
 #include "core/base/user_file.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -59,7 +59,8 @@ absl::Status Doorkeeper::read_revocations(double now_unix_s) {
   }
   crl_problem_.clear();
   if (!crl_stamp_.empty())
-    spdlog::info("revoked certificates were read anew: {} in {}", list->size(), crl_path_);
+    log_line(LogLevel::info, {}, "revoked certificates were read anew: {} in {}", list->size(),
+             crl_path_);
   crl_stamp_ = stamp;
   revoked_ = *std::move(list);
   return absl::OkStatus();
@@ -118,12 +119,13 @@ absl::Status Doorkeeper::admit(const grpc::ServerContextBase& context, std::stri
 void Doorkeeper::log_refusal(std::string_view call, const std::string& who, const absl::Status& why,
                              double now_unix_s) {
   if (now_unix_s - refusals_since_unix_s_ >= kRefusalLinesIn_s) {
-    if (refusals_untold_ > 0) spdlog::warn("refused: {} more calls", refusals_untold_);
+    if (refusals_untold_ > 0)
+      log_line(LogLevel::warn, {}, "refused: {} more calls", refusals_untold_);
     refusals_since_unix_s_ = now_unix_s;
     refusals_ = refusals_untold_ = 0;
   }
   if (++refusals_ <= kMostRefusalLines) {
-    spdlog::warn("refused: {} by {}: {}", call, who, std::string(why.message()));
+    log_line(LogLevel::warn, {}, "refused: {} by {}: {}", call, who, std::string(why.message()));
   } else {
     ++refusals_untold_;
   }
@@ -155,7 +157,7 @@ void Doorkeeper::log_warnings(double now_unix_s) {
   warned_unix_s_ = now_unix_s;
   std::erase_if(logged_, [&](const auto& one) { return now_unix_s - one.second >= kDay_s; });
   for (const std::string& warning : find_warnings(now_unix_s))
-    if (logged_.emplace(warning, now_unix_s).second) spdlog::warn("{}", warning);
+    if (logged_.emplace(warning, now_unix_s).second) log_line(LogLevel::warn, {}, warning);
 }
 
 std::vector<std::string> Doorkeeper::warnings() {

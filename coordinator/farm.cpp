@@ -10,7 +10,6 @@
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
 #include "jobs/size_bounds.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -39,8 +38,6 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
           .job_cpu_quartile3_s = message.job_cpu_quartile3_s(),
           .database_bytes = message.database_bytes()};
 }
-
-std::string short_key(const std::string& key) { return key.substr(0, 12); }
 
 constexpr std::size_t kMostSessions = 10000;
 constexpr std::size_t kMostSweepsInMind = 100;
@@ -126,6 +123,8 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
   reply.set_worker_id(absl::StrCat(coordinator_id_, "-", ++registrations_));
   reply.set_heartbeat_s(rules_.heartbeat_s);
   leases_.registered(reply.worker_id());
+  log_line(LogLevel::debug, {.worker = session.worker_name}, "registered: {}, {} bytes of memory",
+           session.determinism_class, session.memory_bytes);
   sessions_.emplace(reply.worker_id(), std::move(session));
   return reply;
 }
@@ -184,6 +183,7 @@ absl::StatusOr<schema::LeaseReply> Farm::lease(const schema::LeaseRequest& reque
   session.is_duplicate = is_duplicate;
   session.leased_at_s = clock_();
   leases_.hold(request.worker_id(), session.fencing_token);
+  log_line(LogLevel::debug, about(session), "leased");
   reply.set_state(schema::LeaseReply::STATE_LEASED);
   reply.set_fencing_token(session.fencing_token);
   for (std::size_t i = 0; i < (*job)->output.size(); ++i) {
@@ -234,8 +234,7 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::straggling_job_for(const Session&
   auto found = duplicate(slowest->job, JobState::kLeased);
   if (!found.ok() || !found->has_value()) return found;
   if (auto status = check_physics(session, slowest->job); !status.ok()) return std::nullopt;
-  spdlog::info("job {} takes long on {}: {} computes it, too", short_key(slowest->job.job_key),
-               slowest->worker_name, session.worker_name);
+  log_line(LogLevel::info, about(*slowest), "takes long: {} computes it, too", session.worker_name);
   return found;
 }
 
@@ -387,7 +386,7 @@ absl::StatusOr<schema::HeartbeatReply> Farm::heartbeat(const schema::HeartbeatRe
 absl::Status Farm::end_lease(Session& session, const std::string& reason, bool blame_the_job) {
   all_settled_.reset();
   const std::string& key = session.job.job_key;
-  spdlog::warn("worker {} lost its job {}: {}", session.worker_name, short_key(key), reason);
+  log_line(LogLevel::warn, about(session), "lost: {}", reason);
   if (session.is_duplicate) return absl::OkStatus();
   if (blame_the_job) {
     Losses& losses = losses_[key];
@@ -490,8 +489,9 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
   reply.set_sweep_sha256(submission.sweep_sha256);
   reply.set_jobs(added->jobs);
   reply.set_jobs_to_compute(added->to_compute);
-  spdlog::info("sweep {} ({}): {} jobs, {} to compute", submission.sweep.sweep().name(),
-               short_key(submission.sweep_sha256), added->jobs, added->to_compute);
+  log_line(LogLevel::info, {.sweep = submission.sweep.sweep().name()},
+           "{} jobs, {} to compute (sha256 {})", added->jobs, added->to_compute,
+           submission.sweep_sha256);
   return reply;
 }
 

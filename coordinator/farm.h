@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "coordinator/client/farm_log.h"
 #include "coordinator/double_check.h"
 #include "coordinator/farm_table.h"
 #include "coordinator/lease_book.h"
@@ -115,6 +116,9 @@ class Farm {
     std::vector<std::size_t> wavelengths;          // of the spectra of each band
     std::uint32_t thumbnail_px;
   };
+  [[nodiscard]] static LogAbout about(const Session& session) {
+    return {.job_key = session.job.job_key, .worker = session.worker_name};
+  }
   static SweepRules rules_for(const schema::ResolvedSweep& sweep);
   absl::StatusOr<Session*> hear(const std::string& worker_id);
   absl::Status end_lease(Session& session, const std::string& reason, bool blame_the_job);

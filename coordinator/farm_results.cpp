@@ -8,7 +8,6 @@
 #include "coordinator/farm.h"
 #include "core/base/printable.h"
 #include "schema/store/content.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -86,8 +85,8 @@ absl::StatusOr<schema::CompleteReply> Farm::complete(const Returned& returned) {
     session.fencing_token = 0;
   }
   if (absl::IsInvalidArgument(stored))
-    spdlog::warn("result of job {} by {} refused: {}", short_key(job.job_key), session.worker_name,
-                 stored.ToString());
+    log_line(LogLevel::warn, {.job_key = job.job_key, .worker = session.worker_name},
+             "result refused: {}", stored.ToString());
   if (!stored.ok()) return stored;
   return reply;
 }
@@ -187,7 +186,7 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
       absl::StrCat("two results of job ", short_key(job.job_key), " differ: of ", known.worker_name,
                    ", which is stored, and of ", session.worker_name,
                    *kept ? ", which is kept aside" : ", of which there is no more room aside");
-  spdlog::error("{}", what);
+  log_line(LogLevel::err, {.job_key = job.job_key}, what);
   if (differing_.size() < kMostDifferingTold) differing_.push_back(what);
   const auto verdict = double_check_.differs(job, known.content_sha256, known.worker_name, content,
                                              session.worker_name);
@@ -204,6 +203,7 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
 }
 
 absl::Status Farm::was_stored(const Session& session, const JobName& job) {
+  log_line(LogLevel::debug, {.job_key = job.job_key, .worker = session.worker_name}, "stored");
   losses_.erase(job.job_key);
   out_of_memory_.erase(job.job_key);
   if (double_check_.chosen(job) && somebody_besides({session.worker_name}))
@@ -251,7 +251,7 @@ absl::Status Farm::contradicted(const std::string& worker_name, const std::strin
 absl::Status Farm::set_aside(const std::string& worker_name, const std::string& reason) {
   failed_alone_.erase(worker_name);
   if (!aside_.emplace(worker_name, reason).second) return absl::OkStatus();
-  spdlog::error("worker {} is set aside: {}", worker_name, reason);
+  log_line(LogLevel::err, {.worker = worker_name}, "set aside: {}", reason);
   for (auto& [id, session] : sessions_) {
     if (session.worker_name != worker_name) continue;
     const auto& step = next(session.state, SessionEvent::kDistrust);
@@ -298,7 +298,7 @@ bool Farm::somebody_has_more_memory(std::uint64_t bytes) const {
 absl::Status Farm::count_failure(Session& session, const std::string& message,
                                  schema::FailRequest::Kind kind) {
   const std::string& key = session.job.job_key;
-  spdlog::warn("job {} failed on {}: {}", short_key(key), session.worker_name, message);
+  log_line(LogLevel::warn, about(session), "failed: {}", message);
   if (session.is_duplicate) return absl::OkStatus();  // the first one goes on, or has done it
   std::string counted_as = session.worker_name, why = message;
   bool for_good = false;

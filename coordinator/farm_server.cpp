@@ -21,9 +21,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "coordinator/client/farm_log.h"
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm_service.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -94,7 +94,8 @@ void log_handshakes() {
       ++untold;
       return;
     }
-    spdlog::warn("refused: a TLS handshake ({} more before): {}", untold.exchange(0), message);
+    log_line(LogLevel::warn, {}, "refused: a TLS handshake ({} more before): {}",
+             untold.exchange(0), message);
   });
 }
 

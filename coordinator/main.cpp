@@ -8,11 +8,9 @@
 #include <mutex>
 
 #include "coordinator/client/address.h"
-#include "coordinator/client/plain_log.h"
+#include "coordinator/client/farm_log.h"
 #include "coordinator/farm_server.h"
 #include "core/base/printable.h"
-#include "spdlog/sinks/stdout_sinks.h"
-#include "spdlog/spdlog.h"
 
 namespace {
 
@@ -43,6 +41,7 @@ int main(int argc, char** argv) {
   bool remove_unused = false;
   irsig::NetworkOptions network;
   irsig::FarmRules rules;
+  irsig::LogOptions log;
   app.add_option("--db", db_path, "the database; made if it does not exist")->required();
   app.add_option(
       "--listen", listen,
@@ -64,6 +63,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--remove-unused", remove_unused,
                "a database that it made and nobody used is removed at the end");
+  irsig::add_log_options(app, log);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -77,8 +77,7 @@ int main(int argc, char** argv) {
   const auto address = irsig::parse_address(listen, network);
   if (!address.ok()) return report(address.status());
 
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("coordinator"));
-  spdlog::set_formatter(std::make_unique<irsig::PlainLog>());
+  if (auto begun = irsig::start_log("coordinator", log); !begun.ok()) return report(begun);
   sem_init(&end_asked, 0, 0);
   std::signal(SIGPIPE, SIG_IGN);
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "view/table.h"
+#include "core/base/printable.h"
 
 namespace irsig {
 namespace {

@@ -172,24 +172,6 @@ class TextWriter : public TableWriter {
 
 }  // namespace
 
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  while (!text.empty()) {
-    const Utf8Character character = first_utf8(text);
-    const std::size_t length = character.length == 0 ? 1 : character.length;
-    if (character.length == 0) {
-      out += "\\ufffd";
-    } else if (is_control(character.code)) {
-      out += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(character.code));
-    } else {
-      if (text[0] == '"' || text[0] == '\\') out += '\\';
-      out += text.substr(0, length);
-    }
-    text.remove_prefix(length);
-  }
-  return out + "\"";
-}
-
 absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(std::string_view format,
                                                                const std::vector<Column>& columns,
                                                                std::ostream& out) {

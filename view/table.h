@@ -20,10 +20,6 @@ struct Column {
   bool brief = true;  // shown to people; formats for machines have every column
 };
 
-// The text as a string of JSON, quotes included: plain ASCII for every control character, U+FFFD
-// for each byte that is not UTF-8.
-[[nodiscard]] std::string json_string(std::string_view text);
-
 // Writes rows as they come. finish() must be called once, after the last row; it fails if the
 // stream did.
 class TableWriter {

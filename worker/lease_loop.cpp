@@ -17,8 +17,8 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/farm_log.h"
 #include "coordinator/client/handshake.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -203,7 +203,8 @@ class LeaseLoop {
       if (!said) {
         // A certificate that is refused is refused again.
         if (auto why = check_handshake(plan_.coordinator); !why.ok()) return why;
-        spdlog::warn("no coordinator answers at {}: trying again", plan_.coordinator.text);
+        log_line(LogLevel::warn, {}, "no coordinator answers at {}: trying again",
+                 plan_.coordinator.text);
         said = true;
       }
       // While nobody waits for a channel gRPC does not drive its attempts to connect: calls that
@@ -255,8 +256,11 @@ class LeaseLoop {
   // wrong with the job itself is reported to the coordinator.
   absl::Status compute(const schema::LeaseReply& lease) {
     schema::FailRequest request;
+    const auto begun = Steady::now();
     auto result = attempt(lease, request);
     if (result.ok()) {
+      log_line(LogLevel::debug, {.job_key = lease.job().job_key()}, "computed in {:.3f} s",
+               Seconds(Steady::now() - begun).count());
       Undelivered& made = undelivered_.emplace_back();
       made.fencing_token = lease.fencing_token();
       made.result.set_sweep_sha256(lease.job().sweep_sha256());
@@ -269,7 +273,8 @@ class LeaseLoop {
     if (ends_all(result.status()) || absl::IsNotFound(result.status())) {
       return result.status();
     }
-    spdlog::warn("job {} failed: {}", lease.job().job_key(), result.status().ToString());
+    log_line(LogLevel::warn, {.job_key = lease.job().job_key()}, "failed: {}",
+             result.status().ToString());
     forget_runner();  // the next attempt starts from nothing
     request.set_worker_id(worker_id_);
     request.set_fencing_token(lease.fencing_token());
@@ -388,13 +393,15 @@ class LeaseLoop {
       const bool unknown_sweep =
           status.ok() && reply.state() == schema::CompleteReply::STATE_UNKNOWN_SWEEP;
       if (!status.ok()) {
-        spdlog::warn("result of job {} not taken: {}", key, status.ToString());
+        log_line(LogLevel::warn, {.job_key = key}, "result not taken: {}", status.ToString());
       } else if (unknown_sweep) {
-        spdlog::info("result of job {} is of a sweep that this coordinator does not have", key);
+        log_line(LogLevel::info, {.job_key = key},
+                 "result of a sweep that this coordinator does not have");
       } else if (reply.state() == schema::CompleteReply::STATE_ASIDE) {
-        spdlog::warn("result of job {} differs from another worker's: kept aside", key);
+        log_line(LogLevel::warn, {.job_key = key},
+                 "result differs from another worker's: kept aside");
       } else if (reply.state() == schema::CompleteReply::STATE_NOT_WANTED) {
-        spdlog::info("result of job {} is not wanted any more", key);
+        log_line(LogLevel::info, {.job_key = key}, "result is not wanted any more");
       }
       // Whatever is wrong with this coordinator, another one may take it.
       const bool settled =
@@ -413,7 +420,8 @@ class LeaseLoop {
     if (name.ok()) {
       one.file = *std::move(name);
     } else {
-      spdlog::warn("a result is kept in memory alone: {}", name.status().ToString());
+      log_line(LogLevel::warn, {.job_key = one.result.job_key()},
+               "result is kept in memory alone: {}", name.status().ToString());
     }
   }
 

@@ -10,13 +10,11 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/job_runner.h"
 #include "coordinator/client/address.h"
+#include "coordinator/client/farm_log.h"
 #include "coordinator/client/machine_memory.h"
-#include "coordinator/client/plain_log.h"
 #include "core/base/printable.h"
 #include "core/image/image.h"
 #include "core/scene/tracer.h"
-#include "spdlog/sinks/stdout_sinks.h"
-#include "spdlog/spdlog.h"
 #include "worker/lease_loop.h"
 
 namespace {
@@ -79,6 +77,8 @@ int main(int argc, char** argv) {
                  "end when the coordinator has not answered for so long")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1e9));
+  irsig::LogOptions log;
+  irsig::add_log_options(app, log);
   std::string isa;
   app.add_option("--isa", isa,
                  "no wider instruction set than this one, which all machines of a farm have: "
@@ -102,8 +102,7 @@ int main(int argc, char** argv) {
   plan.memory_bytes = static_cast<std::uint64_t>(irsig::usable_memory_bytes(1));
   plan.physics_version = static_cast<std::uint32_t>(irsig::physics_version());
 
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("worker"));
-  spdlog::set_formatter(std::make_unique<irsig::PlainLog>());
+  if (auto begun = irsig::start_log("worker", log); !begun.ok()) return report(begun);
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);

@@ -14,8 +14,8 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "coordinator/client/farm_log.h"
 #include "jobs/expand.h"
-#include "spdlog/spdlog.h"
 
 namespace irsig {
 namespace {
@@ -149,7 +149,8 @@ bool Spool::make_room(std::uint64_t bytes) {
     if (taken + bytes <= most_bytes_) break;
     const int fd = lock_file(file);
     if (fd < 0) continue;
-    spdlog::warn("spool: {} makes room for a newer result", file.filename().string());
+    log_line(LogLevel::warn, {}, "spool: {} makes room for a newer result",
+             file.filename().string());
     unlink(file.c_str());
     close(fd);
     taken -= size;
@@ -209,7 +210,7 @@ std::vector<Spool::Found> Spool::take_over(
     const auto bytes = read_all(fd);
     auto record = bytes ? unframed(*bytes) : std::nullopt;
     if (!record) {
-      spdlog::warn("spool: {} is torn: removed; its job is computed again", name);
+      log_line(LogLevel::warn, {}, "spool: {} is torn: removed; its job is computed again", name);
       unlink(file.c_str());
     } else if (mine(*record)) {
       held_.push_back({name, fd});

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "absl/strings/str_cat.h"
+
 namespace irsig {
 namespace {
 
@@ -55,6 +57,25 @@ bool is_one_line(std::string_view text) {
     text.remove_prefix(character.length);
   }
   return true;
+}
+
+std::string json_string(std::string_view text) {
+  std::string out = "\"";
+  while (!text.empty()) {
+    const Utf8Character character = first_utf8(text);
+    const std::size_t length = character.length == 0 ? 1 : character.length;
+    if (character.length == 0) {
+      out += "\\ufffd";
+    } else if (is_control(character.code)) {
+      out += absl::StrCat("\\u",
+                          absl::Hex(static_cast<std::uint32_t>(character.code), absl::kZeroPad4));
+    } else {
+      if (text[0] == '"' || text[0] == '\\') out += '\\';
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(length);
+  }
+  return out + "\"";
 }
 
 }  // namespace irsig

@@ -121,7 +121,7 @@ class Slicing {
     keep(*resolved.mutable_condition(), *conditions);
     keep(*resolved.mutable_sweep()->mutable_band(), *bands);
     IRSIG_STORE_TRY(keep_heat(resolved, sweep.id));
-    keep_plumes(resolved);
+    IRSIG_STORE_TRY(keep_plumes(resolved));
     schema::Slice& slice = *resolved.add_slice();
     slice.set_source(source_);
     slice.set_sweep_sha256(sweep.sha256);
@@ -151,11 +151,11 @@ class Slicing {
     for (;;) {
       const absl::StatusOr<bool> found = row->next();
       if (!found.ok()) return found.status();
-      if (!*found) return out;
+      if (!*found) break;
       out.push_back(static_cast<int>(row->integer()));
-      if (out.back() >= size)
-        return absl::DataLossError("a list of the sweep is shorter than its table");
     }
+    IRSIG_STORE_TRY(within(out, size));
+    return out;
   }
 
   // The runs of the conditions, and what uncertain inputs change of these.
@@ -169,6 +169,7 @@ class Slicing {
           used.contains(static_cast<int>(resolved.heat(h).base())))
         used.insert(h);
     const Places runs(used.begin(), used.end());
+    IRSIG_STORE_TRY(within(runs, resolved.heat_size()));
     const auto place_of = [&](std::uint32_t run) {
       return static_cast<std::uint32_t>(
           std::lower_bound(runs.begin(), runs.end(), static_cast<int>(run)) - runs.begin());
@@ -184,17 +185,25 @@ class Slicing {
     return absl::OkStatus();
   }
 
-  static void keep_plumes(schema::ResolvedSweep& resolved) {
+  static absl::Status keep_plumes(schema::ResolvedSweep& resolved) {
     std::set<int> used;
     for (const schema::Condition& c : resolved.condition())
       if (c.has_plume()) used.insert(static_cast<int>(c.plume()));
     const Places plumes(used.begin(), used.end());
+    IRSIG_STORE_TRY(within(plumes, resolved.plume_size()));
     keep(*resolved.mutable_plume(), plumes);
     for (schema::Condition& c : *resolved.mutable_condition())
       if (c.has_plume())
         c.set_plume(static_cast<std::uint32_t>(
             std::lower_bound(plumes.begin(), plumes.end(), static_cast<int>(c.plume())) -
             plumes.begin()));
+    return absl::OkStatus();
+  }
+
+  // Of increasing places.
+  static absl::Status within(const Places& places, int size) {
+    if (places.empty() || (places.front() >= 0 && places.back() < size)) return absl::OkStatus();
+    return absl::DataLossError("a sweep refers to a place that its lists do not have");
   }
 
   absl::Status copy_signatures() {

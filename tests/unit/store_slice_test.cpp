@@ -333,5 +333,18 @@ TEST_F(StoreSlice, SaysTheDigestOfItsSourceIfAsked) {
             digest(path_));
 }
 
+TEST_F(StoreSlice, OfDamagedPlacesIsRefused) {
+  for (const char* damage : {"UPDATE viewpoint SET viewpoint_index = -1 WHERE viewpoint_index = 1",
+                             "UPDATE viewpoint SET viewpoint_index = 99 WHERE viewpoint_index = 1",
+                             "UPDATE band SET band_index = -7 WHERE band_index = 0"}) {
+    const std::string copy = folder_.file("damaged.sigdb");
+    std::filesystem::copy(path_, copy, std::filesystem::copy_options::overwrite_existing);
+    ASSERT_EQ(sqlite_text(copy, absl::StrCat("PRAGMA ignore_check_constraints = ON;", damage)),
+              "(no row)");
+    const auto refused = slice_database(copy, {}, folder_.file("d.sigdb"));
+    EXPECT_TRUE(absl::IsDataLoss(refused.status())) << damage << ": " << refused.status();
+  }
+}
+
 }  // namespace
 }  // namespace irsig

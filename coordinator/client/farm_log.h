@@ -1,0 +1,55 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "spdlog/common.h"
+
+namespace irsig {
+
+// What coordinators and workers say of what they do, on standard error: a line each, with its time,
+// level and what it is about, so that the logs of all machines can be joined by job. Lines quote
+// what other machines say: without control characters, none can forge a second line or write to the
+// terminal that shows them.
+
+struct LogOptions {
+  std::string format = "text";  // or "json": an object a line; time in UTC
+  std::string level = "info";   // and what is worse; debug: every lease and result
+};
+// The options of a program that logs; App: CLI::App.
+template <class App>
+void add_log_options(App& app, LogOptions& options) {
+  app.add_option("--log-format", options.format,
+                 "of the lines on standard error: text, or json, an object a line")
+      ->capture_default_str();
+  app.add_option(
+         "--log-level", options.level,
+         "the least that is said: debug (every lease and result), info, warning, error or off")
+      ->capture_default_str();
+}
+// From here on. Before it lines are text without a program. INVALID_ARGUMENT: an unknown name.
+[[nodiscard]] absl::Status start_log(const std::string& program, const LogOptions& options);
+
+// What a line is about; what is empty is left out. [text: the first 12 digits of a key]
+struct LogAbout {
+  std::string_view job_key = {};  // or its first digits
+  std::string_view worker = {};
+  std::string_view sweep = {};  // its name
+};
+using LogLevel = spdlog::level::level_enum;  // debug, info, warn, err
+void log_line(LogLevel level, const LogAbout& about, std::string_view text);
+[[nodiscard]] bool is_logged(LogLevel level);
+
+template <class... Arguments>
+void log_line(LogLevel level, const LogAbout& about, fmt::format_string<Arguments...> text,
+              Arguments&&... arguments) requires(sizeof...(Arguments) > 0) {
+  if (!is_logged(level)) return;
+  log_line(level, about,
+           std::string_view(fmt::format(text, std::forward<Arguments>(arguments)...)));
+}
+
+}  // namespace irsig
