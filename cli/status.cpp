@@ -85,19 +85,6 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
   return absl::OkStatus();
 }
 
-std::string_view state_name(schema::WorkerStatus::State state) {
-  switch (state) {
-    case schema::WorkerStatus::STATE_IDLE:
-      return "idle";
-    case schema::WorkerStatus::STATE_COMPUTING:
-      return "computing";
-    case schema::WorkerStatus::STATE_SET_ASIDE:
-      return "set aside";
-    default:
-      return "";
-  }
-}
-
 // One line a worker.
 absl::Status write_workers(const schema::StatusReply& status, std::string_view format,
                            std::ostream& out) {

@@ -92,7 +92,7 @@ std::string describe(const SweepProgress& sweep) {
 // {"database": [what `describe` says of each]}; a database that cannot be read has its error in
 // place of that.
 template <typename Describe>
-absl::StatusOr<PageReply> each_database(const PageSources& sources, const Describe& describe_one) {
+JsonObject each_database(const PageSources& sources, const Describe& describe_one) {
   std::vector<std::string> databases;
   for (std::size_t i = 0; i < sources.database.size(); ++i) {
     JsonObject out;
@@ -106,10 +106,27 @@ absl::StatusOr<PageReply> each_database(const PageSources& sources, const Descri
   }
   JsonObject all;
   all.objects("database", databases);
-  std::vector<std::string> detectors;
-  for (const PageDetector& d : sources.detector) detectors.push_back(d.name);
-  all.texts("detector", detectors);
-  return json_reply(all.finish());
+  return all;
+}
+
+std::string describe(const PageFarm& farm) {
+  JsonObject out;
+  out.count("workers", farm.workers);
+  std::vector<std::string> workers;
+  for (const PageWorker& w : farm.worker) {
+    JsonObject worker;
+    worker.text("name", w.name);
+    worker.text("state", w.state);
+    if (w.job_s) worker.number("job_s", *w.job_s);
+    worker.text("job_key", w.job_key);
+    worker.text("determinism_class", w.determinism_class);
+    worker.text("reason", w.reason);
+    worker.count("memory_bytes", w.memory_bytes);
+    workers.push_back(worker.finish());
+  }
+  out.objects("worker", workers);
+  out.texts("warning", farm.warning);
+  return out.finish();
 }
 
 }  // namespace
@@ -132,7 +149,7 @@ absl::StatusOr<std::vector<StoredValue>> values_of_selection(StoreReader& reader
 }
 
 absl::StatusOr<PageReply> answer_contents(const PageSources& sources) {
-  return each_database(
+  JsonObject all = each_database(
       sources, [](const std::string&, StoreReader& reader, JsonObject& out) -> absl::Status {
         const auto contents = reader.contents();
         if (!contents.ok()) return contents.status();
@@ -141,10 +158,15 @@ absl::StatusOr<PageReply> answer_contents(const PageSources& sources) {
         out.objects("sweep", sweeps);
         return absl::OkStatus();
       });
+  std::vector<std::string> detectors;
+  for (const PageDetector& d : sources.detector) detectors.push_back(d.name);
+  all.texts("detector", detectors);
+  all.flag("accuracy_page", !sources.accuracy_page.empty());
+  return json_reply(all.finish());
 }
 
 absl::StatusOr<PageReply> answer_progress(const PageSources& sources) {
-  return each_database(
+  JsonObject all = each_database(
       sources, [](const std::string& path, StoreReader& reader, JsonObject& out) -> absl::Status {
         const auto progress = reader.progress();
         if (!progress.ok()) return progress.status();
@@ -156,6 +178,14 @@ absl::StatusOr<PageReply> answer_progress(const PageSources& sources) {
         out.objects("sweep", sweeps);
         return absl::OkStatus();
       });
+  if (sources.farm) {
+    const auto farm = sources.farm();
+    if (farm.ok())
+      all.json("farm", describe(*farm));
+    else
+      all.text("farm_error", std::string(farm.status().message()));
+  }
+  return json_reply(all.finish());
 }
 
 absl::StatusOr<PageReply> answer_map(const PageSources& sources, const Question& q) {

@@ -76,6 +76,11 @@ absl::StatusOr<PageReply> find_answer(const PageSources& sources, const std::str
   };
   if (!below("/file/").empty())
     return answer_file(sources, std::string(below("/file/")), parameters);
+  if (path == "/accuracy") {
+    if (sources.accuracy_page.empty())
+      return absl::NotFoundError("there is no accuracy page: irsig serve DB --accuracy FILE");
+    return PageReply{200, type_of(".html"), sources.accuracy_page, "", true};
+  }
   // The page reads its own parameters: they are its state.
   if (path == "/") return answer_page_file("index.html");
   if (!below("/www/").empty()) return answer_page_file(below("/www/"));

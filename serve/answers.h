@@ -10,18 +10,21 @@
 
 namespace irsig {
 
-// The databases of a page, detectors to choose bands for, and how far a target reaches.
+// The databases of a page and what else it shows: the same as in ServeOptions.
 struct PageSources {
   std::vector<std::string> database;  // paths, as they were named
   std::vector<PageDetector> detector;
   ExtentOf extent_of;
+  FarmOf farm = {};
+  std::string accuracy_page = {};
 };
 
 struct PageReply {
   int status = 200;  // of HTTP
   std::string type;  // of the body
   std::string body;
-  std::string file_name;  // not empty: to be saved under this name
+  std::string file_name = {};      // not empty: to be saved under this name
+  bool is_self_contained = false;  // HTML with styles and pictures of its own, and nothing else
 };
 
 // What a GET of a path is answered with. Any number of threads may ask: each answer opens its

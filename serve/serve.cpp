@@ -35,8 +35,16 @@ const httplib::Headers kHeaders = {
     {"Cache-Control", "no-store"},
 };
 
+constexpr const char* kSelfContained =
+    "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+
 void send(const PageReply& reply, httplib::Response& response) {
   response.status = reply.status;
+  if (reply.is_self_contained) {
+    response.headers.erase("Content-Security-Policy");
+    response.set_header("Content-Security-Policy", kSelfContained);
+  }
   if (!reply.file_name.empty())
     response.set_header("Content-Disposition",
                         fmt::format("attachment; filename=\"{}\"", reply.file_name));
@@ -52,7 +60,8 @@ void send(const PageReply& reply, httplib::Response& response) {
 class Page {
  public:
   Page(const ServeOptions& options, bool loopback_only)
-      : sources_{options.database, options.detector, options.extent_of},
+      : sources_{options.database, options.detector, options.extent_of, options.farm,
+                 options.accuracy_page},
         loopback_only_(loopback_only) {}
 
   [[nodiscard]] PageReply reply_to(const httplib::Request& request) const {

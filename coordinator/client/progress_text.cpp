@@ -6,6 +6,19 @@
 
 namespace irsig {
 
+std::string_view state_name(schema::WorkerStatus::State state) {
+  switch (state) {
+    case schema::WorkerStatus::STATE_IDLE:
+      return "idle";
+    case schema::WorkerStatus::STATE_COMPUTING:
+      return "computing";
+    case schema::WorkerStatus::STATE_SET_ASIDE:
+      return "set aside";
+    default:
+      return "";
+  }
+}
+
 std::string duration_text(double seconds) {
   const auto total = static_cast<long long>(std::llround(std::max(0.0, seconds)));
   const long long hours = total / 3600, minutes = total / 60 % 60, rest = total % 60;

@@ -36,6 +36,9 @@ class SweepWatch {
   ProgressView view_;
 };
 
+// "idle", "computing", "set aside"; empty: one that this version does not know.
+[[nodiscard]] std::string_view state_name(schema::WorkerStatus::State state);
+
 // "1:23", "2:03:04".
 [[nodiscard]] std::string duration_text(double seconds);
 

@@ -95,8 +95,18 @@ export function ledger(row) {
   return [html("details", { open: true }, html("summary", {}, "Causes, parts, effects, energy"), html("div", { class: "tables" }, ...out))];
 }
 
-// database: of /api/progress.
-export function progress(database) {
+function workers(farm) {
+  const count = (state) => farm.worker.filter((w) => w.state === state).length;
+  const states = ["computing", "idle", "set aside"].filter((s) => count(s) > 0).map((s) => `${count(s)} ${s}`).join(", ");
+  const seconds = (w) => (w.job_s === undefined ? "" : `${brief(w.job_s, 3)} s`);
+  return [...farm.warning.map((w) => html("p", { class: "note" }, w)),
+    html("details", { id: "workers" }, html("summary", {}, `${farm.workers} worker${farm.workers === 1 ? "" : "s"}${states ? `: ${states}` : ""}`),
+      table("Workers, those set aside first", ["Name", "State", "Its job since", "Job", "Memory", "Why"], farm.worker.map((w) => [
+        w.name, w.state, seconds(w), w.job_key.slice(0, 12), w.memory_bytes > 0 ? `${brief(w.memory_bytes / 1e9, 3)} GB` : "", w.reason])))];
+}
+
+// database, farm, farm_error: of /api/progress.
+export function progress({ database, farm, farm_error: trouble }) {
   const out = [];
   for (const d of database) {
     if (d.error) {
@@ -113,5 +123,7 @@ export function progress(database) {
         ...s.failures.map((f) => html("p", { class: "note" }, f))));
     }
   }
+  if (trouble) out.push(html("p", { class: "words" }, trouble));
+  if (farm) out.push(...workers(farm));
   return out;
 }

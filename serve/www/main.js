@@ -289,10 +289,12 @@ async function watch() {
   let wait = 15000;
   try {
     if (!document.hidden) {
-      const { database } = await askAnew("/api/progress");
-      $("progress").replaceChildren(...progress(database));
+      const answer = await askAnew("/api/progress"), { database, farm } = answer;
+      const open = $("workers")?.open;
+      $("progress").replaceChildren(...progress(answer));
+      if (open && $("workers")) $("workers").open = true;
       const now = database.map((d) => (d.sweep ?? []).map((s) => `${s.name}:${s.done}`).join()).join(";") + database.map((d) => d.error ?? "").join();
-      if (database.some((d) => d.writing)) wait = 2000;
+      if (farm || database.some((d) => d.writing)) wait = 2000;
       if (done !== null && now !== done) {
         forget();
         contents = await ask("/api/contents");
@@ -309,6 +311,7 @@ async function watch() {
 
 function describe() {
   $("about").textContent = contents.database.map((d) => `${d.name}: ${d.error ? "cannot be read" : d.sweep.map((s) => `${s.rows} of ${s.whole_rows} rows from ${s.viewpoints} viewpoints`).join(", ")}`).join("; ");
+  if (contents.accuracy_page) $("about").append("; ", html("a", { href: "/accuracy" }, "what accuracy costs"));
   document.title = `irsig: ${contents.database.map((d) => d.name).join(", ")}`;
 }
 

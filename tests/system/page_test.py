@@ -8,6 +8,7 @@ import re
 import shlex
 import shutil
 import sqlite3
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -402,6 +403,43 @@ class PageTest(unittest.TestCase):
         server.end()
         page.run("document.querySelector('[name=season]') || 0")
         self.assertFalse([e for e in page.errors if "Failed to load resource" not in e], page.errors)
+
+    def test_workers_and_what_accuracy_costs(self):
+        address = f"unix:{self.path}/farm"
+        accuracy = self.path / "accuracy.html"
+        accuracy.write_text('<!DOCTYPE html><title>costs</title><style>p{color:rgb(1, 2, 3)}</style><p>a point</p><svg width="9" height="9"></svg>')
+        farm = subprocess.Popen([pathlib.Path(IRSIG).with_name("irsig-coordinator"), "--db", self.path / "farm.sigdb", "--listen", address],
+                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(farm.communicate)
+        self.addCleanup(farm.kill)
+        self.assertIn("listening", farm.stdout.readline())
+        worker = subprocess.Popen([pathlib.Path(IRSIG).with_name("irsig-worker"), "--coordinator", address, "--name", "<b>ann</b>"],
+                                  stderr=subprocess.DEVNULL)
+        self.addCleanup(worker.wait)
+        self.addCleanup(worker.kill)
+        server = Server(IRSIG, self.db, "--coordinator", address, "--accuracy", accuracy)
+        self.addCleanup(server.end)
+        self.other_urls = [server.url]
+        for width, height, touch in WIDTHS.values():
+            page = self.browser.page(width, height, touch=touch)
+            self.addCleanup(page.close)
+            self.open(page, server)
+            page.wait("(document.querySelector('#workers summary')?.textContent ?? '').startsWith('1 worker: 1 idle')")
+            page.run("document.querySelector('#workers summary').click()")
+            self.assertIn("<b>ann</b>", page.text("#workers tbody"))
+            self.check_layout(page)
+            page.run("document.querySelector('#about a').click()")
+            page.wait("document.title === 'costs'")
+            self.assertEqual(page.run("getComputedStyle(document.querySelector('p')).color"), "rgb(1, 2, 3)")
+            self.assertEqual(page.errors, [])
+        # A coordinator that has gone is words, and the rest stays.
+        self.open(page, server)
+        page.wait("!!document.querySelector('#workers')")
+        farm.kill()
+        farm.wait()
+        page.wait("!!document.querySelector('#progress .words')")
+        self.assertIn(address, page.text("#progress .words"))
+        self.assertIn("24 of 24 jobs, complete", page.text("#progress"))
 
     def test_the_server_ends(self):
         server = Server(IRSIG, self.db)

@@ -3,6 +3,7 @@
 usage: serve_test.py <irsig executable> <source folder>
 """
 import csv
+import http.client
 import io
 import json
 import os
@@ -227,6 +228,52 @@ class Serve(unittest.TestCase):
         self.assertFalse(database["writing"])
         (sweep,) = database["sweep"]
         self.assertEqual((sweep["jobs"], sweep["done"], sweep["leased"], sweep["failed"]), (24, 24, 0, 0))
+
+    def test_workers_of_a_coordinator(self):
+        address = f"unix:{self.path}/farm"
+        farm = subprocess.Popen([pathlib.Path(IRSIG).with_name("irsig-coordinator"), "--db", self.path / "farm.sigdb", "--listen", address],
+                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.addCleanup(farm.communicate)
+        self.addCleanup(farm.kill)
+        self.assertIn("listening", farm.stdout.readline())
+        worker = subprocess.Popen([pathlib.Path(IRSIG).with_name("irsig-worker"), "--coordinator", address, "--name", "<b>ann"],
+                                  stderr=subprocess.DEVNULL)
+        self.addCleanup(worker.wait)
+        self.addCleanup(worker.kill)
+        server = Server(IRSIG, self.db, "--coordinator", address)
+        self.addCleanup(server.end)
+        while not (answer := server.json("/api/progress")["farm"])["worker"]:
+            self.assertIsNone(worker.poll())
+            time.sleep(0.05)
+        (ann,) = answer["worker"]
+        self.assertEqual((answer["workers"], ann["name"], ann["state"], ann["job_key"]), (1, "<b>ann", "idle", ""))
+        (said,) = json.loads(irsig(IRSIG, "status", "--workers", "--coordinator", address, "--json"))
+        self.assertEqual((said["worker"], said["memory_bytes"]), (ann["name"], ann["memory_bytes"]))
+        farm.kill()
+        farm.wait()
+        answer = server.json("/api/progress")
+        self.assertNotIn("farm", answer)
+        self.assertIn(address, answer["farm_error"])
+        self.assertEqual(answer["database"][0]["sweep"][0]["done"], 24)
+        self.assertNotIn("farm", self.server.json("/api/progress"))
+        self.assertIn("expected", irsig(IRSIG, "serve", self.db, "--coordinator", "nowhere", code=2))
+
+    def test_accuracy_page(self):
+        page = self.path / "accuracy.html"
+        page.write_text("<!DOCTYPE html><title>costs</title><style>p{color:red}</style><p>a point<script>alert(1)</script>")
+        server = Server(IRSIG, self.db, "--accuracy", page)
+        self.addCleanup(server.end)
+        self.assertTrue(server.json("/api/contents")["accuracy_page"])
+        connection = http.client.HTTPConnection(server.host, server.port, timeout=60)
+        connection.request("GET", "/accuracy")
+        reply = connection.getresponse()
+        self.assertEqual((reply.status, reply.getheader("Content-Type"), reply.read().decode()), (200, "text/html; charset=utf-8", page.read_text()))
+        (policy,) = [value for name, value in reply.getheaders() if name == "Content-Security-Policy"]
+        self.assertTrue(policy.startswith("default-src 'none'; style-src 'unsafe-inline';"), policy)
+        connection.close()
+        self.assertFalse(self.server.json("/api/contents")["accuracy_page"])
+        self.assertIn("--accuracy FILE", self.server.json("/accuracy", code=404)["error"])
+        self.assertIn("none.html", irsig(IRSIG, "serve", self.db, "--accuracy", self.path / "none.html", code=2))
 
     def test_the_page_itself(self):
         for target, type_ in (("/", "text/html"), ("/?season=winter", "text/html"), ("/www/main.js", "text/javascript"),
