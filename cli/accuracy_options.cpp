@@ -22,6 +22,14 @@ void add_size_option(CLI::App& command, AccuracyAsked& accuracy) {
                    "go on though the sweep is larger than irsig takes unasked");
 }
 
+void add_shard_option(CLI::App& command, AccuracyAsked& accuracy) {
+  command
+      .add_option("--shard", accuracy.shard,
+                  "only the K-th of N parts of the viewpoints, into a database of its own: `irsig "
+                  "merge` unites them")
+      ->type_name("K/N");
+}
+
 void add_effects_option(CLI::App& command, AccuracyAsked& accuracy) {
   command
       .add_option("--effects", accuracy.effects,

@@ -14,6 +14,9 @@ void add_accuracy_options(CLI::App& command, AccuracyAsked& accuracy, std::uint3
 // --yes alone: from here on large sweeps need it.
 void add_size_option(CLI::App& command, AccuracyAsked& accuracy);
 
+// --shard alone.
+void add_shard_option(CLI::App& command, AccuracyAsked& accuracy);
+
 // --effects alone.
 void add_effects_option(CLI::App& command, AccuracyAsked& accuracy);
 

@@ -106,6 +106,7 @@ int main(int argc, char** argv) {
   irsig::add_profile(app, exit_code);
   irsig::add_export(app, exit_code);
   irsig::add_slice(app, exit_code);
+  irsig::add_merge(app, exit_code);
   irsig::add_digest(app, exit_code);
   irsig::add_doctor(app, exit_code);
   irsig::add_show(app, exit_code);

@@ -289,6 +289,7 @@ void add_plan(CLI::App& app, int& exit_code) {
   auto asked = std::make_shared<PlanAsked>(*command);
   command->add_option("SWEEP", asked->sweep_path, "the sweep file");
   add_accuracy_options(*command, asked->accuracy, asked->workers);
+  add_shard_option(*command, asked->accuracy);
   command->add_option("--db", asked->db_path,
                       "store the prediction here for `irsig report`; made if it does not exist");
   auto* refine =

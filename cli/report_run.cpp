@@ -12,9 +12,11 @@
 #include "cli/output_options.h"
 #include "coordinator/client/progress_text.h"
 #include "core/accuracy/cost_model.h"
+#include "core/base/printable.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
 #include "planning/prediction.h"
+#include "schema/shard.h"
 #include "view/measured_row.h"
 #include "view/outcome.h"
 #include "view/print.h"
@@ -240,6 +242,9 @@ void print_sweep(std::ostream& out, const SweepReport& r, double bytes, std::siz
              r.progress.jobs, r.rows.size(), count_text(r.sums.rays, "rays"));
   for (const schema::Slice& slice : r.sweep.resolved.slice())
     fmt::print(out, "{}\n", slice_text(slice));
+  if (const schema::ResolvedSweep& sweep = r.sweep.resolved; sweep.has_shard())
+    fmt::print(out, "{} of the sweep {}: {} of {} viewpoints\n", shard_name(sweep.shard()),
+               one_line(sweep.shard().sweep_sha256()), shard_size(sweep), sweep.viewpoint_size());
   print_temperatures(out, r);
   if (r.superseded > 0)
     fmt::print(out, "{} rows of an earlier version of the sweep wait for their replacement\n",

@@ -18,6 +18,7 @@
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/time_budget.h"
+#include "schema/shard.h"
 #include "view/outcome.h"
 #include "view/print.h"
 #include "view/profile.h"
@@ -201,6 +202,11 @@ absl::Status say_what_is_replaced(const std::string& db_path, const schema::Reso
   const auto rows = (*reader)->rows_of_jobs(name);
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return absl::OkStatus();
+  if (sweep.has_shard()) {
+    const auto stored = (*reader)->sweep(name);
+    if (!stored.ok()) return stored.status();
+    if (auto s = check_may_replace(stored->resolved, sweep); !s.ok()) return s;
+  }
   std::set<std::string> keys;
   for (const schema::JobSpec& job : expand_jobs(sweep, physics_version()))
     keys.insert(job.job_key());
@@ -313,6 +319,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_option("--db", asked->db_path, "the database; made if it does not exist")
       ->required();
   add_accuracy_options(*command, asked->accuracy, asked->workers);
+  add_shard_option(*command, asked->accuracy);
   command->add_flag("--plan", asked->plan,
                     "predict the time first and store the prediction for `irsig report`");
   command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");

@@ -46,6 +46,7 @@ void add_submit(CLI::App& app, int& exit_code) {
   auto asked = std::make_shared<AccuracyAsked>();
   add_effects_option(*command, *asked);
   add_size_option(*command, *asked);
+  add_shard_option(*command, *asked);
   command->callback(
       [=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator, *asked)); });
 }

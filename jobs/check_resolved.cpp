@@ -37,6 +37,22 @@ void check_shape(const schema::ResolvedSweep& resolved, Findings& findings) {
   if (resolved.slice_size() > 0)
     findings.add("slice",
                  "slice is for what `irsig slice` made, expected a sweep as it was written");
+  if (resolved.has_shard()) {
+    const schema::Shard& shard = resolved.shard();
+    const auto viewpoints = static_cast<std::uint32_t>(resolved.viewpoint_size());
+    if (shard.of() < 2 || shard.of() > viewpoints || shard.number() < 1 ||
+        shard.number() > shard.of())
+      findings.add(
+          "shard",
+          absl::StrCat("shard is ", shard.number(), " of ", shard.of(),
+                       ", expected one of 2 or more, at most as many as viewpoints: ", viewpoints));
+    schema::ResolvedSweep whole = resolved;
+    whole.clear_shard();
+    if (shard.sweep_sha256() != sha256_hex(canonical_encoding(whole)))
+      findings.add("shard.sweep_sha256",
+                   absl::StrCat("shard.sweep_sha256 = \"", shard.sweep_sha256(),
+                                "\" is not that of the sweep without its shard"));
+  }
   const std::int64_t conditions = std::int64_t{sweep.season_size()} * sweep.time_size();
   if (resolved.condition_size() != conditions)
     findings.add("condition", absl::StrCat("condition has ", resolved.condition_size(),

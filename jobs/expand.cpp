@@ -7,6 +7,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "core/effects/effects.h"
+#include "schema/shard.h"
 
 namespace irsig {
 namespace {
@@ -135,6 +136,7 @@ std::string ending_of(const std::string& file) {
 // Of whatever kind of job.
 void clear_what_no_job_reads(schema::ResolvedSweep& sweep) {
   sweep.set_model_file_name(ending_of(sweep.model_file_name()));
+  sweep.clear_shard();
   schema::Sweep& asked = *sweep.mutable_sweep();
   asked.mutable_model()->clear_file();
   asked.clear_name();
@@ -235,7 +237,7 @@ std::string job_key(const std::string& sweep_digest, int physics_version,
 
 double job_count(const schema::ResolvedSweep& sweep) {
   return static_cast<double>(sweep.heat_size()) +
-         static_cast<double>(cut_job(sweep).size()) * sweep.viewpoint_size();
+         static_cast<double>(cut_job(sweep).size()) * static_cast<double>(shard_size(sweep));
 }
 
 std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int physics_version) {
@@ -252,7 +254,8 @@ std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int
     job.set_job_key(heat_job_key(sweep, physics_version, run));
     heat_keys.push_back(job.job_key());
   }
-  for (int view = 0; view < sweep.viewpoint_size(); ++view) {
+  for (std::uint64_t i = 0; i < shard_size(sweep); ++i) {
+    const std::uint64_t view = shard_viewpoint(sweep, i);
     for (const Piece& piece : pieces) {
       schema::JobSpec& job = jobs.emplace_back();
       job.set_sweep_sha256(sweep_sha256);
@@ -264,7 +267,8 @@ std::vector<schema::JobSpec> expand_jobs(const schema::ResolvedSweep& sweep, int
       }
       for (std::uint32_t b = piece.bands.begin; b < piece.bands.end; ++b)
         job.mutable_view()->add_band_index(b);
-      job.set_job_key(job_key(digest, physics_version, sweep.viewpoint(view), job));
+      job.set_job_key(
+          job_key(digest, physics_version, sweep.viewpoint(static_cast<int>(view)), job));
     }
   }
   return jobs;

@@ -28,9 +28,10 @@ namespace irsig {
 // SHA-256 in hex.
 [[nodiscard]] std::string sha256_hex(std::string_view bytes);
 
-// The jobs of a sweep: one for each heat run, in their order; then one for each viewpoint, in
-// order, which needs all of those, cut along time, then season, then band where its estimated cost
-// exceeds transport.job_size_vertices. Cutting is a pure function of the sweep.
+// The jobs of a sweep: one for each heat run, in their order; then one for each viewpoint (of its
+// shard, if it is one), in order, which needs all of those, cut along time, then season, then band
+// where its estimated cost exceeds transport.job_size_vertices. Cutting is a pure function of the
+// sweep.
 //
 // Cost in path vertices: tracing = paths x (1 + the smaller of 3 and max_reflections),
 // since roulette ends nearly every path before its third reflection; each condition adds 0.01
@@ -41,9 +42,9 @@ namespace irsig {
 // may always carry as much shading as its tracing costs.
 //
 // job_key of a view = SHA-256 of what determines its result: physics_version, the canonical
-// encoding of the sweep without what does not (names, viewpoints other than the job's, how
-// conditions were written, job size, the closed-form model, published numbers), the viewpoint, and
-// the job's condition and band indices, the keys of what it needs. It covers ALL conditions and
+// encoding of the sweep without what does not (names, viewpoints other than the job's, the shard,
+// how conditions were written, job size, the closed-form model, published numbers), the viewpoint,
+// and the job's condition and band indices, the keys of what it needs. It covers ALL conditions and
 // bands: they decide sample counts and hot parts together.
 //
 // job_key of a heat run = SHA-256 of physics_version and the canonical encoding of the sweep

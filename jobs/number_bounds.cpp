@@ -277,6 +277,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"InputMove.move", -1, 1, "one sigma to either side"},
     {"Slice.source_rows", 0, 1e12, "rows of a database"},
     {"Slice.rows", 0, 1e12, "rows of a database"},
+    {"Shard.number", 1, kMostViewpoints, "no more than viewpoints"},
+    {"Shard.of", 2, kMostViewpoints, "no more than viewpoints"},
     {"Weather.air_temperature_k", 0, kHottestK, kTemperature},
     {"Weather.relative_humidity_percent", 0, 1000, kHumidity},
     {"Weather.pressure_pa", 0, 1.2e5, "at the surface; 0: the profile's"},

@@ -13,6 +13,7 @@
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/resolve_plume.h"
+#include "jobs/shard.h"
 #include "jobs/temperature_files.h"
 #include "jobs/weather_files.h"
 
@@ -147,14 +148,16 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   if (const std::string_view bytes = plume_bytes(loaded.file); !bytes.empty())
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
-  loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
-  if (!asked.any_size)
-    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   loaded.warnings = located_warnings(loaded);
   // Stored with the conditions as they were written.
   for (schema::Condition& condition : *loaded.resolved.mutable_condition())
     for (std::string& warning : *condition.mutable_warning())
       warning = loaded.file.as_written(warning);
+  if (!asked.shard.empty())
+    if (absl::Status status = take_shard(asked.shard, loaded.resolved); !status.ok()) return status;
+  loaded.size = size_of(loaded.resolved, bytes_of(loaded.assets));
+  if (!asked.any_size)
+    if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   const auto runner = JobRunner::create(loaded.resolved, loaded.assets, {});
   if (!runner.ok()) return locate(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();

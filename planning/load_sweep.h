@@ -13,11 +13,12 @@
 namespace irsig {
 
 // What the command line says instead of the sweep file's [accuracy], at most one; and instead of
-// its [effects]: "auto", "all" or "only=direct_sun,path_sun".
+// its [effects]: "auto", "all" or "only=direct_sun,path_sun"; and how much of it.
 struct AccuracyAsked {
   std::optional<double> relative_error, time_budget_s;
   std::optional<std::string> effects = std::nullopt;
-  bool any_size = true;  // false: more than sweep_size.h's limits is INVALID_ARGUMENT
+  std::string shard = {};  // "2/3": jobs/shard.h; empty: all of it
+  bool any_size = true;    // false: more than sweep_size.h's limits is INVALID_ARGUMENT
 };
 
 // A sweep that can be computed: its file is right, and its scene could be built.

@@ -10,6 +10,7 @@
 #include "jobs/expand.h"
 #include "planning/pilot_farm.h"
 #include "planning/time_budget.h"
+#include "schema/shard.h"
 #include "schema/store/store.h"
 #include "view/measured_row.h"
 
@@ -20,6 +21,7 @@ constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
 
 std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
+  sweep.clear_shard();
   while (sweep.viewpoint_size() > 1) sweep.mutable_viewpoint()->RemoveLast();
   return expand_jobs(sweep, physics_version()).size();
 }
@@ -45,7 +47,7 @@ class Planner {
                    .target_paths = accuracy.target_paths(),
                    .samples_per_replicate = accuracy.samples_per_replicate(),
                    .max_samples_per_replicate = accuracy.max_samples_per_replicate()};
-    pilot_.views = static_cast<std::uint64_t>(loaded.resolved.viewpoint_size());
+    pilot_.views = shard_size(loaded.resolved);
     pilot_.jobs_per_view = jobs_per_view(loaded.resolved);
     rows_ = static_cast<std::size_t>(loaded.resolved.condition_size()) *
             static_cast<std::size_t>(loaded.resolved.sweep().band_size());
@@ -83,7 +85,9 @@ class Planner {
     schema::ResolvedSweep sweep = loaded_.resolved;
     sweep.clear_viewpoint();
     for (const std::uint64_t view : views)
-      *sweep.add_viewpoint() = loaded_.resolved.viewpoint(static_cast<int>(view));
+      *sweep.add_viewpoint() =
+          loaded_.resolved.viewpoint(static_cast<int>(shard_viewpoint(loaded_.resolved, view)));
+    sweep.clear_shard();
     sweep.mutable_sweep()->clear_profile();
     sweep.mutable_sweep()->clear_published();
     if (pilot_.rule.relative_error > 0) {

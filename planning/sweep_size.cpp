@@ -5,6 +5,7 @@
 
 #include "fmt/format.h"
 #include "planning/prediction.h"
+#include "schema/shard.h"
 
 namespace irsig {
 namespace {
@@ -30,7 +31,8 @@ std::string counted(std::uint64_t count, const char* noun) {
 SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t asset_bytes) {
   const schema::Sweep& sweep = resolved.sweep();
   SweepSize size;
-  size.viewpoints = static_cast<std::uint64_t>(resolved.viewpoint_size());
+  size.viewpoints = shard_size(resolved);
+  size.all_viewpoints = static_cast<std::uint64_t>(resolved.viewpoint_size());
   size.conditions = static_cast<std::uint64_t>(resolved.condition_size());
   size.bands = static_cast<std::uint64_t>(sweep.band_size());
   for (const schema::Band& band : sweep.band())
@@ -50,9 +52,12 @@ SweepSize size_of(const schema::ResolvedSweep& resolved, std::size_t asset_bytes
 }
 
 std::string rows_text(const SweepSize& size) {
-  return fmt::format("{} x {} x {} = {}", counted(size.viewpoints, "viewpoint"),
-                     counted(size.conditions, "condition"), counted(size.bands, "band"),
-                     counted(size.rows(), "row"));
+  const std::string viewpoints =
+      size.viewpoints < size.all_viewpoints
+          ? fmt::format("{} of {}", size.viewpoints, counted(size.all_viewpoints, "viewpoint"))
+          : counted(size.viewpoints, "viewpoint");
+  return fmt::format("{} x {} x {} = {}", viewpoints, counted(size.conditions, "condition"),
+                     counted(size.bands, "band"), counted(size.rows(), "row"));
 }
 
 std::string size_text(const SweepSize& size) {

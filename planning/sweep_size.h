@@ -12,7 +12,8 @@ namespace irsig {
 // What a sweep will store, from its counts alone.
 struct SweepSize {
   std::uint64_t viewpoints = 0, conditions = 0, bands = 0;
-  std::uint64_t wavelengths = 0;  // of all bands together
+  std::uint64_t all_viewpoints = 0;  // more than viewpoints: of a shard
+  std::uint64_t wavelengths = 0;     // of all bands together
   std::uint64_t profile_rows = 0;
   // About: 0.8 to 1.3 of the file's size in sweeps of 100 rows and more.
   double database_bytes = 0;
@@ -23,7 +24,7 @@ struct SweepSize {
 // asset_bytes: of the files that the database holds: model, temperature fields.
 [[nodiscard]] SweepSize size_of(const schema::ResolvedSweep& sweep, std::size_t asset_bytes);
 
-// "191 viewpoints x 3 conditions x 2 bands = 1146 rows".
+// "191 viewpoints x 3 conditions x 2 bands = 1146 rows"; of a shard "64 of 191 viewpoints ...".
 [[nodiscard]] std::string rows_text(const SweepSize& size);
 // "191 viewpoints x 3 conditions x 2 bands = 1146 rows, 122 wavelengths, database about 45 MB".
 [[nodiscard]] std::string size_text(const SweepSize& size);

@@ -135,6 +135,11 @@ VALUES (?1, ?2, ?2, ?3, ?3, ?4, ?4, ?2, ?3, ?4);
 DELETE FROM signature WHERE viewpoint_id IN
   (SELECT viewpoint_id FROM viewpoint WHERE sweep_id = ?1 AND viewpoint_index >= 1099511627776);
 
+-- A changed list has brought them to another place.
+-- name: delete_signatures_of_other_shards
+DELETE FROM signature WHERE viewpoint_id IN
+  (SELECT viewpoint_id FROM viewpoint WHERE sweep_id = ?1 AND viewpoint_index % ?3 <> ?2);
+
 -- name: delete_jobs_of_gone_viewpoints
 DELETE FROM job WHERE viewpoint_id IN
   (SELECT viewpoint_id FROM viewpoint WHERE sweep_id = ?1 AND viewpoint_index >= 1099511627776);

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
+#include "schema/shard.h"
 #include "schema/store/database.h"
 #include "schema/store/heat_time.h"
 
@@ -101,7 +102,7 @@ class ViewRule {
         covered_(viewpoints_ * conditions_ * bands_) {}
 
   absl::Status add(const schema::ViewJob& job) {
-    if (job.viewpoint_index() >= viewpoints_)
+    if (job.viewpoint_index() >= viewpoints_ || !in_shard(sweep_, job.viewpoint_index()))
       return wrong(sweep_, "a job names a viewpoint that does not exist");
     for (const std::uint32_t condition : job.condition_index()) {
       for (const std::uint32_t band : job.band_index()) {
@@ -118,9 +119,9 @@ class ViewRule {
   }
 
   absl::Status finish() const {
-    if (places_ == covered_.size()) return absl::OkStatus();
-    return wrong(sweep_,
-                 absl::StrCat("its jobs compute ", places_, " of ", covered_.size(), " rows"));
+    const std::size_t rows = shard_size(sweep_) * conditions_ * bands_;
+    if (places_ == rows) return absl::OkStatus();
+    return wrong(sweep_, absl::StrCat("its jobs compute ", places_, " of ", rows, " rows"));
   }
 
  private:

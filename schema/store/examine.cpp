@@ -6,6 +6,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
+#include "schema/shard.h"
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
 #include "schema/store/sha256.h"
@@ -173,10 +174,12 @@ class Examination {
       if (!resolved.ParseFromString(row.text()))
         found(StoreFinding::Kind::kDamaged,
               absl::StrCat("sweep ", sweep, ": its definition cannot be read"));
-      // Not every place of a slice's lists was chosen.
+      // Not every place of a slice's lists was chosen; a shard has some viewpoints.
       const std::int64_t wanted =
-          resolved.slice().empty() ? lists
-                                   : static_cast<std::int64_t>(resolved.slice().rbegin()->rows());
+          resolved.slice_size() > 0 ? static_cast<std::int64_t>(resolved.slice().rbegin()->rows())
+          : resolved.has_shard()    ? static_cast<std::int64_t>(shard_size(resolved)) *
+                                       resolved.condition_size() * resolved.sweep().band_size()
+                                 : lists;
       const auto say = [&](StoreFinding::Kind kind, std::int64_t count, const char* what) {
         if (count > 0)
           found(kind, absl::StrCat("sweep ", sweep, ": ", count, " of ", jobs, " jobs ", what));

@@ -1,22 +1,16 @@
 #include "schema/store/slice.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <set>
 #include <vector>
 
-#include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "schema/assets.h"
 #include "schema/store/digest.h"
 #include "schema/store/find_signatures.h"
+#include "schema/store/new_database.h"
 #include "schema/store/open_database.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
@@ -122,6 +116,7 @@ class Slicing {
     keep(*resolved.mutable_sweep()->mutable_band(), *bands);
     IRSIG_STORE_TRY(keep_heat(resolved, sweep.id));
     IRSIG_STORE_TRY(keep_plumes(resolved));
+    resolved.clear_shard();  // its viewpoints have other places now
     schema::Slice& slice = *resolved.add_slice();
     slice.set_source(source_);
     slice.set_sweep_sha256(sweep.sha256);
@@ -226,26 +221,6 @@ class Slicing {
   Sliced out_{};
 };
 
-absl::Status cannot(const std::string& what, const std::string& path) {
-  return absl::UnavailableError(absl::StrCat(what, " ", path, ": ", std::strerror(errno)));
-}
-
-absl::Status to_disk(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return cannot("cannot open", path);
-  const bool done = ::fsync(descriptor) == 0;
-  const absl::Status status = done ? absl::OkStatus() : cannot("cannot write", path);
-  ::close(descriptor);
-  return status;
-}
-
-// An empty database of the newest format, one plain file.
-absl::Status make_empty(const std::string& path) {
-  absl::StatusOr<WritableDatabase> made = open_for_writing(path);
-  if (!made.ok()) return made.status();
-  return made->database->script("PRAGMA journal_mode = DELETE");
-}
-
 absl::StatusOr<Sliced> copy(const std::string& from, const SliceAsked& asked,
                             const std::string& beside, const SliceProgress& progress) {
   const auto database = open_for_reading(from, true);
@@ -267,33 +242,23 @@ absl::StatusOr<Sliced> copy(const std::string& from, const SliceAsked& asked,
 
 absl::StatusOr<Sliced> slice_database(const std::string& from, const SliceAsked& asked,
                                       const std::string& to, const SliceProgress& progress) {
-  const auto exists = [&] {
-    std::error_code ignored;
-    return std::filesystem::exists(std::filesystem::symlink_status(to, ignored));
-  };
-  const auto in_the_way = [&] {
-    return absl::InvalidArgumentError(
-        absl::StrCat(to, ": exists already, expected the name of a new file"));
-  };
-  if (exists()) return in_the_way();
-  // What is wrong with the source comes first.
-  if (const auto source = open_for_reading(from); !source.ok()) return source.status();
-  const std::string beside = absl::StrCat(to, ".", ::getpid(), ".partial");
-  const absl::Cleanup remove = [&] { remove_database(beside); };
-  IRSIG_STORE_TRY(make_empty(beside));
-  absl::StatusOr<Sliced> sliced = copy(from, asked, beside, progress);
-  if (!sliced.ok()) return sliced;
-  {
+  Sliced out{};
+  const absl::Status made = make_new_database(to, [&](const std::string& beside) -> absl::Status {
+    // What is wrong with the source comes first.
+    if (const auto source = open_for_reading(from); !source.ok()) return source.status();
+    IRSIG_STORE_TRY(make_empty_database(beside));
+    absl::StatusOr<Sliced> sliced = copy(from, asked, beside, progress);
+    if (!sliced.ok()) return sliced.status();
     const auto reader = StoreReader::open(beside);
     if (!reader.ok()) return reader.status();
     auto digest = (*reader)->digest();
     if (!digest.ok()) return digest.status();
-    sliced->digest = *std::move(digest);
-  }
-  IRSIG_STORE_TRY(to_disk(beside));
-  if (exists()) return in_the_way();
-  if (std::rename(beside.c_str(), to.c_str()) != 0) return cannot("cannot make", to);
-  return sliced;
+    out = *std::move(sliced);
+    out.digest = *std::move(digest);
+    return absl::OkStatus();
+  });
+  if (!made.ok()) return made;
+  return out;
 }
 
 }  // namespace irsig

@@ -12,6 +12,7 @@
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
 #include "google/protobuf/util/json_util.h"
+#include "schema/shard.h"
 #include "schema/store/check_sweep.h"
 #include "schema/store/heat_time.h"
 #include "schema/store/ingest_heat.h"
@@ -128,6 +129,7 @@ class SweepUpdate {
     if (!known.ok() && !absl::IsNotFound(known.status())) return known.status();
     if (known.ok()) {
       sweep_id_ = *known;
+      if (sweep_.has_shard()) IRSIG_STORE_TRY(check_shard());
       return database_.run(sql::update_sweep, sweep_id_, sha256, sweep_.viewpoint_size(),
                            sweep_.condition_size(), sweep_.sweep().band_size(),
                            sweep_.model_sha256(), thumbnail_px, Blob{bytes});
@@ -257,6 +259,9 @@ class SweepUpdate {
       viewpoint_ids_.push_back(*id);
     }
     IRSIG_STORE_TRY(database_.run(sql::delete_signatures_of_gone_viewpoints, sweep_id_));
+    if (sweep_.has_shard())
+      IRSIG_STORE_TRY(database_.run(sql::delete_signatures_of_other_shards, sweep_id_,
+                                    sweep_.shard().number() - 1, sweep_.shard().of()));
     IRSIG_STORE_TRY(database_.run(sql::delete_jobs_of_gone_viewpoints, sweep_id_));
     IRSIG_STORE_TRY(database_.run(sql::delete_directions_of_gone_viewpoints, sweep_id_));
     return database_.run(sql::delete_gone_viewpoints, sweep_id_);
@@ -298,6 +303,18 @@ class SweepUpdate {
   }
 
  private:
+  absl::Status check_shard() {
+    absl::StatusOr<Rows> row = database_.query(sql::resolved_sweep_by_id, sweep_id_);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    schema::ResolvedSweep stored;
+    if (!stored.ParseFromString(row->text()))
+      return absl::DataLossError(
+          absl::StrCat("the sweep \"", sweep_.sweep().name(), "\" cannot be read"));
+    return check_may_replace(stored, sweep_);
+  }
+
   absl::Status insert_condition(int index, const std::string& definition) {
     const schema::Condition& condition = sweep_.condition(index);
     const schema::Surroundings& around = condition.surroundings();

@@ -1,11 +1,12 @@
 // A database of many rows, and how fast it answers.
 //
-//   large_bench make SWEEP OUT.sigdb VIEWPOINTS
+//   large_bench make SWEEP OUT.sigdb VIEWPOINTS [K/N]
 //   large_bench ask DB [queries = 2000]
 //
 // make: computes the views of a small sweep, and stores their rows again and again under
 // VIEWPOINTS directions, through the store's own writer: rows are true ones, but not those of their
-// viewpoints. ask: prints one CSV line for each kind of question. docs/performance.md quotes them.
+// viewpoints; of a shard (jobs/shard.h) those that the whole would have. ask: prints one CSV line
+// for each kind of question. docs/performance.md quotes them.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -18,6 +19,8 @@
 
 #include "bridge/job_runner.h"
 #include "core/image/image.h"
+#include "jobs/expand.h"
+#include "jobs/shard.h"
 #include "planning/load_sweep.h"
 #include "schema/store/store.h"
 
@@ -64,43 +67,48 @@ std::vector<schema::JobResult> computed(const LoadedSweep& loaded) {
   return out;
 }
 
-void make(const std::string& sweep_path, const std::string& path, int viewpoints) {
+void make(const std::string& sweep_path, const std::string& path, int viewpoints,
+          const std::string& shard) {
   auto loaded = load_sweep(sweep_path, {});
   check(loaded.status());
   std::vector<schema::JobResult> results = computed(*loaded);
   schema::ResolvedSweep sweep = loaded->resolved;
   const double range_m = sweep.viewpoint(0).range_m();
   sweep.clear_viewpoint();
-  std::vector<schema::JobSpec> jobs;
+  sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e18);  // a job is a view
   for (int i = 0; i < viewpoints; ++i) {
     schema::Viewpoint& viewpoint = *sweep.add_viewpoint();
     viewpoint.set_aspect_azimuth_deg(std::fmod(137.50776405 * i, 360));
     viewpoint.set_aspect_elevation_deg(std::asin((i + 0.5) / viewpoints) * 57.29577951308232);
     viewpoint.set_range_m(range_m);
-    jobs.push_back(job_of(sweep, i));
   }
+  check(take_shard(shard, sweep));
+  const std::vector<schema::JobSpec> jobs = expand_jobs(sweep, physics_version());
   std::vector<Asset> assets;
   for (const auto& [sha256, bytes] : loaded->assets) assets.push_back({sha256, bytes});
   const auto writer = StoreWriter::open(path);
   check(writer.status());
   const double start_s = seconds();
   check((*writer)->begin());
-  check((*writer)->add_sweep(sweep, "large", jobs, assets).status());
+  check((*writer)->add_sweep(sweep, jobs.front().sweep_sha256(), jobs, assets).status());
   check((*writer)->commit());
-  for (int done = 0; done < viewpoints;) {
+  const double added_s = seconds() - start_s;
+  for (std::size_t done = 0; done < jobs.size();) {
     check((*writer)->begin());
-    for (int i = 0; i < 16 && done < viewpoints; ++i, ++done) {
+    for (int i = 0; i < 16 && done < jobs.size(); ++i, ++done) {
       const auto job = (*writer)->lease_next("bench", 0);
       check(job.status());
-      schema::JobResult& result = results[static_cast<std::size_t>(done) % results.size()];
+      schema::JobResult& result = results[(*job)->spec.view().viewpoint_index() % results.size()];
       result.set_job_key((*job)->spec.job_key());
       check((*writer)->complete((*job)->fencing_token, result, "bench"));
     }
     check((*writer)->commit());
   }
   check((*writer)->finish());
-  std::printf("%d rows written in %.0f s, %.2f GB\n",
-              viewpoints * sweep.condition_size() * sweep.sweep().band_size(), seconds() - start_s,
+  std::printf("%zu rows written in %.1f s, %.1f s of these submitting, %.3f GB\n",
+              jobs.size() * static_cast<std::size_t>(sweep.condition_size()) *
+                  static_cast<std::size_t>(sweep.sweep().band_size()),
+              seconds() - start_s, added_s,
               1e-9 * static_cast<double>(std::filesystem::file_size(path)));
 }
 
@@ -191,12 +199,13 @@ void ask(const std::string& path, int queries) {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "make" && argc == 5) {
-    irsig::make(argv[2], argv[3], std::atoi(argv[4]));
+  if (what == "make" && (argc == 5 || argc == 6)) {
+    irsig::make(argv[2], argv[3], std::atoi(argv[4]), argc > 5 ? argv[5] : "1/1");
   } else if (what == "ask" && argc >= 3) {
     irsig::ask(argv[2], argc > 3 ? std::atoi(argv[3]) : 2000);
   } else {
-    std::fprintf(stderr, "usage: large_bench make SWEEP OUT.sigdb VIEWPOINTS | ask DB [queries]\n");
+    std::fprintf(stderr,
+                 "usage: large_bench make SWEEP OUT.sigdb VIEWPOINTS [K/N] | ask DB [queries]\n");
     return 2;
   }
 }

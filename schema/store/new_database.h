@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace irsig {
+
+// Makes a database that appears complete or not at all: `fill` makes it under the name that it is
+// given, beside `to`, and leaves one plain file. INVALID_ARGUMENT: `to` exists, or what fill says.
+[[nodiscard]] absl::Status make_new_database(
+    const std::string& to, const std::function<absl::Status(const std::string& beside)>& fill);
+
+// An empty database of the newest format, one plain file, readable by its owner alone.
+[[nodiscard]] absl::Status make_empty_database(const std::string& path);
+
+}  // namespace irsig
