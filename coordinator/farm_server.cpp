@@ -24,10 +24,14 @@
 #include "coordinator/client/farm_log.h"
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm_service.h"
+#include "coordinator/front_gate.h"
+#include "coordinator/once_a_second.h"
 
 namespace irsig {
 namespace {
 
+// From the connection to the first words of HTTP/2. Clients give up after kConnectTimeoutMs.
+constexpr int kHandshakeMs = 2 * kConnectTimeoutMs;
 constexpr auto kLastCalls = std::chrono::seconds(2);  // for calls under way when the server stops
 
 absl::Status in_use(const Address& listen) {
@@ -79,23 +83,26 @@ std::shared_ptr<grpc::ServerCredentials> credentials(const Address& listen) {
   return grpc::SslServerCredentials(options);
 }
 
-// Of gRPC's own lines the one that says why somebody was refused before any call. How many of them
-// a second is up to whoever is refused: one is logged, the others are counted.
+// Of gRPC's own lines those that say why somebody was refused before any call. How many of them a
+// second is up to whoever is refused: one is logged, the others are counted.
 void log_handshakes() {
   if (std::getenv("GRPC_VERBOSITY") != nullptr) return;
+  gpr_set_log_verbosity(GPR_LOG_SEVERITY_DEBUG);  // it takes silence for nothing worse
   gpr_set_log_function([](gpr_log_func_args* line) {
-    static std::atomic<std::int64_t> logged_at_s = -1, untold = 0;
+    static OnceASecond refused, silent;
     const std::string_view message = line->message;
-    if (message.find("Handshake failed") == std::string_view::npos) return;
-    const std::int64_t now_s = std::chrono::duration_cast<std::chrono::seconds>(
-                                   std::chrono::steady_clock::now().time_since_epoch())
-                                   .count();
-    if (logged_at_s.exchange(now_s) == now_s) {
-      ++untold;
-      return;
+    if (message.find("Handshake failed") != std::string_view::npos) {
+      if (const auto more = refused.may_tell())
+        log_line(LogLevel::warn, {}, "refused: a TLS handshake ({} more before): {}", *more,
+                 message);
+    } else if (message.starts_with("Security handshake failed") &&
+               message.find("Handshake read failed") != std::string_view::npos) {
+      if (const auto more = silent.may_tell())
+        log_line(LogLevel::warn, {},
+                 "closed: a TLS handshake that its client left, or did not end within {} s "
+                 "({} more before)",
+                 kHandshakeMs / 1000, *more);
     }
-    log_line(LogLevel::warn, {}, "refused: a TLS handshake ({} more before): {}",
-             untold.exchange(0), message);
   });
 }
 
@@ -136,6 +143,7 @@ class Server final : public FarmServer {
 
   absl::Status stop() override {
     service_.stop();
+    if (gate_) gate_->stop();
     if (server_) server_->Shutdown(std::chrono::system_clock::now() + kLastCalls);
     loop_.stop();
     server_.reset();
@@ -181,22 +189,43 @@ class Server final : public FarmServer {
     // Workers ping every kKeepaliveMs; without this the server takes that for an attack (GOAWAY).
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                                kKeepaliveMs / 4);
+    builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+    // Nobody of ours compresses, and a limit of what arrives would be none of what it inflates to.
+    for (const auto how : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
+      builder.SetCompressionAlgorithmSupportStatus(how, false);
     builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
     builder.SetMaxSendMessageSize(kMaxMessageBytes);
     builder.RegisterService(&service_);
+    if (!is_unix) return start_behind_a_gate(builder);
     int port = -1;
-    const std::string uri =
-        is_unix ? listen.target : listen.target.substr(listen.target.find(':') + 1);
-    builder.AddListeningPort(uri, credentials(listen), &port);
+    builder.AddListeningPort(listen.target, credentials(listen), &port);
     const mode_t before = umask(0177);  // the socket is born with mode 0600
     server_ = builder.BuildAndStart();
     umask(before);
-    if (!server_ || port < 0 || (!is_unix && port == 0)) {
+    if (!server_ || port < 0) {
       server_.reset();
       return in_use(listen);
     }
     bound_ = true;
-    if (!is_unix) address_ = absl::StrCat(uri.substr(0, uri.rfind(':')), ":", port);
+    return absl::OkStatus();
+  }
+
+  absl::Status start_behind_a_gate(grpc::ServerBuilder& builder) {
+    const Address& listen = options_.listen;
+    const std::string place = listen.target.substr(listen.target.find(':') + 1);
+    auto gate = FrontGate::open(place);
+    if (absl::IsAlreadyExists(gate.status())) return in_use(listen);
+    if (!gate.ok())
+      return absl::InvalidArgumentError(
+          absl::StrCat("cannot listen on ", listen.text, ": ", gate.status().message()));
+    auto connections = builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+        credentials(listen));
+    server_ = builder.BuildAndStart();
+    if (!server_) return absl::InternalError("no server could be started");
+    gate_ = *std::move(gate);
+    gate_->start(std::move(connections));
+    address_ = absl::StrCat(place.substr(0, place.rfind(':')), ":", gate_->port());
     return absl::OkStatus();
   }
 
@@ -206,6 +235,7 @@ class Server final : public FarmServer {
   FarmService service_;
   std::string address_;
   std::unique_ptr<grpc::Server> server_;
+  std::unique_ptr<FrontGate> gate_;  // of a port
   bool bound_ = false;
   std::atomic<bool> failed_ = false;
   std::unique_ptr<StoreWriter> store_;

@@ -10,6 +10,7 @@
 #include "coordinator/client/address.h"
 #include "coordinator/client/farm_log.h"
 #include "coordinator/farm_server.h"
+#include "coordinator/front_gate.h"
 #include "core/base/printable.h"
 
 namespace {
@@ -80,6 +81,7 @@ int main(int argc, char** argv) {
   if (auto begun = irsig::start_log("coordinator", log); !begun.ok()) return report(begun);
   sem_init(&end_asked, 0, 0);
   std::signal(SIGPIPE, SIG_IGN);
+  irsig::FrontGate::raise_open_files();
 
   std::mutex mutex;
   absl::Status failure;

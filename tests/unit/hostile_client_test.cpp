@@ -192,6 +192,35 @@ TEST_F(HostileClient, MemoryIsNotTakenForWhatIsRefused) {
   EXPECT_TRUE(farm_status(address_, 20).ok());
 }
 
+// 30 kB that inflate to 30 MB, four times at once: nothing is inflated, since nobody of ours
+// compresses. An oversized message without compression: above.
+TEST_F(HostileClient, WhatIsCompressedIsRefusedAsItIs) {
+  std::vector<std::future<absl::Status>> answers;
+  const std::string much(30000000, 'x');
+  for (const auto how : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE})
+    for (int i = 0; i < 2; ++i)
+      answers.push_back(std::async(std::launch::async, [&, how] {
+        schema::RegisterRequest request;
+        request.set_worker_name(much);
+        grpc::ClientContext context;
+        context.set_compression_algorithm(how);
+        schema::RegisterReply reply;
+        return to_absl(farm_->Register(&context, request, &reply));
+      }));
+  for (auto& answer : answers) {
+    const absl::Status refused = answer.get();
+    EXPECT_TRUE(absl::IsUnimplemented(refused)) << refused;
+  }
+  // A small one is refused, too: it is the encoding that is.
+  schema::RegisterRequest request;
+  request.set_worker_name(std::string(900, 'x'));
+  grpc::ClientContext context;
+  context.set_compression_algorithm(GRPC_COMPRESS_GZIP);
+  schema::RegisterReply reply;
+  EXPECT_TRUE(absl::IsUnimplemented(to_absl(farm_->Register(&context, request, &reply))));
+  EXPECT_TRUE(farm_status(address_, 20).ok());
+}
+
 // Rows that are empty: two bytes each, 1 kB in memory.
 TEST_F(HostileClient, ABombOfAHolderOfALeaseCountsAsAFailureOfTheJob) {
   ASSERT_TRUE(submit(address_, frigate_sweep(1), {}, 1).ok());
