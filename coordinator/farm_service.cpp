@@ -352,7 +352,7 @@ class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
  private:
   void send() {
     if (sent_ >= bytes_->size()) return Finish(grpc::Status::OK);
-    chunk_.set_piece(bytes_->substr(sent_, kPieceBytes));
+    chunk_.set_piece(bytes_->substr(sent_, kFetchedPieceBytes));
     sent_ += chunk_.piece().size();
     StartWrite(&chunk_);
   }

@@ -18,6 +18,9 @@ inline constexpr int kKeepaliveTimeoutMs = 6000;
 inline constexpr int kConnectTimeoutMs = 10000;
 // One piece of a stream.
 inline constexpr std::size_t kPieceBytes = 1 << 20;
+// One of what a coordinator sends: a thousand workers may fetch the same sweep at once, and a piece
+// is in memory once for each of them.
+inline constexpr std::size_t kFetchedPieceBytes = 64 << 10;
 // The largest message that the coordinator takes: a piece and what goes with it. Larger things come
 // in pieces, whose memory is accounted for before it is taken.
 inline constexpr int kMaxRequestBytes = 2 << 20;

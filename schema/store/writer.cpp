@@ -119,8 +119,17 @@ class SqliteWriter final : public StoreWriter {
                                           const std::string& job_key, const std::string& worker_id,
                                           double now_s) override {
     IRSIG_STORE_TRY(require_transaction());
-    counters_.forget();  // it is rare
-    return lease_this_job(database_, sweep_sha256, job_key, worker_id, now_s);
+    // After a restart every worker returns what it had leased before: nothing is counted anew.
+    const auto known = known_job(database_, sweep_sha256, job_key);
+    if (!known.ok()) return known.status();
+    const bool waits = known->has_value() && (*known)->job.state == JobState::kWaiting;
+    const auto token = lease_this_job(database_, sweep_sha256, job_key, worker_id, now_s);
+    if (waits && token.ok()) {
+      counters_.leased(sweep_sha256);
+    } else {
+      counters_.forget();
+    }
+    return token;
   }
 
   absl::StatusOr<bool> keep_aside(const std::string& sweep_sha256, const schema::JobResult& result,
