@@ -412,8 +412,8 @@ absl::Status Farm::end_lease(Session& session, const std::string& reason, bool b
 bool Farm::somebody_is_silent() {
   const double now_s = clock_();
   // If this process itself was stopped or starved, the heartbeats of that time are still on their
-  // way.
-  if (now_s - checked_at_s_ > rules_.lost_after_s / 2) {
+  // way. Of a clock that went back, too, what was heard before says nothing.
+  if (std::abs(now_s - checked_at_s_) > rules_.lost_after_s / 2) {
     for (auto& [id, session] : sessions_) session.heard_at_s = now_s;
   }
   checked_at_s_ = now_s;

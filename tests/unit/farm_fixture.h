@@ -42,7 +42,7 @@ class FarmTest : public testing::Test {
     ASSERT_TRUE(store_->release_all().ok());
     ASSERT_TRUE(store_->commit().ok());
     farm_ = std::make_unique<Farm>(
-        *store_, rules_, [this] { return now_s_; }, [] { return 1.7e9; }, coordinator_id);
+        *store_, rules_, [this] { return now_s_; }, [this] { return unix_s_; }, coordinator_id);
   }
 
   template <class Ask>
@@ -154,7 +154,7 @@ class FarmTest : public testing::Test {
   }
 
   std::string folder_;
-  double now_s_ = 1000;
+  double now_s_ = 1000, unix_s_ = 1.7e9;
   FarmRules rules_{.heartbeat_s = 2, .lost_after_s = 10, .tolerated_losses = 5, .audit_share = 0};
   std::unique_ptr<StoreWriter> store_;
   std::unique_ptr<Farm> farm_;

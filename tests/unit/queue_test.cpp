@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
 #include "tests/unit/farm_fixture.h"
 
 namespace irsig {
@@ -104,6 +105,45 @@ TEST_F(FarmTest, ACoordinatorThatSleptTakesNobodyForLost) {
   now_s_ += 3600;  // stopped, or the machine was suspended
   EXPECT_FALSE(farm_->somebody_is_silent());
   EXPECT_TRUE(complete(a, leased).ok());
+}
+
+// The clock of the machine is set, by an hour, forwards and back, in the middle of jobs: nobody is
+// lost, results are taken, tokens go on, and silence is noticed as soon as ever.
+TEST_F(FarmTest, ClocksThatJumpAnHourLoseNothing) {
+  struct Jump {
+    double steady_s, unix_s;
+  };
+  const Jump jumps[] = {{3600, 3600}, {-3600, -3600}, {0, 3600}, {0, -3600}, {3600, 0}, {-3600, 0}};
+  submit(3 * std::size(jumps));
+  std::uint64_t last_token = 0, done = 0;
+  int round = 0;
+  for (const Jump& jump : jumps) {
+    SCOPED_TRACE(absl::StrCat(jump.steady_s, " s, ", jump.unix_s, " s"));
+    const auto a = worker(absl::StrCat("a", ++round)), b = worker(absl::StrCat("b", round));
+    const auto of_a = job(a), of_b = job(b);
+    EXPECT_GT(of_a.fencing_token(), last_token);
+    pass(1);
+    now_s_ += jump.steady_s;
+    unix_s_ += jump.unix_s;
+    pass(9);
+    EXPECT_TRUE(beat(a, of_a.fencing_token())->lease_valid());
+    EXPECT_EQ(*returns(b, of_b), State::STATE_STORED);
+    pass(9);  // of a's silence
+    EXPECT_TRUE(beat(b, 0).ok());
+    EXPECT_TRUE(beat(a, of_a.fencing_token())->lease_valid());
+    pass(6);
+    EXPECT_TRUE(beat(b, 0).ok());
+    pass(5);  // 11 s, and b's 5 s
+    EXPECT_TRUE(absl::IsNotFound(beat(a, of_a.fencing_token()).status()));
+    const auto again = job(b);
+    EXPECT_EQ(again.job().job_key(), of_a.job().job_key());
+    last_token = again.fencing_token();
+    EXPECT_EQ(*returns(b, again), State::STATE_STORED);
+    EXPECT_EQ(status().done(), done += 2);
+    EXPECT_EQ(status().quarantined(), 0U);
+    // A coordinator that starts after the jump.
+    open(absl::StrCat("after jump ", round));
+  }
 }
 
 TEST_F(FarmTest, AWorkerThatIsStartedAgainFreesItsJobAtOnce) {
