@@ -3,11 +3,15 @@
 # cut again and again, a cluster of Slurm, damaged files, a thousand workers. Says what it does, and prints a table at the end. Half an hour and
 # more; root, for what is mounted and for network namespaces: parts that a machine does not allow are named and left out.
 #
+# IRSIG_BUILD=asan (cmake --preset asan; cmake --build --preset asan): the same with the sanitizers' build. IRSIG_FUZZ_S=600: ten minutes of each
+# test of damaged files and messages, instead of one.
+#
 # usage: ops/soak.sh [soak|crash_points|link|slurm|fuzz|farm_scale ...]      (default: all of them)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-bin=build/release/bin
-tests=build/release/tests
+build=${IRSIG_BUILD:-release}
+bin=build/$build/bin
+tests=build/$build/tests
 (($# > 0)) || set -- soak crash_points link slurm fuzz farm_scale
 for part in "$@"; do
   case $part in
@@ -19,7 +23,7 @@ for part in "$@"; do
   esac
 done
 if [[ ! -x $bin/irsig ]]; then
-  echo "ops/soak.sh: $bin/irsig is not built: ops/build.sh" >&2
+  echo "ops/soak.sh: $bin/irsig is not built: ops/build.sh, or cmake --preset $build; cmake --build --preset $build" >&2
   exit 2
 fi
 logs=$(mktemp -d)
@@ -46,7 +50,8 @@ part() {
 fuzz() {
   local code=0 program
   for program in "$tests"/fuzz_*; do
-    IRSIG_FUZZ_RUNS=20 "$program" --gtest_brief=1 || code=1
+    echo "$program"
+    IRSIG_FUZZ_S=${IRSIG_FUZZ_S:-60} "$program" --gtest_brief=1 || code=1
   done
   return $code
 }

@@ -18,6 +18,7 @@
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fuzz/message_mutator.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 #include "tests/unit/test_folder.h"
 #include "view/export.h"
 
@@ -25,12 +26,6 @@ namespace irsig {
 namespace {
 
 constexpr const char* kWords[] = {"SQLite format 3", "\xff\xff\xff\xff", "CREATE VIEW", "nan"};
-
-// The default takes some seconds; IRSIG_FUZZ_RUNS=20 takes twenty times as many.
-int runs(int usual) {
-  const char* factor = std::getenv("IRSIG_FUZZ_RUNS");
-  return usual * (factor != nullptr ? std::atoi(factor) : 1);
-}
 
 std::string bytes_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
@@ -202,10 +197,11 @@ TEST_F(DatabaseFile, WithDamagedPages) {
   time_ = Vandal(damaged(*whole_)).table("SELECT time_utc FROM condition LIMIT 1")[0][0];
   std::mt19937_64 random(1);
   const std::size_t page = 4096;
-  for (int i = 0; i < runs(20); ++i) {
+  fuzz::Turns turn(20);
+  while (turn.next()) {
     std::string bytes = *whole_;
-    fuzz::Mutator mutator(static_cast<std::uint64_t>(i), kWords, 100);
-    if (i % 4 == 0) {  // anywhere; lengths change, too
+    fuzz::Mutator mutator(static_cast<std::uint64_t>(turn.index()), kWords, 100);
+    if (turn.index() % 4 == 0) {  // anywhere; lengths change, too
       bytes = mutator.mutate(bytes);
     } else {  // the headers of some pages, where the structure is
       for (std::size_t n = 1 + random() % 4; n > 0; --n) {
@@ -213,12 +209,12 @@ TEST_F(DatabaseFile, WithDamagedPages) {
         bytes[at] = static_cast<char>(random());
       }
     }
-    SCOPED_TRACE(i);
+    SCOPED_TRACE(turn.index());
     ask_everything(damaged(bytes));
     if (HasFatalFailure()) return;
   }
-  EXPECT_GT(refused_, runs(20));
-  EXPECT_GT(answered_, runs(20));
+  EXPECT_GT(refused_, turn.done());
+  EXPECT_GT(answered_, turn.done());
 }
 
 TEST_F(DatabaseFile, WithFieldsThatNoProgramWrote) {
@@ -237,7 +233,8 @@ TEST_F(DatabaseFile, WithFieldsThatNoProgramWrote) {
   ASSERT_GT(columns.size(), 100U);
   std::mt19937_64 random(2);
   int changed = 0;
-  for (int i = 0; i < runs(40); ++i) {
+  fuzz::Turns turn(40);
+  while (turn.next()) {
     const std::string path = damaged(*whole_);
     std::string done;
     {
@@ -266,11 +263,11 @@ TEST_F(DatabaseFile, WithFieldsThatNoProgramWrote) {
     }
     if (done.empty()) continue;
     ++changed;
-    SCOPED_TRACE(absl::StrCat(i, ": ", done));
+    SCOPED_TRACE(absl::StrCat(turn.index(), ": ", done));
     ask_everything(path);
     if (HasFatalFailure()) return;
   }
-  EXPECT_GT(changed, runs(40) / 2);
+  EXPECT_GT(changed, turn.done() / 2);
   EXPECT_GT(refused_, changed / 4);
   EXPECT_GT(answered_, changed);
 }
@@ -283,18 +280,19 @@ TEST_F(DatabaseFile, WithASweepThatNoFileStates) {
     ASSERT_TRUE(whole.ParseFromString(of.table("SELECT resolved_sweep FROM sweep")[0][0]));
   }
   fuzz::MessageMutator fields(5);
-  for (int i = 0; i < runs(20); ++i) {
+  fuzz::Turns turn(20);
+  while (turn.next()) {
     schema::ResolvedSweep sweep = whole;
     fields.mutate(sweep);
     const std::string path = damaged(*whole_);
     ASSERT_TRUE(
         Vandal(path).run("UPDATE sweep SET resolved_sweep = ?1", sweep.SerializeAsString()));
-    SCOPED_TRACE(i);
+    SCOPED_TRACE(turn.index());
     ask_everything(path);
     if (HasFatalFailure()) return;
   }
-  EXPECT_GT(refused_, runs(20) / 4);
-  EXPECT_GT(answered_, runs(20));
+  EXPECT_GT(refused_, turn.done() / 4);
+  EXPECT_GT(answered_, turn.done());
 }
 
 }  // namespace

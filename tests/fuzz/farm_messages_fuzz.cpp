@@ -12,18 +12,13 @@
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fuzz/message_mutator.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
 
 constexpr std::uint64_t kMostMemory = 64 << 20;
 constexpr const char* kWords[] = {"\xff\xff\xff\xff\x0f", "\x0a\x7f", "nan", "\x00\x00"};
-
-// The default takes some seconds; IRSIG_FUZZ_RUNS=20 takes twenty times as many.
-int runs(int usual) {
-  const char* factor = std::getenv("IRSIG_FUZZ_RUNS");
-  return usual * (factor != nullptr ? std::atoi(factor) : 1);
-}
 
 bool is_refusal(const absl::Status& status) {
   return absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status);
@@ -67,10 +62,11 @@ TEST_F(FarmMessages, EverySubmissionIsStoredOrRefused) {
   fuzz::MessageMutator fields(1);
   fuzz::Mutator bytes(2, kWords);
   int stored = 0, refused = 0;
-  for (int i = 0; i < runs(1500); ++i) {
-    schema::ResolvedSweep sweep = sweeps[i % 2];
+  fuzz::Turns turn(1500);
+  while (turn.next()) {
+    schema::ResolvedSweep sweep = sweeps[turn.index() % 2];
     std::string text;
-    if (i % 3 == 0) {
+    if (turn.index() % 3 == 0) {
       text = bytes.mutate(sweep.SerializeAsString());
     } else {
       fields.mutate(sweep);
@@ -80,8 +76,8 @@ TEST_F(FarmMessages, EverySubmissionIsStoredOrRefused) {
     ASSERT_TRUE(status.ok() || is_refusal(status)) << status << "\n" << sweep.ShortDebugString();
     ++(status.ok() ? stored : refused);
   }
-  EXPECT_GT(stored, runs(1500) / 20);
-  EXPECT_GT(refused, runs(1500) / 4);
+  EXPECT_GT(stored, turn.done() / 20);
+  EXPECT_GT(refused, turn.done() / 4);
 }
 
 TEST_F(FarmMessages, EveryResultIsStoredOrRefused) {
@@ -95,16 +91,17 @@ TEST_F(FarmMessages, EveryResultIsStoredOrRefused) {
   fuzz::Mutator bytes(4, kWords, 400);
   int stored = 0, refused = 0;
   // First the heat jobs, then views.
-  for (std::size_t job_index = 0; job_index <= made->jobs.size() / 2; ++job_index) {
+  const std::size_t jobs = made->jobs.size() / 2 + 1;
+  for (std::size_t job_index = 0; job_index < jobs; ++job_index) {
     ASSERT_TRUE(store_->begin().ok());
     const auto job = store_->lease_next("w", 0);
     ASSERT_TRUE(job.ok() && job->has_value());
     const schema::JobResult good = synthetic_result(sweep, (*job)->spec);
     ASSERT_TRUE(check_plausible(good).ok()) << check_plausible(good);
-    for (int i = 0; i < runs(150); ++i) {
+    for (fuzz::Turns turn(150, 1.0 / static_cast<double>(jobs)); turn.next();) {
       schema::JobResult result = good;
       std::string text;
-      if (i % 3 == 0) {
+      if (turn.index() % 3 == 0) {
         text = bytes.mutate(result.SerializeAsString());
       } else {
         fields.mutate(result);

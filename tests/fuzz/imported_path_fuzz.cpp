@@ -1,16 +1,16 @@
 // Mutated outputs of other codes, the same ones in every run: the reader must refuse them with
 // file:line:column or return band means that are sound, whatever stands in the file. Run it with
-// IRSIG_SANITIZE=address,undefined to see more; IRSIG_FUZZ_RUNS multiplies the number of files.
+// IRSIG_SANITIZE=address,undefined to see more.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "core/atmosphere/imported_path.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
@@ -50,23 +50,22 @@ bool accepted(const std::string& text) {
   return true;
 }
 
-void mutate_many(const std::string& seed_text, std::uint64_t seed) {
-  const char* times = std::getenv("IRSIG_FUZZ_RUNS");
-  const int runs = 4000 * (times != nullptr ? std::atoi(times) : 1);
+void mutate_many(const std::string& seed_text, std::uint64_t seed, double share = 1) {
   fuzz::Mutator mutator(seed, kWords, 900);
   int sound = 0;
-  for (int i = 0; i < runs; ++i) sound += accepted(mutator.mutate(seed_text)) ? 1 : 0;
+  fuzz::Turns turn(4000, share);
+  while (turn.next()) sound += accepted(mutator.mutate(seed_text)) ? 1 : 0;
   // Otherwise the mutations would only ever test the first check.
-  EXPECT_GT(sound, runs / 50);
-  EXPECT_LT(sound, runs);
+  EXPECT_GT(sound, turn.done() / 50);
+  EXPECT_LT(sound, turn.done());
 }
 
 TEST(ImportedPathFuzz, Tape7) {
   std::ifstream stream(IRSIG_SOURCE_DIR "/tests/unit/imported_paths/sea-5km.tape7");
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   ASSERT_TRUE(accepted(text));
-  mutate_many(text, 1);
-  mutate_many(text + text, 2);
+  mutate_many(text, 1, 0.5);
+  mutate_many(text + text, 2, 0.5);
 }
 
 TEST(ImportedPathFuzz, Csv) {

@@ -1,15 +1,15 @@
 // Mutated files of optical properties, the same ones in every run: a reader must refuse them with
 // file:line:column or return a table that is sound, whatever stands in the file. Run it with
-// IRSIG_SANITIZE=address,undefined to see more; IRSIG_FUZZ_RUNS multiplies the number of files.
+// IRSIG_SANITIZE=address,undefined to see more.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "core/materials/optical/material_library.h"
 #include "core/materials/optical/optical_files.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
@@ -62,11 +62,10 @@ void expect_sound(const TabulatedBrdf& t) {
 }
 
 TEST(MaterialFilesFuzz, EveryReaderRefusesOrReturnsASoundTable) {
-  const char* more = std::getenv("IRSIG_FUZZ_RUNS");
-  const int runs = 4000 * (more == nullptr ? 1 : std::max(1, std::atoi(more)));
   fuzz::Mutator mutator(20261121, kWords);
   int accepted = 0;
-  for (int i = 0; i < runs; ++i) {
+  fuzz::Turns turn(4000);
+  while (turn.next()) {
     for (const char* text : {kYaml, kTwoTables}) {
       const auto table = read_optical_constants(mutator.mutate(text), "f.yml");
       if (refused(table)) continue;
@@ -85,7 +84,7 @@ TEST(MaterialFilesFuzz, EveryReaderRefusesOrReturnsASoundTable) {
     const auto entry = read_library_entry(mutator.mutate(kEntry), "f.yml");
     if (!refused(entry)) ++accepted;
   }
-  EXPECT_GT(accepted, runs / 4) << "most files are refused at once: nothing is tested";
+  EXPECT_GT(accepted, turn.done() / 4) << "most files are refused at once: nothing is tested";
 }
 
 }  // namespace

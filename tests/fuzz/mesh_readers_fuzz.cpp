@@ -1,15 +1,15 @@
 // Mutated mesh files, the same ones in every run: a reader must refuse them or return a mesh whose
 // indices are in range and whose vertices are finite, whatever stands in the file. Run it with
-// IRSIG_SANITIZE=address,undefined to see more; IRSIG_FUZZ_RUNS multiplies the number of files.
+// IRSIG_SANITIZE=address,undefined to see more.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 
 #include "core/scene/import_reply.h"
 #include "core/scene/mesh.h"
 #include "tests/fuzz/mesh_mutants.h"
+#include "tests/fuzz/turns.h"
 #include "tests/unit/float32_files.h"
 
 namespace irsig {
@@ -25,18 +25,13 @@ void expect_sound(const Mesh& mesh) {
     ASSERT_TRUE(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z));
 }
 
-int runs(int count) {
-  const char* factor = std::getenv("IRSIG_FUZZ_RUNS");
-  return factor == nullptr ? count : count * std::atoi(factor);
-}
-
 void fuzz(const std::string& name, int count, const std::function<std::string()>& next) {
   int accepted = 0, refused = 0;
-  for (int i = 0; i < runs(count); ++i) {
+  for (fuzz::Turns turn(count); turn.next();) {
     const std::string mutant = next();
     MeshImport how;
     how.file_name = name;
-    how.reference = i % 2 == 0 ? "origin" : "bbox_bottom_center";
+    how.reference = turn.index() % 2 == 0 ? "origin" : "bbox_bottom_center";
     const absl::StatusOr<Mesh> mesh = import_mesh(mutant, how);
     if (mesh.ok()) {
       ++accepted;
@@ -100,7 +95,7 @@ TEST(MeshReaders, Reply) {
   const std::string reply = encode_reply(mesh);
   fuzz::Mutator mutator(8, fuzz::kMeshWords);
   int accepted = 0;
-  for (int i = 0; i < runs(20000); ++i) {
+  for (fuzz::Turns turn(20000); turn.next();) {
     const absl::StatusOr<FileMesh> read = decode_reply(mutator.mutate(reply));
     if (!read.ok()) continue;
     ++accepted;

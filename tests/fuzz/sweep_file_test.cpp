@@ -17,6 +17,7 @@
 
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
@@ -146,7 +147,7 @@ TEST(SweepFileFuzz, EveryMutationIsReadOrRefusedWithAPlace) {
   ASSERT_GT(texts.size(), 40U);
   Random random(20251221);
   int read = 0, resolved = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (fuzz::Turns turn(20000); turn.next();) {
     const std::string text = mutated(texts, random);
     const absl::StatusOr<SweepFile> file = parse_sweep(text, "fuzz.toml");
     if (!file.ok()) {

@@ -1,15 +1,14 @@
 // Mutated files of temperatures, the same ones in every run: the reader must refuse them by the
 // file's name or return temperatures that a facet can have, whatever stands in the file. Run it
-// with IRSIG_SANITIZE=address,undefined to see more; IRSIG_FUZZ_RUNS multiplies the number of
-// files.
+// with IRSIG_SANITIZE=address,undefined to see more.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "core/fields/temperature_field.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
@@ -48,18 +47,18 @@ bool accepted(const std::string& bytes, const std::string& name, FieldMatch matc
   return true;
 }
 
-void mutate_many(const std::string& text, const std::string& name, std::uint64_t seed) {
-  const char* times = std::getenv("IRSIG_FUZZ_RUNS");
-  const int runs = 4000 * (times != nullptr ? std::atoi(times) : 1);
+void mutate_many(const std::string& text, const std::string& name, std::uint64_t seed,
+                 double share = 1) {
   fuzz::Mutator mutator(seed, kWords, 200);
   int sound = 0;
-  for (int i = 0; i < runs; ++i)
+  fuzz::Turns turn(4000, share);
+  while (turn.next())
     sound += accepted(mutator.mutate(text), name,
-                      i % 2 == 0 ? FieldMatch::kIndex : FieldMatch::kCentroid)
+                      turn.index() % 2 == 0 ? FieldMatch::kIndex : FieldMatch::kCentroid)
                  ? 1
                  : 0;
-  EXPECT_GT(sound, runs / 100) << name;
-  EXPECT_LT(sound, runs) << name;
+  EXPECT_GT(sound, turn.done() / 100) << name;
+  EXPECT_LT(sound, turn.done()) << name;
 }
 
 TEST(TemperatureFieldFuzz, Csv) {
@@ -77,7 +76,7 @@ TEST(TemperatureFieldFuzz, Ply) {
       "end_header\n";
   mutate_many("ply\nformat ascii" + header +
                   "0 0 0 300\n1 0 0 310\n1 1 0 305\n0 1 0 300\n3 0 1 2\n3 0 2 3\n",
-              "t.ply", 6);
+              "t.ply", 6, 0.5);
   std::string binary = "ply\nformat binary_little_endian" + header;
   const auto put = [&](auto value) {
     binary.append(reinterpret_cast<const char*>(&value), sizeof value);
@@ -89,7 +88,7 @@ TEST(TemperatureFieldFuzz, Ply) {
     put(static_cast<unsigned char>(3));
     for (const int c : {0, 1 + corner, 2 + corner}) put(c);
   }
-  mutate_many(binary, "t.ply", 7);
+  mutate_many(binary, "t.ply", 7, 0.5);
 }
 
 }  // namespace

@@ -1,16 +1,16 @@
 // Mutated weather files, the same ones in every run: the reader must refuse them with
 // file:line:column or return courses that are sound, whatever stands in the file. Run it with
-// IRSIG_SANITIZE=address,undefined to see more; IRSIG_FUZZ_RUNS multiplies the number of files.
+// IRSIG_SANITIZE=address,undefined to see more.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
 
 #include "core/thermal/weather_file.h"
 #include "tests/fuzz/mutator.h"
+#include "tests/fuzz/turns.h"
 
 namespace irsig {
 namespace {
@@ -63,14 +63,13 @@ bool accepted(const std::string& text, const std::string& name) {
 
 void mutate_many(const std::string& seed_text, const std::string& name, std::uint64_t seed,
                  std::size_t length) {
-  const char* times = std::getenv("IRSIG_FUZZ_RUNS");
-  const int runs = 300 * (times != nullptr ? std::atoi(times) : 1);
   fuzz::Mutator mutator(seed, kWords, length);
   int sound = 0;
-  for (int i = 0; i < runs; ++i) sound += accepted(mutator.mutate(seed_text), name) ? 1 : 0;
+  fuzz::Turns turn(300);
+  while (turn.next()) sound += accepted(mutator.mutate(seed_text), name) ? 1 : 0;
   // Otherwise the mutations would only ever test the first check.
-  EXPECT_GT(sound, runs / 100);
-  EXPECT_LT(sound, runs);
+  EXPECT_GT(sound, turn.done() / 100);
+  EXPECT_LT(sound, turn.done());
 }
 
 std::string shipped() {
