@@ -21,7 +21,7 @@ import urllib.parse
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMATS = range(1, 18)  # that this file knows
+FORMATS = range(1, 19)  # that this file knows
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),

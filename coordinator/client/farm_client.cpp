@@ -13,6 +13,8 @@
 namespace irsig {
 namespace {
 
+constexpr double kStoringAViewpoint_s = 1e-3;  // 0.07 ms, and busy machines and disks
+
 std::chrono::system_clock::time_point after(double seconds) {
   return std::chrono::system_clock::now() +
          std::chrono::duration_cast<std::chrono::system_clock::duration>(
@@ -51,9 +53,12 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
                                            std::uint32_t physics_version,
                                            const schema::Prediction* prediction,
                                            double patience_s) {
-  const auto farm = stub_for(coordinator);
+  const auto channel = connect(coordinator);
+  if (!channel->WaitForConnected(after(patience_s)))
+    return named(absl::UnavailableError("no connection"), coordinator);
+  const auto farm = schema::Farm::NewStub(channel);
   grpc::ClientContext context;
-  context.set_deadline(after(patience_s));
+  context.set_deadline(after(patience_s + kStoringAViewpoint_s * sweep.viewpoint_size()));
   context.set_wait_for_ready(true);
   schema::SubmitReply reply;
   const auto stream = farm->Submit(&context, &reply);

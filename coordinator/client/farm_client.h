@@ -16,7 +16,8 @@ namespace irsig {
 // and returns UNAVAILABLE, naming the address, when there is none.
 
 // Sends the sweep, the files that it needs and what a pilot predicted of it (null:
-// nothing did). Sending it again changes nothing.
+// nothing did). Sending it again changes nothing. Once connected it waits longer for the answer, by
+// the number of viewpoints.
 [[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(
     const Address& coordinator, const schema::ResolvedSweep& sweep, const Assets& assets,
     std::uint32_t physics_version, const schema::Prediction* prediction = nullptr,

@@ -17,6 +17,10 @@ WHERE abs(emitted_w_sr + sun_reflected_w_sr + sky_reflected_w_sr + sea_reflected
       > 1e-9 * (abs(emitted_w_sr) + abs(sun_reflected_w_sr) + abs(sky_reflected_w_sr) + abs(sea_reflected_w_sr)
                 + abs(parts_reflected_w_sr) + abs(ifnull(plume_w_sr, 0)) + abs(intensity_w_sr));
 
+-- name: count_viewpoints_without_direction
+SELECT count(DISTINCT viewpoint_id) FROM signature
+WHERE viewpoint_id NOT IN (SELECT viewpoint_id FROM viewpoint_direction);
+
 -- name: signature_rows
 SELECT signature_id, f.sweep, f.row FROM signature_view f WHERE superseded = 0 ORDER BY signature_id;
 

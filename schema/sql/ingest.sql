@@ -25,6 +25,15 @@ UPDATE band SET lambda_um = ?2 WHERE band_id = ?1;
 -- name: count_signatures_of_viewpoint
 SELECT count(*) FROM (SELECT 1 FROM signature WHERE viewpoint_id = ?1 LIMIT 1);
 
+-- With its first signature: a nearest query looks at no viewpoint that has none.
+-- name: viewpoint_without_direction
+SELECT aspect_azimuth_deg, aspect_elevation_deg FROM viewpoint
+WHERE viewpoint_id = ?1 AND NOT EXISTS (SELECT 1 FROM viewpoint_direction d WHERE d.viewpoint_id = ?1);
+
+-- name: insert_viewpoint_direction
+INSERT INTO viewpoint_direction (viewpoint_id, min_x, max_x, min_y, max_y, min_z, max_z, unit_x, unit_y, unit_z)
+VALUES (?1, ?2, ?2, ?3, ?3, ?4, ?4, ?2, ?3, ?4);
+
 -- Whatever lies at one place of the sweep: an earlier result of the job, or one of a superseded job.
 -- name: delete_signature_at_place
 DELETE FROM signature

@@ -54,6 +54,12 @@ SELECT v.viewpoint_id, o.viewpoint_id
 FROM main.viewpoint v JOIN merged.viewpoint o ON o.sweep_id = ?2 AND o.viewpoint_index = v.viewpoint_index
 WHERE v.sweep_id = ?1;
 
+-- name: merge_directions
+INSERT INTO merged.viewpoint_direction
+SELECT o.ours, d.min_x, d.max_x, d.min_y, d.max_y, d.min_z, d.max_z, d.unit_x, d.unit_y, d.unit_z
+FROM temp.of_viewpoint o JOIN main.viewpoint_direction d ON d.viewpoint_id = o.theirs
+WHERE NOT EXISTS (SELECT 1 FROM merged.viewpoint_direction e WHERE e.viewpoint_id = o.ours);
+
 -- name: merge_conditions
 INSERT INTO temp.of_condition
 SELECT c.condition_id, o.condition_id

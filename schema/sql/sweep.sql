@@ -127,10 +127,6 @@ INSERT INTO viewpoint (sweep_id, aspect_azimuth_deg, aspect_elevation_deg, range
 VALUES (?1, ?2, ?3, ?4, ?5)
 RETURNING viewpoint_id;
 
--- name: insert_viewpoint_direction
-INSERT INTO viewpoint_direction (viewpoint_id, min_x, max_x, min_y, max_y, min_z, max_z, unit_x, unit_y, unit_z)
-VALUES (?1, ?2, ?2, ?3, ?3, ?4, ?4, ?2, ?3, ?4);
-
 -- name: delete_signatures_of_gone_viewpoints
 DELETE FROM signature WHERE viewpoint_id IN
   (SELECT viewpoint_id FROM viewpoint WHERE sweep_id = ?1 AND viewpoint_index >= 1099511627776);

@@ -94,11 +94,18 @@ class Examination {
       if (std::string said = row.text(); said != "ok")
         found(StoreFinding::Kind::kDamaged, absl::StrCat("the file: ", said));
     }));
-    return for_each(database_, sql::foreign_key_check, [&](Rows& row) {
+    IRSIG_STORE_TRY(for_each(database_, sql::foreign_key_check, [&](Rows& row) {
       const std::string table = row.text();
       found(StoreFinding::Kind::kDamaged,
             absl::StrCat("table ", table, ": ", row.integer(), " rows refer to what is not there"));
-    });
+    }));
+    const auto undirected = database_.integer(sql::count_viewpoints_without_direction);
+    if (!undirected.ok()) return undirected.status();
+    if (*undirected > 0)
+      found(StoreFinding::Kind::kDamaged,
+            absl::StrCat("table viewpoint_direction: ", *undirected,
+                         " viewpoints with signatures have no direction: no nearest finds them"));
+    return absl::OkStatus();
   }
 
   absl::Status assets() {

@@ -16,6 +16,7 @@
 #include "schema/store/ingest_inputs.h"
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
+#include "schema/store/sweep_table.h"
 
 namespace irsig {
 namespace {
@@ -168,12 +169,26 @@ absl::Status insert_row(Database& database, const LeasedJob& job,
                       Blob{thumbnail.exr()});
 }
 
+absl::Status insert_direction(Database& database, std::int64_t viewpoint_id) {
+  UnitVector unit{};
+  {
+    absl::StatusOr<Rows> row = database.query(sql::viewpoint_without_direction, viewpoint_id);
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return absl::OkStatus();
+    const double azimuth_deg = row->real();
+    unit = unit_vector(azimuth_deg, row->real());
+  }
+  return database.run(sql::insert_viewpoint_direction, viewpoint_id, unit.x, unit.y, unit.z);
+}
+
 absl::Status make_room(Database& database, const LeasedJob& job,
                        const schema::ViewJobResult& result) {
   const absl::StatusOr<std::int64_t> earlier =
       database.integer(sql::count_signatures_of_viewpoint, job.view.viewpoint_id);
   if (!earlier.ok()) return earlier.status();
-  if (*earlier == 0) return absl::OkStatus();
+  if (*earlier == 0) return insert_direction(database, job.view.viewpoint_id);
   for (const schema::SignatureRow& row : result.row()) {
     IRSIG_STORE_TRY(database.run(sql::delete_signature_at_place, job.sweep_id,
                                  job.view.viewpoint_id, row.condition_index(), row.band_index()));

@@ -297,6 +297,7 @@ class Taking {
     IRSIG_STORE_TRY(take_bands());
     IRSIG_STORE_TRY(take_jobs());
     IRSIG_STORE_TRY(take_signatures());
+    IRSIG_STORE_TRY(database_.run(sql::merge_directions));
     IRSIG_STORE_TRY(database_.run(sql::merge_set_done));
     IRSIG_STORE_TRY(database_.run(sql::merge_count_needs, *ours));
     if (!here.determinism_class.empty())

@@ -250,10 +250,6 @@ class SweepUpdate {
       if (absl::IsNotFound(id.status())) {
         id = database_.integer(sql::insert_viewpoint, sweep_id_, azimuth_deg, elevation_deg,
                                viewpoint.range_m(), i);
-        if (!id.ok()) return id.status();
-        const UnitVector unit = unit_vector(azimuth_deg, elevation_deg);
-        IRSIG_STORE_TRY(
-            database_.run(sql::insert_viewpoint_direction, *id, unit.x, unit.y, unit.z));
       }
       if (!id.ok()) return id.status();
       viewpoint_ids_.push_back(*id);

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "schema/store/examine.h"
 #include "tests/unit/store_fixture.h"
 
 namespace irsig {
@@ -131,6 +132,15 @@ TEST_F(StoreDirection, NearestMeansNearestWithAResult) {
   EXPECT_EQ(rows(filter), std::vector<std::uint64_t>{2});
   filter.nearest = 9;
   EXPECT_EQ(rows(filter), (std::vector<std::uint64_t>{2, 1}));
+  EXPECT_EQ(sqlite_text(path_, "SELECT group_concat(viewpoint_id) FROM viewpoint_direction"), "1,2")
+      << "it is not looked at, either";
+  ASSERT_EQ(sqlite_text(path_, "DELETE FROM viewpoint_direction WHERE viewpoint_id = 2; SELECT 1"),
+            "1");
+  const auto found = examine(path_, 1);
+  ASSERT_TRUE(found.ok()) << found.status();
+  EXPECT_THAT(*found, testing::Contains(testing::Field(
+                          &StoreFinding::what, testing::HasSubstr("1 viewpoints with signatures "
+                                                                  "have no direction"))));
 }
 
 }  // namespace
