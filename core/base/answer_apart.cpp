@@ -54,9 +54,9 @@ bool read_all(std::string& out) {
   return true;
 }
 
-bool write_all(std::string_view bytes) {
+bool write_all(int to, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t put = write(STDOUT_FILENO, bytes.data(), bytes.size());
+    const ssize_t put = write(to, bytes.data(), bytes.size());
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) return false;
     bytes.remove_prefix(static_cast<std::size_t>(put));
@@ -84,8 +84,11 @@ void answer_apart(std::uint64_t bytes, const std::function<std::string(std::stri
                   const std::function<std::string(const absl::Status&)>& refusal) {
   const ApartLimits limits = apart_limits(bytes);
   if (!limit_all(limits)) _exit(1);
+  // Libraries print warnings on standard output (OpenVDB, of a file of a newer version).
+  const int to = dup(STDOUT_FILENO);
+  if (to < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) _exit(1);
   const std::string reply = answer(bytes, limits, reply_to, refusal);
-  _exit(!reply.empty() && write_all(reply) ? 0 : 1);
+  _exit(!reply.empty() && write_all(to, reply) ? 0 : 1);
 }
 
 }  // namespace irsig

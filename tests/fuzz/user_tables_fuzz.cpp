@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <functional>
+#include <regex>
 #include <sstream>
 
 #include "core/atmosphere/air_profile.h"
@@ -24,8 +24,12 @@ namespace {
 constexpr const char* kWords[] = {"nan",  "1e999", "-", ",",  "= ", "|",    "\"", "{",  "[",
                                   "]\n[", "-inf",  "#", "\r", "\t", "\n\n", "0,", "1e", "true"};
 
-// read: of a text under that name; whether it was taken for one.
-void fuzz(const std::string& name, const std::string& whole, int usual, double share,
+// A detector's response has a file of its own.
+const std::regex kPlaced("^[^\n]*:[1-9][0-9]*:[1-9][0-9]*: .");
+const std::regex kMore(": (and [0-9]+ more errors?|too many errors, reading stopped)$");
+
+// read: whether a text is taken for one.
+void fuzz(const std::string& whole, int usual, double share,
           const std::function<absl::Status(const std::string&)>& read) {
   ASSERT_TRUE(read(whole).ok()) << read(whole);
   fuzz::Mutator mutator(1, kWords);
@@ -33,20 +37,18 @@ void fuzz(const std::string& name, const std::string& whole, int usual, double s
   fuzz::Turns turn(usual, share);
   while (turn.next()) {
     const std::string text = mutator.mutate(whole);
+    SCOPED_TRACE(text);
     const absl::Status status = read(text);
-    if (testing::Test::HasFailure()) FAIL() << text;
     if (status.ok()) {
       ++accepted;
       continue;
     }
-    ASSERT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status << text;
+    ASSERT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     std::stringstream lines{std::string(status.message())};
-    for (std::string line; std::getline(lines, line);) {
-      ASSERT_EQ(line.find(name + ":"), 0U) << line << "\n" << text;
-      int at = 0, column = 0;
-      std::sscanf(line.c_str() + name.size(), ":%d:%d: ", &at, &column);
-      ASSERT_TRUE(at > 0 && column > 0) << line << "\n" << text;
-    }
+    std::string line;
+    for (int count = 0; std::getline(lines, line); ++count)
+      ASSERT_TRUE(std::regex_search(line, kPlaced) || (count > 0 && std::regex_search(line, kMore)))
+          << line;
   }
   // Mutants that are all refused at their first word would test nothing.
   EXPECT_GT(accepted, turn.done() / 50);
@@ -76,25 +78,23 @@ class OfFile {
 };
 
 TEST(UserTablesFuzz, Soundings) {
-  const AirProfile base = afgl_profile(AfglProfile::kMidLatitudeSummer);
-  fuzz("s.csv",
-       "# a sounding\nheight_m, pressure_hpa, temperature_c, dew_point_c\n0, 1000, 20, 12\n"
-       "1500, 840, 12, 4\n9000, 310, -42, -60\n",
-       4000, 1, [&](const std::string& text) {
-         const auto profile = parse_profile_csv(text, "s.csv", base);
-         if (profile.ok()) EXPECT_TRUE(check_profile(*profile).ok()) << check_profile(*profile);
-         return profile.status();
-       });
+  const AirProfile base = afgl_profile(AfglProfile::kMidlatitudeSummer);
+  fuzz(
+      "# a sounding\nheight_m, pressure_hpa, temperature_c, dew_point_c\n0, 1000, 20, 12\n"
+      "1500, 840, 12, 4\n9000, 310, -42, -60\n",
+      4000, 1, [&](const std::string& text) {
+        const auto profile = parse_profile_csv(text, "s.csv", base);
+        return profile.ok() ? check_profile(*profile) : profile.status();
+      });
 }
 
 TEST(UserTablesFuzz, Responses) {
   const OfFile file("r.csv");
-  fuzz(file.path(), "wavelength_um,response\n3,0\n3.5,0.9\n4.8,1\n5,0\n", 2000, 1,
-       [&](const std::string& text) {
-         const auto response = read_response(file.put(text));
-         if (response.ok()) expect_response(*response);
-         return response.status();
-       });
+  fuzz("wavelength_um,response\n3,0\n3.5,0.9\n4.8,1\n5,0\n", 2000, 1, [&](const std::string& text) {
+    const auto response = read_response(file.put(text));
+    if (response.ok()) expect_response(*response);
+    return response.status();
+  });
 }
 
 TEST(UserTablesFuzz, Detectors) {
@@ -108,7 +108,7 @@ TEST(UserTablesFuzz, Detectors) {
     const std::string whole = std::string("name = \"InSb\"\n") +
                               (noise[8] == 'b' ? "response_file = \"q.csv\"\n" : "") + "[noise]\n" +
                               noise;
-    fuzz(file.path(), whole, 2000, 0.5, [&](const std::string& text) {
+    fuzz(whole, 2000, 0.5, [&](const std::string& text) {
       const auto detector = read_detector(file.put(text));
       if (detector.ok() && !detector->detector.response.empty())
         expect_response(detector->detector.response);
@@ -123,7 +123,7 @@ TEST(UserTablesFuzz, Weights) {
         "season,time_utc,range_m,weight\nsummer,2025-06-21T12:00:00Z,5000,1\n"
         "winter,2025-12-21T12:00:00Z,5000,0.25\n"}) {
     const OfFile file("w.csv");
-    fuzz(file.path(), whole, 2000, 0.5, [&](const std::string& text) {
+    fuzz(whole, 2000, 0.5, [&](const std::string& text) {
       const auto weights = read_row_weights(file.put(text));
       if (weights.ok()) {
         EXPECT_FALSE(weights->line.empty());
@@ -136,18 +136,18 @@ TEST(UserTablesFuzz, Weights) {
 }
 
 TEST(UserTablesFuzz, GoniometerFiles) {
-  fuzz("g.toml",
-       "name = \"test\"\n[particles]\nwidth_m = 0.02\ncoverage = [0.5]\n"
-       "size = [{diameter_m = 0.001}]\n[[material]]\nname = \"soil\"\nkind = \"lambert\"\n"
-       "emissivity = 0.6\n[[part]]\nname = \"soil\"\nmatch = [\"grain_*\"]\nmaterial = \"soil\"\n"
-       "[[part]]\nname = \"plate\"\nmaterial = \"soil\"\n[[band]]\nname = \"green\"\n"
-       "center_um = 0.55\nfwhm_um = 0.04\n[source]\nzenith_deg = [0, 30]\n[sensor]\n"
-       "field_width_m = 0.01\n[view]\nzenith_max_deg = 80\nzenith_step_deg = 40\n"
-       "azimuth_step_deg = 90\n[accuracy]\nsamples_per_replicate = 64\n",
-       2000, 1, [](const std::string& text) {
-         const auto file = parse_goniometer(text, "g.toml");
-         return file.ok() ? resolve_goniometer(*file, "").status() : file.status();
-       });
+  fuzz(
+      "name = \"test\"\n[particles]\nwidth_m = 0.02\ncoverage = [0.5]\n"
+      "size = [{diameter_m = 0.001}]\n[[material]]\nname = \"soil\"\nkind = \"lambert\"\n"
+      "emissivity = 0.6\n[[part]]\nname = \"soil\"\nmatch = [\"grain_*\"]\nmaterial = \"soil\"\n"
+      "[[part]]\nname = \"plate\"\nmaterial = \"soil\"\n[[band]]\nname = \"green\"\n"
+      "center_um = 0.55\nfwhm_um = 0.04\n[source]\nzenith_deg = [0, 30]\n[sensor]\n"
+      "field_width_m = 0.01\n[view]\nzenith_max_deg = 80\nzenith_step_deg = 40\n"
+      "azimuth_step_deg = 90\n[accuracy]\nsamples_per_replicate = 64\n",
+      2000, 1, [](const std::string& text) {
+        const auto file = parse_goniometer(text, "g.toml");
+        return file.ok() ? resolve_goniometer(*file, "").status() : file.status();
+      });
 }
 
 }  // namespace

@@ -83,6 +83,16 @@ TEST(PlumeImport, UnitsAxesAndPlace) {
   EXPECT_NEAR(at.z, -5.05, 1e-12);
 }
 
+// OpenVDB reads it, and prints a warning where the answer is expected.
+TEST(PlumeImport, AFileOfANewerVersion) {
+  std::string file = vdb_file({warm(), co2()});
+  ASSERT_EQ(file[8], '\xe0') << "version 224";
+  file[8] = '\xe1';
+  const auto field = import_plume(file, "a.vdb", two_grids());
+  ASSERT_TRUE(field.ok()) << field.status();
+  EXPECT_EQ((*field)->report().gas_voxels, 64U);
+}
+
 TEST(PlumeImport, GridsThatAreNone) {
   EXPECT_THAT(refusal(vdb_file({warm()})),
               AllOf(HasSubstr("a.vdb: no grid \"co2\""), HasSubstr("\"temperature\" (float)")));

@@ -193,6 +193,12 @@ absl::StatusOr<VoxelVolume> read(std::istream& in, const std::vector<std::string
   origins.reserve(blocks);
   for (const FloatGrid::Ptr& grid : grids)
     for_each_block(*grid, [&](const Coord& origin) { origins.push_back(origin); });
+  for (const Coord& at : origins)
+    if (((at.x() | at.y() | at.z()) & 7) != 0)
+      return refuse(
+          fmt::format("a block of voxels begins at ({}, {}, {}), expected multiples of 8: "
+                      "the file is damaged",
+                      at.x(), at.y(), at.z()));
   add_blocks(grids, std::move(origins), out);
   if (out.block.size() > kMostBlocks)
     return refuse(
