@@ -29,6 +29,7 @@ void add_serve(CLI::App& app, int& exit_code);
 void add_submit(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
 void add_cancel(CLI::App& app, int& exit_code);
+void add_prioritize(CLI::App& app, int& exit_code);
 void add_digest(CLI::App& app, int& exit_code);
 void add_doctor(CLI::App& app, int& exit_code);
 void add_ca(CLI::App& app, int& exit_code);

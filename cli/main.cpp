@@ -116,6 +116,7 @@ int main(int argc, char** argv) {
   irsig::add_submit(app, exit_code);
   irsig::add_status(app, exit_code);
   irsig::add_cancel(app, exit_code);
+  irsig::add_prioritize(app, exit_code);
   irsig::add_ca(app, exit_code);
   irsig::add_accuracy(app, exit_code);
   irsig::add_verify_effects(app, exit_code);

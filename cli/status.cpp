@@ -42,14 +42,16 @@ absl::Status write_rows(const schema::StatusReply& status, std::string_view form
                                    {"failures"},
                                    {"workers"},
                                    {"heat_jobs"},
-                                   {"heat_done"}},
+                                   {"heat_done"},
+                                   {"priority"}},
                                   out);
   if (!writer.ok()) return writer.status();
   for (const auto& sweep : status.sweep())
     (*writer)->row({sweep.name(), sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(),
                     sweep.cancelled(), sweep.rays(), sweep.worst_relative_error(),
                     sweep.sweep_sha256(), absl::StrJoin(sweep.failure(), "\n"),
-                    std::uint64_t{status.workers()}, sweep.heat_jobs(), sweep.heat_done()});
+                    std::uint64_t{status.workers()}, sweep.heat_jobs(), sweep.heat_done(),
+                    std::int64_t{sweep.priority()}});
   return (*writer)->finish();
 }
 
@@ -63,6 +65,7 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
                width, sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(),
                sweep.cancelled(), sweep.rays(), 100 * sweep.worst_relative_error(),
                sweep.sweep_sha256());
+    if (sweep.priority() != 0) fmt::print(out, "  priority: {}\n", sweep.priority());
     if (sweep.heat_jobs() > 0)
       fmt::print(out, "  temperatures: {} of {} jobs done\n", sweep.heat_done(), sweep.heat_jobs());
     for (const auto& failure : sweep.failure()) fmt::print(out, "  failed: {}\n", failure);

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <optional>
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
@@ -13,7 +14,7 @@ namespace irsig {
 namespace {
 
 absl::Status submit_sweep(const std::string& sweep_path, const CoordinatorOptions& coordinator,
-                          const AccuracyAsked& asked) {
+                          const AccuracyAsked& asked, std::optional<int> priority) {
   const auto address = coordinator.address();
   if (!address.ok()) return address.status();
   // Nobody there is said before minutes are spent on a large model.
@@ -29,7 +30,7 @@ absl::Status submit_sweep(const std::string& sweep_path, const CoordinatorOption
                     loaded->file.location("accuracy.time_budget_s")));
   }
   const auto reply = submit(*address, loaded->resolved, loaded->assets,
-                            static_cast<std::uint32_t>(physics_version()));
+                            static_cast<std::uint32_t>(physics_version()), nullptr, priority);
   if (!reply.ok()) return reply.status();
   print_text("{}: {} jobs, {} to compute\nsweep {}\n", loaded->resolved.sweep().name(),
              reply->jobs(), reply->jobs_to_compute(), reply->sweep_sha256());
@@ -47,8 +48,13 @@ void add_submit(CLI::App& app, int& exit_code) {
   add_effects_option(*command, *asked);
   add_size_option(*command, *asked);
   add_shard_option(*command, *asked);
-  command->callback(
-      [=, &exit_code] { exit_code = report(submit_sweep(*sweep, *coordinator, *asked)); });
+  auto priority = std::make_shared<std::optional<int>>();
+  command->add_option("--priority", *priority,
+                      "-1000 to 1000: workers are given jobs of the sweeps with the highest first; "
+                      "as it was, 0 for a new sweep");
+  command->callback([=, &exit_code] {
+    exit_code = report(submit_sweep(*sweep, *coordinator, *asked, *priority));
+  });
 }
 
 }  // namespace irsig

@@ -482,6 +482,10 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
         !status.ok())
       return status;
   }
+  if (submission.priority)
+    if (auto status = store_.set_priority(submission.sweep_sha256, *submission.priority);
+        !status.ok())
+      return status;
   all_settled_.reset();
   sweeps_.erase(submission.sweep_sha256);
   remember(submission.sweep_sha256, submission.sweep).physics_version = submission.physics_version;
@@ -513,6 +517,7 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     for (const auto& failure : sweep.failures) out->add_failure(failure);
     out->set_heat_jobs(sweep.heat_jobs);
     out->set_heat_done(sweep.heat_done);
+    out->set_priority(sweep.priority);
   }
   reply.set_workers(static_cast<std::uint32_t>(sessions_.size()));
   for (const auto& [name, reason] : aside_) {
@@ -552,6 +557,14 @@ absl::StatusOr<schema::CancelReply> Farm::cancel(const std::string& sweep_sha256
   schema::CancelReply reply;
   reply.set_cancelled(*cancelled);
   return reply;
+}
+
+absl::StatusOr<schema::PrioritizeReply> Farm::prioritize(const schema::PrioritizeRequest& request) {
+  if (auto status = store_.set_priority(request.sweep_sha256(), request.priority()); !status.ok())
+    return status;
+  log_line(LogLevel::info, {}, "priority {} (sha256 {})", request.priority(),
+           request.sweep_sha256());
+  return schema::PrioritizeReply();
 }
 
 }  // namespace irsig

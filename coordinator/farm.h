@@ -40,6 +40,7 @@ struct Submission {
   std::vector<schema::JobSpec> jobs;
   std::vector<Asset> assets;
   std::optional<schema::Prediction> prediction = std::nullopt;
+  std::optional<int> priority = std::nullopt;  // not stated: as it is
 };
 // INVALID_ARGUMENT: the sweep says what no file could (jobs/check_resolved.h), a hash is wrong, or
 // it comes without its physics version.
@@ -84,6 +85,7 @@ class Farm {
   absl::StatusOr<schema::SubmitReply> submit(const Submission& submission);
   absl::StatusOr<schema::StatusReply> status();
   absl::StatusOr<schema::CancelReply> cancel(const std::string& sweep_sha256);
+  absl::StatusOr<schema::PrioritizeReply> prioritize(const schema::PrioritizeRequest& request);
 
   // After a request was undone: leases that no session knows go back to the queue.
   absl::Status release_what_nobody_holds();

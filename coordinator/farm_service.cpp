@@ -244,6 +244,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     sweep_bytes_ = header.size_bytes();
     physics_version_ = header.physics_version();
     if (header.has_prediction()) prediction_ = std::move(*header.mutable_prediction());
+    if (header.has_priority()) priority_ = header.priority();
     return absl::OkStatus();
   }
 
@@ -305,6 +306,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
     auto made = make_submission(std::move(sweep), physics_version_, std::move(assets_));
     if (!made.ok()) return made.status();
     made->prediction = std::move(prediction_);
+    made->priority = priority_;
     desk_.loop.post(
         CommitLoop::Kind::kWrites,
         [this, submission = *std::move(made)](Farm& farm) -> absl::Status {
@@ -328,6 +330,7 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   std::uint64_t sweep_bytes_ = 0, asset_bytes_ = 0;
   std::uint32_t physics_version_ = 0;
   std::optional<schema::Prediction> prediction_;
+  std::optional<int> priority_;
   std::vector<Asset> assets_;
 };
 
@@ -451,6 +454,15 @@ grpc::ServerUnaryReactor* FarmService::Cancel(grpc::CallbackServerContext* conte
     return refuse(context, status);
   return answer(desk_.loop, Kind::kWrites, context, reply,
                 [request](Farm& farm) { return farm.cancel(request->sweep_sha256()); });
+}
+
+grpc::ServerUnaryReactor* FarmService::Prioritize(grpc::CallbackServerContext* context,
+                                                  const schema::PrioritizeRequest* request,
+                                                  schema::PrioritizeReply* reply) {
+  if (auto status = desk_.door->admit(*context, "Prioritize", kSubmits); !status.ok())
+    return refuse(context, status);
+  return answer(desk_.loop, Kind::kWrites, context, reply,
+                [request](Farm& farm) { return farm.prioritize(*request); });
 }
 
 }  // namespace irsig

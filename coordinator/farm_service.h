@@ -69,6 +69,9 @@ class FarmService final : public schema::Farm::CallbackService {
   grpc::ServerUnaryReactor* Cancel(grpc::CallbackServerContext* context,
                                    const schema::CancelRequest* request,
                                    schema::CancelReply* reply) override;
+  grpc::ServerUnaryReactor* Prioritize(grpc::CallbackServerContext* context,
+                                       const schema::PrioritizeRequest* request,
+                                       schema::PrioritizeReply* reply) override;
 
  private:
   Desk desk_;

@@ -46,13 +46,32 @@ absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
   return bytes;
 }
 
+absl::StatusOr<std::string> sha256_of_sweep(const Address& coordinator,
+                                            std::string_view name_or_sha256, double patience_s) {
+  const auto known = farm_status(coordinator, patience_s);
+  if (!known.ok()) return known.status();
+  std::string sha256, names;
+  for (const auto& sweep : known->sweep()) {
+    const bool prefix =
+        name_or_sha256.size() >= 8 && sweep.sweep_sha256().starts_with(name_or_sha256);
+    if (prefix || sweep.name() == name_or_sha256) sha256 = sweep.sweep_sha256();
+    absl::StrAppend(&names, names.empty() ? "" : ", ", sweep.name());
+  }
+  if (sha256.empty()) {
+    return absl::NotFoundError(absl::StrCat("no sweep \"", std::string(name_or_sha256), "\" at ",
+                                            coordinator.text, "; there ",
+                                            names.empty() ? "is none" : "are: ", names));
+  }
+  return sha256;
+}
+
 }  // namespace
 
 absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
                                            const schema::ResolvedSweep& sweep, const Assets& assets,
                                            std::uint32_t physics_version,
                                            const schema::Prediction* prediction,
-                                           double patience_s) {
+                                           std::optional<int> priority, double patience_s) {
   const auto channel = connect(coordinator);
   if (!channel->WaitForConnected(after(patience_s)))
     return named(absl::UnavailableError("no connection"), coordinator);
@@ -67,6 +86,7 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
   chunk.mutable_sweep()->set_size_bytes(sweep_bytes.size());
   chunk.mutable_sweep()->set_physics_version(physics_version);
   if (prediction != nullptr) *chunk.mutable_sweep()->mutable_prediction() = *prediction;
+  if (priority) chunk.mutable_sweep()->set_priority(*priority);
   bool open = stream->Write(chunk);
   const auto write_pieces = [&](std::string_view bytes) {
     for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
@@ -105,29 +125,31 @@ absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator, doub
 absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
                                            std::string_view sweep_name_or_sha256,
                                            double patience_s) {
-  const auto known = farm_status(coordinator, patience_s);
-  if (!known.ok()) return known.status();
-  std::string sha256, names;
-  for (const auto& sweep : known->sweep()) {
-    const bool prefix =
-        sweep_name_or_sha256.size() >= 8 && sweep.sweep_sha256().starts_with(sweep_name_or_sha256);
-    if (prefix || sweep.name() == sweep_name_or_sha256) sha256 = sweep.sweep_sha256();
-    absl::StrAppend(&names, names.empty() ? "" : ", ", sweep.name());
-  }
-  if (sha256.empty()) {
-    return absl::NotFoundError(absl::StrCat("no sweep \"", std::string(sweep_name_or_sha256),
-                                            "\" at ", coordinator.text, "; there ",
-                                            names.empty() ? "is none" : "are: ", names));
-  }
+  const auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
+  if (!sha256.ok()) return sha256.status();
   const auto farm = stub_for(coordinator);
   grpc::ClientContext context;
   context.set_deadline(after(patience_s));
   schema::CancelRequest request;
-  request.set_sweep_sha256(sha256);
+  request.set_sweep_sha256(*sha256);
   schema::CancelReply reply;
   const auto status = to_absl(farm->Cancel(&context, request, &reply));
   if (!status.ok()) return named(status, coordinator);
   return reply;
+}
+
+absl::Status prioritize(const Address& coordinator, std::string_view sweep_name_or_sha256,
+                        int priority, double patience_s) {
+  const auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
+  if (!sha256.ok()) return sha256.status();
+  const auto farm = stub_for(coordinator);
+  grpc::ClientContext context;
+  context.set_deadline(after(patience_s));
+  schema::PrioritizeRequest request;
+  request.set_sweep_sha256(*sha256);
+  request.set_priority(priority);
+  schema::PrioritizeReply reply;
+  return named(to_absl(farm->Prioritize(&context, request, &reply)), coordinator);
 }
 
 absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,13 +16,13 @@ namespace irsig {
 // What a user asks of a coordinator. Each call connects, waits at most `patience_s` for an answer
 // and returns UNAVAILABLE, naming the address, when there is none.
 
-// Sends the sweep, the files that it needs and what a pilot predicted of it (null:
-// nothing did). Sending it again changes nothing. Once connected it waits longer for the answer, by
-// the number of viewpoints.
+// Sends the sweep, the files that it needs, what a pilot predicted of it (null: nothing did) and
+// its priority (none: the one that it has, 0 if it is new). Sending it again changes nothing else.
+// Once connected it waits longer for the answer, by the number of viewpoints.
 [[nodiscard]] absl::StatusOr<schema::SubmitReply> submit(
     const Address& coordinator, const schema::ResolvedSweep& sweep, const Assets& assets,
     std::uint32_t physics_version, const schema::Prediction* prediction = nullptr,
-    double patience_s = 120);
+    std::optional<int> priority = std::nullopt, double patience_s = 120);
 
 [[nodiscard]] absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator,
                                                               double patience_s = 10);
@@ -31,6 +32,11 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
                                                          std::string_view sweep_name_or_sha256,
                                                          double patience_s = 30);
+
+// Which of several sweeps workers go on with: named as for cancel(), priorities as in the store.
+[[nodiscard]] absl::Status prioritize(const Address& coordinator,
+                                      std::string_view sweep_name_or_sha256, int priority,
+                                      double patience_s = 30);
 
 // The resolved sweep that a coordinator holds under this hash.
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,

@@ -1,8 +1,16 @@
 -- The queue (schema/store/queue.cpp). States and outcomes: tables job_state and attempt_outcome.
 
+-- Of the first sweep, by priority, that has one.
 -- name: next_waiting_job
-SELECT job_id, failures FROM job WHERE state = 0 AND unmet_needs = 0
-ORDER BY failures, sweep_id, job_index LIMIT 1;
+SELECT job_id FROM job
+WHERE state = 0 AND unmet_needs = 0 AND sweep_id = (
+  SELECT w.sweep_id FROM sweep w
+  WHERE EXISTS (SELECT 1 FROM job j WHERE j.sweep_id = w.sweep_id AND j.state = 0 AND j.unmet_needs = 0)
+  ORDER BY w.priority DESC, w.sweep_id LIMIT 1)
+ORDER BY failures, job_index LIMIT 1;
+
+-- name: set_priority
+UPDATE sweep SET priority = ?2 WHERE sweep_sha256 = ?1;
 
 -- name: insert_attempt
 INSERT INTO attempt (job_id, worker_id, leased_unix_s) VALUES (?1, ?2, ?3) RETURNING fencing_token;
@@ -148,7 +156,8 @@ SELECT w.name, w.sweep_sha256,
        w.sweep_id,
        count(*) FILTER (WHERE j.kind = 2),
        count(*) FILTER (WHERE j.kind = 2 AND j.state = 2),
-       coalesce(w.determinism_class, '')
+       coalesce(w.determinism_class, ''),
+       w.priority
 FROM sweep w
 LEFT JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0
 LEFT JOIN provenance p ON p.job_id = j.job_id

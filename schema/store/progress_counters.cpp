@@ -109,6 +109,10 @@ void ProgressCounters::cancelled(const std::string& sweep_sha256) {
   }
 }
 
+void ProgressCounters::prioritized(const std::string& sweep_sha256, int priority) {
+  if (Sweep* sweep = find(sweep_sha256)) sweep->progress.priority = priority;
+}
+
 void ProgressCounters::bound(const std::string& determinism_class) {
   if (!counted_) return;
   for (auto& [id, sweep] : *counted_)

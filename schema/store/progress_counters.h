@@ -33,6 +33,7 @@ class ProgressCounters {
   void failed(std::int64_t sweep_id, std::uint64_t quarantined);
   void done(const LeasedJob& job, std::uint64_t rays, double worst_relative_error);
   void cancelled(const std::string& sweep_sha256);
+  void prioritized(const std::string& sweep_sha256, int priority);
   void bound(const std::string& determinism_class);
 
  private:

@@ -294,6 +294,7 @@ absl::StatusOr<std::vector<CountedSweep>> count_sweeps(Database& database,
     sweep.progress.heat_jobs = row->count();
     sweep.progress.heat_done = row->count();
     sweep.determinism_class = row->text();
+    sweep.progress.priority = static_cast<int>(row->integer());
   }
 }
 

@@ -59,7 +59,10 @@ struct SweepProgress {
   double worst_relative_error;
   std::vector<std::string> failures;
   std::uint64_t heat_jobs = 0, heat_done = 0;  // of the jobs: those that compute temperatures
+  int priority = 0;
 };
+// Of a sweep: -kMostPriority to kMostPriority.
+inline constexpr int kMostPriority = 1000;
 
 // What a pilot said, before anything was run, that a sweep would take. CPU times are those of the
 // jobs; wall time is that of so many workers, their start included.
@@ -158,8 +161,9 @@ class StoreWriter {
   // Replaces an earlier prediction of the same sweep, which need not have been added yet.
   virtual absl::Status store_prediction(const StoredPrediction& prediction) = 0;
 
-  // Takes the next waiting job (in sweep order; those that failed before come last) and leases it
-  // under a new fencing token; nullopt: none is waiting.
+  // Takes the next waiting job (of the first sweep of the highest priority that has one, in the
+  // sweep's order; those that failed before come last) and leases it under a new fencing token;
+  // nullopt: none is waiting.
   virtual absl::StatusOr<std::optional<QueuedJob>> lease_next(const std::string& worker_id,
                                                               double now_s) = 0;
   // Back to waiting, unless the token is no longer the job's (FAILED_PRECONDITION).
@@ -206,6 +210,9 @@ class StoreWriter {
   virtual absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
                                          const std::string& determinism_class) = 0;
   virtual absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) = 0;
+  // Of this sweep's jobs against those of others, from the next lease on; new ones have 0.
+  // NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
+  virtual absl::Status set_priority(const std::string& sweep_sha256, int priority) = 0;
   virtual absl::StatusOr<std::vector<SweepProgress>> progress() = 0;
   // The determinism class that this database's unfinished sweeps are bound to; empty: not bound
   // yet.

@@ -213,6 +213,18 @@ class SqliteWriter final : public StoreWriter {
     return jobs;
   }
 
+  absl::Status set_priority(const std::string& sweep_sha256, int priority) override {
+    IRSIG_STORE_TRY(require_transaction());
+    if (std::abs(priority) > kMostPriority)
+      return absl::InvalidArgumentError(absl::StrCat("a priority of ", priority, ", expected -",
+                                                     kMostPriority, " to ", kMostPriority));
+    IRSIG_STORE_TRY(database_.run(sql::set_priority, sweep_sha256, priority));
+    if (database_.changes() == 0)
+      return absl::NotFoundError(absl::StrCat("no sweep ", sweep_sha256, " in this database"));
+    counters_.prioritized(sweep_sha256, priority);
+    return absl::OkStatus();
+  }
+
   absl::StatusOr<std::vector<SweepProgress>> progress() override {
     return counters_.all(database_);
   }

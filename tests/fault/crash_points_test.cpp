@@ -99,7 +99,8 @@ class CrashPoints : public testing::Test {
   // Until it is acknowledged, or the coordinator has ended.
   bool submits(ChildProcess& to) {
     while (!to.ended()) {
-      if (farm_status(address_, 5).ok() && submit(address_, sweep_, {}, 1, nullptr, 5).ok())
+      if (farm_status(address_, 5).ok() &&
+          submit(address_, sweep_, {}, 1, nullptr, std::nullopt, 5).ok())
         return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

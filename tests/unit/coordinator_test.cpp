@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "coordinator/client/address.h"
@@ -342,6 +343,32 @@ TEST_F(ServerTest, CancelByNameByHashAndByNothing) {
   EXPECT_EQ(cancel(address, "frigate")->cancelled(), 4U);
   const auto sha = farm_status(address)->sweep(0).sweep_sha256();
   EXPECT_EQ(cancel(address, sha.substr(0, 10))->cancelled(), 0U);
+}
+
+TEST_F(ServerTest, PrioritiesByNameByHashAndWithASubmission) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  const auto priority = [&] { return farm_status(address)->sweep(0).priority(); };
+  ASSERT_TRUE(submit(address, frigate_sweep(2), {}, 1, nullptr, 7).ok());
+  EXPECT_EQ(priority(), 7);
+  EXPECT_TRUE(prioritize(address, "frigate", -1000).ok());
+  EXPECT_EQ(priority(), -1000);
+  // Again, without a word of it.
+  ASSERT_TRUE(submit(address, frigate_sweep(2), {}, 1).ok());
+  EXPECT_EQ(priority(), -1000);
+  EXPECT_TRUE(
+      prioritize(address, farm_status(address)->sweep(0).sweep_sha256().substr(0, 10), 3).ok());
+  EXPECT_EQ(priority(), 3);
+  EXPECT_TRUE(absl::IsNotFound(prioritize(address, "no such sweep", 1)));
+  for (const int beyond : {1001, -1001, 2'000'000'000, std::numeric_limits<int>::min()}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(prioritize(address, "frigate", beyond))) << beyond;
+    EXPECT_TRUE(
+        absl::IsInvalidArgument(submit(address, frigate_sweep(3), {}, 1, nullptr, beyond).status()))
+        << beyond;
+  }
+  EXPECT_EQ(priority(), 3);
+  EXPECT_EQ(farm_status(address)->sweep(0).jobs(), 2U);  // a refused submission changes nothing
 }
 
 TEST_F(ServerTest, AWorkerOutlivesARestartOfTheCoordinator) {

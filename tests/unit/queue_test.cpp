@@ -410,6 +410,56 @@ TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreNotWanted) {
   EXPECT_EQ(lease(a)->state(), schema::LeaseReply::STATE_FINISHED);
 }
 
+TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
+  const auto add = [&](const char* name, std::optional<int> priority) {
+    auto submission = make_submission(frigate_sweep(2, name), 1, {});
+    ASSERT_TRUE(submission.ok());
+    submission->priority = priority;
+    ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
+  };
+  const auto a = worker("a");
+  std::string first;
+  const auto sweep_of = [&](const schema::LeaseReply& lease) {
+    for (const auto& sweep : farm_status().sweep())
+      if (sweep.sweep_sha256() == lease.job().sweep_sha256()) return sweep.name();
+    return std::string();
+  };
+  std::vector<std::string> order;
+  const auto next = [&] {
+    const auto leased = job(a);
+    order.push_back(sweep_of(leased));
+    ASSERT_TRUE(complete(a, leased).ok());
+  };
+  add("first", std::nullopt);
+  next();
+  add("urgent", 5);  // while the first is under way
+  next();
+  add("idle", -5);
+  schema::PrioritizeRequest request;
+  for (const auto& sweep : farm_status().sweep())
+    if (sweep.name() == "first") request.set_sweep_sha256(sweep.sweep_sha256());
+  request.set_priority(6);
+  ASSERT_TRUE(ask([&] { return farm_->prioritize(request); }).ok());
+  for (int i = 0; i < 4; ++i) next();
+  EXPECT_EQ(order,
+            (std::vector<std::string>{"first", "urgent", "first", "urgent", "idle", "idle"}));
+}
+
+// A sweep whose jobs wait for others has nothing to give: the next one goes on meanwhile.
+TEST_F(FarmTest, WhatWaitsForOtherJobsHoldsNothingUp) {
+  sweep_ = heated_frigate_sweep(1, "heated");
+  auto heated = make_submission(sweep_, 1, {});
+  ASSERT_TRUE(heated.ok());
+  heated->priority = 1;
+  ASSERT_TRUE(ask([&] { return farm_->submit(*heated); }).ok());
+  const auto views = make_submission(frigate_sweep(1, "views"), 1, {});
+  ASSERT_TRUE(views.ok());
+  ASSERT_TRUE(ask([&] { return farm_->submit(*views); }).ok());
+  for (int heat = 0; heat < sweep_.heat_size(); ++heat)
+    EXPECT_TRUE(job(worker(absl::StrCat("a", heat))).job().has_heat());
+  EXPECT_EQ(job(worker("b")).job().sweep_sha256(), views->sweep_sha256);
+}
+
 // As a pilot does: sweeps that differ in nothing that temperatures depend on.
 TEST_F(FarmTest, TemperaturesAreComputedOnceForAllSweepsThatShareThem) {
   const auto id = worker("a");

@@ -93,6 +93,7 @@ class Roles : public testing::Test {
     schema::FailReply failed;
     schema::StatusReply status;
     schema::CancelReply cancelled;
+    schema::PrioritizeReply prioritized;
     schema::SubmitReply submitted;
     schema::CompleteReply completed;
     unary("Register", [&](auto* c) { return farm->Register(c, {}, &registered); });
@@ -101,6 +102,7 @@ class Roles : public testing::Test {
     unary("Fail", [&](auto* c) { return farm->Fail(c, {}, &failed); });
     unary("Status", [&](auto* c) { return farm->Status(c, {}, &status); });
     unary("Cancel", [&](auto* c) { return farm->Cancel(c, {}, &cancelled); });
+    unary("Prioritize", [&](auto* c) { return farm->Prioritize(c, {}, &prioritized); });
     unary("Submit", [&](auto* c) {
       const auto stream = farm->Submit(c, &submitted);
       stream->WritesDone();
@@ -131,6 +133,7 @@ TEST_F(Roles, EachCallNeedsItsOwn) {
                                                         {"Complete", {Role::kWork}},
                                                         {"Submit", {Role::kSubmit}},
                                                         {"Cancel", {Role::kSubmit}},
+                                                        {"Prioritize", {Role::kSubmit}},
                                                         {"Status", {Role::kSubmit, Role::kRead}},
                                                         {"FetchAsset", {Role::kWork, Role::kRead}}};
   // Every call of the service, so that a new one needs a line above.

@@ -340,7 +340,7 @@ inline std::string sqlite_text(const std::string& path, const std::string& state
   return text;
 }
 
-inline constexpr const char* kNewestFormat = "18";
+inline constexpr const char* kNewestFormat = "19";
 
 // Takes from a database what later versions of the format added; a row keeps what version 2 or 4
 // stored.
