@@ -51,7 +51,7 @@ absl::Status write_rows(const schema::StatusReply& status, std::string_view form
                     sweep.cancelled(), sweep.rays(), sweep.worst_relative_error(),
                     sweep.sweep_sha256(), absl::StrJoin(sweep.failure(), "\n"),
                     std::uint64_t{status.workers()}, sweep.heat_jobs(), sweep.heat_done(),
-                    std::int64_t{sweep.priority()}});
+                    double(sweep.priority())});
   return (*writer)->finish();
 }
 

@@ -282,7 +282,8 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     IRSIG_STORE_TRY(check());
   }
   IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, opened)));
-  IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL"));
+  // What a commit writes fits into the cache [kB]: otherwise pages go to the disk and come back.
+  IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL; PRAGMA cache_size = -16384"));
   keep_file = true;
   out.created = !existed;
   return out;

@@ -71,7 +71,8 @@ class SqliteWriter final : public StoreWriter {
     const bool large = jobs.size() > 10000;
     if (large) IRSIG_STORE_TRY(database_.script("PRAGMA cache_size = -262144"));
     const absl::StatusOr<Added> added = store_sweep(database_, sweep, sweep_sha256, jobs, assets);
-    if (large) IRSIG_STORE_TRY(database_.script("PRAGMA cache_size = -2000; PRAGMA shrink_memory"));
+    if (large)
+      IRSIG_STORE_TRY(database_.script("PRAGMA cache_size = -16384; PRAGMA shrink_memory"));
     if (added.ok()) IRSIG_STORE_TRY(counters_.recount(database_, sweep_sha256));
     return added;
   }
