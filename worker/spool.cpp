@@ -12,7 +12,6 @@
 #include <optional>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/farm_log.h"
 #include "jobs/expand.h"
@@ -24,7 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "irsigsp1";
 constexpr std::size_t kHeadBytes = 16, kHashBytes = 64;
-constexpr char kEnding[] = ".result";
+constexpr std::size_t kNameDigits = 32;
+constexpr char kEnding[] = ".result", kDraftEnding[] = ".new-";
 
 absl::Status failed(const std::string& path, const char* what) {
   return absl::InternalError(absl::StrCat(path, ": ", what, ": ", std::strerror(errno)));
@@ -92,11 +92,27 @@ int lock_file(const std::string& path) {
   return -1;
 }
 
-// Those of the folder, the oldest first.
+enum class Ours { kNot, kRecord, kDraft };
+Ours kind_of(std::string_view name) {
+  const auto all = [](std::string_view text, std::string_view of) {
+    return !text.empty() && text.find_first_not_of(of) == std::string_view::npos;
+  };
+  if (name.size() < kNameDigits || !all(name.substr(0, kNameDigits), "0123456789abcdef"))
+    return Ours::kNot;
+  const std::string_view ending = name.substr(kNameDigits);
+  if (ending == kEnding) return Ours::kRecord;
+  if (ending.starts_with(kDraftEnding) &&
+      all(ending.substr(std::size(kDraftEnding) - 1), "0123456789"))
+    return Ours::kDraft;
+  return Ours::kNot;
+}
+
+// Records and drafts of the folder, the oldest first; whatever else lies there is somebody's.
 std::vector<fs::path> files_in(const std::string& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (kind_of(entry.path().filename().string()) == Ours::kNot) continue;
     const auto time = entry.last_write_time(error);
     if (!error) found.emplace_back(time, entry.path());
   }
@@ -122,7 +138,7 @@ absl::StatusOr<std::unique_ptr<Spool>> Spool::open(const std::string& folder,
   std::unique_ptr<Spool> spool(new Spool(folder, most_bytes, std::move(at_step)));
   // What somebody who died was writing.
   for (const fs::path& file : files_in(folder)) {
-    if (file.filename().string().find(".new-") == std::string::npos) continue;
+    if (kind_of(file.filename().string()) != Ours::kDraft) continue;
     const int fd = lock_file(file);
     if (fd < 0) continue;
     unlink(file.c_str());
@@ -169,12 +185,12 @@ absl::StatusOr<std::string> Spool::keep(const schema::SpooledResult& record) {
   const std::string bytes = framed(record.SerializeAsString());
   const std::string base =
       sha256_hex(absl::StrCat(record.sweep_sha256(), record.job_key(), sha256_hex(record.result())))
-          .substr(0, 32);
+          .substr(0, kNameDigits);
   const std::string name = absl::StrCat(base, kEnding);
   if (!make_room(bytes.size()))
     return absl::ResourceExhaustedError(
         absl::StrCat("the spool ", folder_, " has no room for ", bytes.size(), " bytes more"));
-  const std::string draft = path(absl::StrCat(base, ".new-", getpid()));
+  const std::string draft = path(absl::StrCat(base, kDraftEnding, getpid()));
   const int fd = ::open(draft.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (fd < 0) return failed(draft, "cannot be made");
   const auto give_up = [&](const char* what) {
@@ -202,7 +218,7 @@ std::vector<Spool::Found> Spool::take_over(
   std::vector<Found> out;
   for (const fs::path& file : files_in(folder_)) {
     const std::string name = file.filename();
-    if (!absl::EndsWith(name, kEnding)) continue;
+    if (kind_of(name) != Ours::kRecord) continue;
     if (std::any_of(held_.begin(), held_.end(), [&](const Held& h) { return h.name == name; }))
       continue;
     const int fd = lock_file(file);

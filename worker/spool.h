@@ -15,6 +15,8 @@ namespace irsig {
 // one machine may share. A file belongs to the worker that has it locked, and to nobody when that
 // one has died, in whatever way; another one takes it over then. Belongs to one thread.
 //
+// NAME is 32 hexadecimal digits; other files of the folder are not looked at, let alone removed.
+//
 //   NAME.result    "irsigsp1", the length of the record (8 bytes, little-endian), the record (a
 //                  serialized SpooledResult), the SHA-256 of all that in hex
 //   NAME.new-PID   one that is being written
@@ -28,7 +30,7 @@ class Spool {
   using AtStep = std::function<void(Step)>;
 
   // INVALID_ARGUMENT: the folder cannot be made, or others may write to it. most_bytes: of all
-  // files together; the oldest that belong to nobody make room.
+  // records together; the oldest that belong to nobody make room.
   static absl::StatusOr<std::unique_ptr<Spool>> open(const std::string& folder,
                                                      std::uint64_t most_bytes = 4'000'000'000,
                                                      AtStep at_step = {});

@@ -128,6 +128,34 @@ TEST_F(SpoolTest, TheOldestThatBelongToNobodyMakeRoom) {
   EXPECT_THAT(keys, testing::UnorderedElementsAre("a", "c"));
 }
 
+// A folder in which somebody has other files too: none of them is touched, whatever it is called.
+TEST_F(SpoolTest, OtherFilesAreNotLookedAt) {
+  ASSERT_NE(open(), nullptr);
+  const std::string digits(32, 'a');
+  const std::vector<std::string> names = {"archive.tar",
+                                          "measurement.result",
+                                          "notes.new-draft.txt",
+                                          digits + ".new-",
+                                          digits + ".new-12x",
+                                          digits.substr(1) + ".result",
+                                          digits + "b.result",
+                                          std::string(32, 'A') + ".result",
+                                          digits + ".result.old",
+                                          digits + ".results",
+                                          ".result",
+                                          digits};
+  for (const std::string& name : names)
+    std::ofstream(folder_ + "/" + name) << std::string(3000, 'x');
+  fs::create_directory(folder_ + "/a.result");
+  auto spool = open({}, 5000);
+  EXPECT_TRUE(spool->take_over(kEvery).empty());
+  // Nor do they count: there is room.
+  EXPECT_TRUE(spool->keep(record("k", 2000)).ok());
+  for (const std::string& name : names)
+    EXPECT_EQ(fs::file_size(folder_ + "/" + name), 3000U) << name;
+  EXPECT_EQ(files().size(), names.size() + 2);
+}
+
 TEST_F(SpoolTest, AFolderThatOthersMayWriteToIsRefused) {
   ASSERT_EQ(mkdir(folder_.c_str(), 0700), 0);
   ASSERT_EQ(chmod(folder_.c_str(), 0777), 0);
