@@ -108,6 +108,25 @@ std::string_view take_text(std::string_view& rest) {
   return text;
 }
 
+// Scan lines in a block, by the method of compression; 0: none that there is.
+std::uint32_t lines_of_block(unsigned char compression) {
+  constexpr std::array<std::uint32_t, 10> kLines = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+  return compression < kLines.size() ? kLines[compression] : 0;
+}
+
+// Behind the header: where each block is, then the blocks, each after its line and its size.
+bool blocks_are_whole(std::string_view exr, std::string_view rest, std::uint64_t blocks) {
+  if (rest.size() < 8 * blocks) return false;
+  for (std::uint64_t i = 0; i < blocks; ++i) {
+    const std::string_view place = rest.substr(8 * i);
+    const std::uint64_t at = little_endian(place) | std::uint64_t{little_endian(place.substr(4))}
+                                                        << 32U;
+    if (exr.size() < 8 || at > exr.size() - 8) return false;
+    if (little_endian(exr.substr(at + 4)) > exr.size() - 8 - at) return false;
+  }
+  return true;
+}
+
 // The layout: https://openexr.com/en/latest/OpenEXRFileLayout.html.
 absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32_t height_px,
                        const std::string& path) {
@@ -120,7 +139,9 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
   if (exr.size() > most)
     return wrong(path, absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most));
   bool sized = false, channel = false;
-  for (std::string_view rest = exr.substr(8);;) {
+  std::uint32_t lines = 1;
+  std::string_view rest = exr.substr(8);
+  for (;;) {
     if (rest.starts_with('\0')) break;
     const std::string_view name = take_text(rest), type = take_text(rest);
     if (name.empty() || type.empty() || rest.size() < 4) return wrong(path, "has a damaged header");
@@ -135,6 +156,11 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
               little_endian(value.substr(8)) == width_px - 1 &&
               little_endian(value.substr(12)) == height_px - 1;
       if (!sized) return wrong(path, "is of another size than its thumbnail");
+    } else if (name == "compression") {
+      lines = type == "compression" && size == 1
+                  ? lines_of_block(static_cast<unsigned char>(value.front()))
+                  : 0;
+      if (lines == 0) return wrong(path, "is compressed in no known way");
     } else if (name == "channels") {
       // One, of float32: its name, 16 bytes, and the end of the list.
       const std::string_view of = take_text(value);
@@ -142,7 +168,10 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
       if (!channel) return wrong(path, "has other channels than one of float32");
     }
   }
-  return sized && channel ? absl::OkStatus() : wrong(path, "has a damaged header");
+  if (!sized || !channel) return wrong(path, "has a damaged header");
+  rest.remove_prefix(1);
+  const std::uint64_t blocks = (std::uint64_t{height_px} + lines - 1) / lines;
+  return blocks_are_whole(exr, rest, blocks) ? absl::OkStatus() : wrong(path, "is cut off");
 }
 
 }  // namespace

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
+#include "core/accuracy/spectral_modes.h"
+#include "google/protobuf/reflection.h"
 #include "schema/shard.h"
+#include "schema/store/check_picture.h"
 #include "schema/store/find_signatures.h"
 #include "schema/store/open_database.h"
 #include "schema/store/sha256.h"
@@ -66,8 +68,29 @@ absl::Status for_each(Database& database, const char* sql, const Read& read) {
   }
 }
 
-bool finite(const google::protobuf::RepeatedField<float>& values) {
-  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+// Every spectrum that there is.
+bool finite(const schema::Spectrum& spectrum) {
+  using Field = google::protobuf::FieldDescriptor;
+  const google::protobuf::Reflection& of = *schema::Spectrum::GetReflection();
+  const google::protobuf::Descriptor& kind = *schema::Spectrum::descriptor();
+  for (int i = 0; i < kind.field_count(); ++i) {
+    const Field* field = kind.field(i);
+    if (field->cpp_type() != Field::CPPTYPE_FLOAT) continue;
+    for (const float value : of.GetRepeatedFieldRef<float>(spectrum, field))
+      if (!std::isfinite(value)) return false;
+  }
+  return true;
+}
+
+// How errors go together can be read, of each spectrum that has modes.
+bool modes_fit(const schema::Spectrum& s) {
+  for (const auto& [errors, modes] :
+       {std::pair{&s.spectral_intensity_stderr_w_sr_um(), &s.spectral_intensity_modes()},
+        {&s.apparent_spectral_intensity_stderr_w_sr_um(), &s.apparent_spectral_intensity_modes()},
+        {&s.contrast_spectral_intensity_stderr_w_sr_um(), &s.contrast_spectral_intensity_modes()}})
+    if (!SumErrors::make({errors->data(), static_cast<std::size_t>(errors->size())}, *modes).ok())
+      return false;
+  return true;
 }
 
 class Examination {
@@ -148,25 +171,21 @@ class Examination {
     }));
     Named spectra(findings_, "spectra that cannot be read"),
         infinite(findings_, "spectra with what is no finite number"),
-        images(findings_, "images that are no PNG or no EXR");
+        modes(findings_, "modes of errors that do not fit their spectra"),
+        images(findings_, "images that are damaged");
     for (const Signature& s : signatures) {
       const auto spectrum = reader_.spectrum(s.id);
       if (absl::IsNotFound(spectrum.status()) || absl::IsDataLoss(spectrum.status())) {
         spectra.add(s.name);
       } else if (!spectrum.ok()) {
         return spectrum.status();
-      } else if (!finite(spectrum->spectral_intensity_w_sr_um()) ||
-                 !finite(spectrum->apparent_spectral_intensity_w_sr_um()) ||
-                 !finite(spectrum->contrast_spectral_intensity_w_sr_um()) ||
-                 !finite(spectrum->background_radiance_w_m2_sr_um()) ||
-                 !finite(spectrum->path_transmittance())) {
-        infinite.add(s.name);
+      } else {
+        if (!finite(*spectrum)) infinite.add(s.name);
+        if (!modes_fit(*spectrum)) modes.add(s.name);
       }
       const auto thumbnail = reader_.thumbnail(s.id);
       if (!thumbnail.ok()) return thumbnail.status();
-      if (*thumbnail && (!absl::StartsWith((*thumbnail)->png(), "\x89PNG\r\n\x1a\n") ||
-                         !absl::StartsWith((*thumbnail)->exr(), "\x76\x2f\x31\x01")))
-        images.add(s.name);
+      if (*thumbnail && !check_thumbnail(**thumbnail, s.name).ok()) images.add(s.name);
     }
     return absl::OkStatus();
   }

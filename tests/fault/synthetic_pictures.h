@@ -55,16 +55,28 @@ inline std::string synthetic_png(std::uint32_t width_px, std::uint32_t height_px
   return png_of(width_px, height_px, rows);
 }
 
-// A header and so many bytes of noise.
+// A header and rows, in all so many bytes of noise.
 inline std::string synthetic_exr(std::uint32_t width_px, std::uint32_t height_px, std::size_t bytes,
                                  std::mt19937_64& random) {
   const auto text = [](std::string_view t) { return std::string(t) + '\0'; };
   const std::string window = little_endian_text(0) + little_endian_text(0) +
                              little_endian_text(width_px - 1) + little_endian_text(height_px - 1);
-  return little_endian_text(20000630) + little_endian_text(2) + text("channels") + text("chlist") +
-         little_endian_text(19) + text("Y") + little_endian_text(2) + std::string(12, '\1') + '\0' +
-         text("dataWindow") + text("box2i") + little_endian_text(16) + window + '\0' +
-         noise(random, bytes);
+  std::string out = little_endian_text(20000630) + little_endian_text(2) + text("channels") +
+                    text("chlist") + little_endian_text(19) + text("Y") + little_endian_text(2) +
+                    std::string(12, '\1') + '\0' + text("dataWindow") + text("box2i") +
+                    little_endian_text(16) + window + '\0';
+  const auto of_row = [&](std::uint32_t y) {
+    return bytes * (y + 1) / height_px - bytes * y / height_px;
+  };
+  std::size_t at = out.size() + 8 * std::size_t{height_px};
+  for (std::uint32_t y = 0; y < height_px; ++y) {
+    out += little_endian_text(static_cast<std::uint32_t>(at)) + little_endian_text(0);
+    at += 8 + of_row(y);
+  }
+  for (std::uint32_t y = 0; y < height_px; ++y)
+    out += little_endian_text(y) + little_endian_text(static_cast<std::uint32_t>(of_row(y))) +
+           noise(random, of_row(y));
+  return out;
 }
 
 }  // namespace irsig

@@ -53,7 +53,15 @@ class Doctor(unittest.TestCase):
                  "no finite number: quickstart row 2"),
                 ("UPDATE signature SET intensity_w_sr = 1.01 * intensity_w_sr WHERE signature_id < 3", "2 signatures whose causes do not add up"),
                 ("UPDATE signature SET projected_area_m2 = 9e999 WHERE signature_id = 1", "projected_area_m2: 1 signatures have no finite"),
-                ("UPDATE thumbnail SET png = x'00'", "no PNG or no EXR: quickstart row 1, quickstart row 2"),
+                ("UPDATE spectrum SET emitted_w_sr_um = CAST(zeroblob(length(emitted_w_sr_um) - 4) || x'0000c07f' AS BLOB) WHERE signature_id = 2",
+                 "no finite number: quickstart row 2"),
+                ("UPDATE spectrum SET contrast_spectral_intensity_stderr_w_sr_um = CAST(x'0000807f' || substr(contrast_spectral_intensity_stderr_w_sr_um, 5)"
+                 " AS BLOB) WHERE signature_id = 4", "no finite number: quickstart row 4"),
+                ("UPDATE spectral_modes SET contrast_spectral_intensity_modes = x'000102' WHERE signature_id = 3", "do not fit their spectra: quickstart row 3"),
+                ("UPDATE thumbnail SET png = x'00'", "images that are damaged: quickstart row 1, quickstart row 2"),
+                ("UPDATE thumbnail SET png = CAST(substr(png, 1, 60) || x'ff' || substr(png, 62) AS BLOB) WHERE signature_id = 2", "damaged: quickstart row 2"),
+                ("UPDATE thumbnail SET png = substr(png, 1, 20) WHERE signature_id = 3", "images that are damaged: quickstart row 3"),
+                ("UPDATE thumbnail SET exr = substr(exr, 1, length(exr) / 2) WHERE signature_id = 4", "images that are damaged: quickstart row 4"),
                 ("DELETE FROM signature WHERE signature_id = 5", "signatures for 24 rows"),
                 ("DELETE FROM job WHERE job_id = 1", "refer to what is not there")):
             with self.subTest(statement):
