@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct BandsCommand {
       : filter(command), output(command, {"text", "csv", "json"}) {}
   FilterOptions filter;
   OutputOptions output;
-  std::string detector, merit = "mean", weight = "solid-angle", pairs, against;
+  std::string detector, merit = "mean", weight = "solid-angle", pairs, against, against_sweep;
   std::string map, response_out, ranges_out, detection_out;
   std::vector<std::string> filter_file, weights_file;
   std::vector<double> range_m, window_um;
@@ -87,7 +88,10 @@ struct BandsCommand {
           fmt::format("--window {:g},{:g}: narrower than the stored step of {:g} um; ask for "
                       "step_um = {:g} in the [[band]] of the sweep",
                       low, high, search.step_um(), (high - low) / 2));
-    const Passband out{nearest(low), nearest(high)};
+    // Between nearest limits there may be half a bin: that of an end.
+    Passband out{nearest(low), nearest(high)};
+    if (edge[out.last] - edge[out.first] < search.step_um() - 1e-9)
+      out.last + 1 < edge.size() ? ++out.last : --out.first;
     const double from = edge[out.first], to = edge[out.last];
     if (std::max(std::abs(from - low), std::abs(to - high)) > 1e-6)
       print_note(
@@ -119,6 +123,15 @@ struct BandsCommand {
     }
     out.judged = out.best.size();
     return out;
+  }
+
+  [[nodiscard]] absl::Status check_one_sweep(const std::vector<QueryRow>& their_rows) const {
+    std::set<std::string> sweeps;
+    for (const QueryRow& row : their_rows) sweeps.insert(row.signature.sweep);
+    if (sweeps.size() <= 1) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        fmt::format("--against {}: rows of several sweeps match, {}; name one with --against-sweep",
+                    against, fmt::join(sweeps, ", ")));
   }
 
   // All spectra of the population are held, with their modes.
@@ -179,10 +192,11 @@ struct BandsCommand {
       if (!opened.ok()) return opened.status();
       other = *std::move(opened);
       Query same = *query;
-      same.sweep.clear();
+      same.sweep = against_sweep;
       auto found = rows_of(*other, same);
       if (!found.ok()) return found.status();
       their_rows = *std::move(found);
+      if (auto s = check_one_sweep(their_rows); !s.ok()) return s;
     }
     if (auto s = check_memory_of(**reader, *rows, their_rows); !s.ok()) return s;
     std::vector<RowWeights> weights;
@@ -215,6 +229,14 @@ struct BandsCommand {
     const auto found = own ? asked(*search, *of)
                            : search->search(*of, min_width_um.value_or(search->step_um()), top);
     if (!found.ok()) return found.status();
+    if (found->best.empty() && !min_width_um)
+      return absl::InvalidArgumentError(
+          fmt::format("the detector responds to {:g} to {:g} um, narrower than {} stored step{} of "
+                      "{:g} um: ask "
+                      "for step_um = {:g} in the [[band]] of the sweep",
+                      search->edges_um().front(), search->edges_um().back(),
+                      pairs.empty() ? "a" : "two", pairs.empty() ? "" : "s", search->step_um(),
+                      (search->edges_um().back() - search->edges_um().front()) / 4));
     if (found->best.empty())
       return absl::InvalidArgumentError(fmt::format(
           "--min-width-um {:g}: wider than what is stored and the detector responds to, {:g} to "
@@ -229,6 +251,14 @@ struct BandsCommand {
                : filter_file.empty()               ? "windows"
                                                    : "windows and filters",
                search->population().row.size(), merit_name(*of), read->name);
+    const auto progress = (*reader)->progress();
+    if (!progress.ok()) return progress.status();
+    for (const SweepProgress& sweep : *progress)
+      if (sweep.name == rows->front().signature.sweep && sweep.done < sweep.jobs)
+        print_note(
+            "irsig: note: {} of the sweep's {} jobs are not done: their rows are not in the "
+            "population\n",
+            sweep.jobs - sweep.done, sweep.jobs);
     if (found->stride > 1)
       print_note(
           "irsig: note: too many pairs for all of them: of {} limits one was taken, and from there "
@@ -369,6 +399,10 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->add_option("--against", o->against,
                    "Tell the target from that of another database: the difference of both")
       ->type_name("DB2");
+  command
+      ->add_option("--against-sweep", o->against_sweep, "  which of its sweeps, if it has several")
+      ->type_name("NAME")
+      ->needs("--against");
   command
       ->add_option("--window", o->window_um,
                    "Compare these windows alone; may be repeated, L1,L2 [um]")

@@ -1,5 +1,6 @@
 // Candidates compared by drawing their errors: BandSearch::compare.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -29,6 +30,7 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   std::vector<std::vector<std::vector<double>>> drawn(kKinds,
                                                       std::vector<std::vector<double>>(count));
   const bool two = population_.row.front().against.has_value();
+  const bool of_angles = pairing_ == Pairing::kRatio;  // which have no direction without signals
   std::size_t views = 0, modes = 0;
   for (std::size_t i = 0; i < rows; ++i) {
     views = std::max(views, population_.row[i].view + 1);
@@ -74,7 +76,11 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     return error +
            per_w_sr * t.model_error_w_sr * half * (d.model_level * shape + d.model_slope * slope);
   };
-  std::vector<double> of_rows(rows);
+  // What errors of both signs add to the merit, of the numerical ones and of all; what all of them
+  // make by themselves.
+  std::vector<std::array<double, kKinds>> added(count, std::array<double, kKinds>{});
+  std::vector<double> alone(count, 0.0);
+  std::vector<double> of_rows(rows), opposite(rows), nothing(rows);
   for (int draw = 0; draw < kDraws; ++draw) {
     const Drawn of_target = draw_target();
     Drawn of_against;
@@ -95,8 +101,13 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
             if (two) error.against[k] = error_of(of_against, against_, *row.against, i, p, kind);
           }
           of_rows[i] = of_row(c, i, error);
+          opposite[i] = of_row(c, i, error * -1.0);
+          if (kind == kAll && !of_angles) nothing[i] = of_row(c, i, error, 0);
         }
         drawn[kind][w].push_back(merit_of(merit, weight_, of_rows));
+        added[w][kind] +=
+            (0.5 * (drawn[kind][w].back() + merit_of(merit, weight_, opposite)) - c.merit) / kDraws;
+        if (kind == kAll) alone[w] += merit_of(merit, weight_, nothing) / kDraws;
       }
     }
   }
@@ -108,10 +119,13 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     for (const double v : values) sum += squared(v - mean) / (kDraws - 1);
     return std::sqrt(sum);
   };
+  const auto one_sigma = [&](std::size_t w, Kind kind) {
+    return std::hypot(scatter(drawn[kind][w]), added[w][kind]);
+  };
   for (std::size_t w = 0; w < count; ++w) {
     CandidateMerit& m = out.candidate.emplace_back(
-        CandidateMerit{candidate[w], scatter(drawn[kSamples][w]), scatter(drawn[kNumerical][w]),
-                       scatter(drawn[kAll][w]), 0, 0, 0, 0});
+        CandidateMerit{candidate[w], one_sigma(w, kSamples), one_sigma(w, kNumerical),
+                       one_sigma(w, kAll), 0, 0, 0, 0, alone[w]});
     const auto as_good = [&](Kind kind) {
       int count_as_good = 0;
       for (std::size_t d = 0; d < kDraws; ++d)
@@ -123,10 +137,15 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   }
   for (std::size_t d = 0; d < kDraws; ++d)
     for (const Kind kind : {kNumerical, kAll}) {
-      std::size_t best = 0;
-      for (std::size_t w = 1; w < count; ++w)
-        if (drawn[kind][w][d] > drawn[kind][best][d]) best = w;
-      ++(kind == kAll ? out.candidate[best].best : out.candidate[best].best_numerical);
+      double most = drawn[kind][0][d];
+      for (std::size_t w = 1; w < count; ++w) most = std::max(most, drawn[kind][w][d]);
+      // Those that are equally good share it.
+      const auto is_best = [&](std::size_t w) { return drawn[kind][w][d] >= most; };
+      int equal = 0;
+      for (std::size_t w = 0; w < count; ++w) equal += is_best(w) ? 1 : 0;
+      for (std::size_t w = 0; w < count; ++w)
+        if (is_best(w))
+          (kind == kAll ? out.candidate[w].best : out.candidate[w].best_numerical) += 1.0 / equal;
     }
   for (CandidateMerit& w : out.candidate) {
     w.best /= kDraws;

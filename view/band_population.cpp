@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 #include "core/geo/frames.h"
@@ -15,18 +17,50 @@
 namespace irsig {
 namespace {
 
-// Of aspects, each as often as the nearest of evenly spread directions is it.
-std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect) {
+// How far away a direction may be of which a viewpoint is the nearest, as a cosine: somewhat more
+// than its third neighbour is away, which lies behind the corner of its cell.
+std::vector<double> reach_of(const std::vector<Vec<Body>>& unit, std::size_t count) {
+  constexpr std::size_t kNeighbour = 3;
+  constexpr double kBeyond = 1.25;
+  std::vector<double> out(count, -1.0);
+  if (unit.size() <= kNeighbour) return out;
+  std::vector<double> cosine;
+  for (std::size_t i = 0; i < count; ++i) {
+    cosine.clear();
+    for (std::size_t j = 0; j < unit.size(); ++j)
+      if (j != i) cosine.push_back(dot(unit[i], unit[j]));
+    std::nth_element(cosine.begin(), cosine.begin() + (kNeighbour - 1), cosine.end(),
+                     std::greater<>());
+    const double away = kBeyond * std::acos(std::clamp(cosine[kNeighbour - 1], -1.0, 1.0));
+    out[i] = away < std::numbers::pi ? std::cos(away) : -1;
+  }
+  return out;
+}
+
+// Of aspects, each as often as it is the nearest of evenly spread directions: nearest of all
+// viewpoints of the sweep, of which these are some, and no farther away than viewpoints lie apart.
+// Where there are none, there is nobody to stand for a direction.
+std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect,
+                                 const schema::ResolvedSweep& sweep) {
   constexpr int kDirections = 20000;
   std::vector<Vec<Body>> unit;
+  std::set<std::pair<double, double>> there;
+  const auto add = [&](double azimuth_deg, double elevation_deg) {
+    if (there.emplace(azimuth_deg, elevation_deg).second)
+      unit.push_back(body_from_aspect(azimuth_deg, elevation_deg));
+  };
+  for (const AspectDeg& a : aspect) add(a.azimuth, a.elevation);
+  const std::size_t count = unit.size();
+  for (const schema::Viewpoint& v : sweep.viewpoint())
+    add(v.aspect_azimuth_deg(), v.aspect_elevation_deg());
   double lowest = 1, highest = -1;
-  for (const AspectDeg& a : aspect) {
-    unit.push_back(body_from_aspect(a.azimuth, a.elevation));
-    lowest = std::min(lowest, -unit.back().z);  // z is down
-    highest = std::max(highest, -unit.back().z);
+  for (const Vec<Body>& u : unit) {
+    lowest = std::min(lowest, -u.z);  // z is down
+    highest = std::max(highest, -u.z);
   }
   const bool zone = highest - lowest > 1e-6;
-  std::vector<double> out(unit.size(), 0.0);
+  const std::vector<double> farthest = reach_of(unit, count);
+  std::vector<double> out(count, 0.0);
   for (int n = 0; n < kDirections; ++n) {
     const double share = (n + 0.5) / kDirections;
     const double z = zone ? lowest + (highest - lowest) * share : 2 * share - 1;
@@ -40,8 +74,10 @@ std::vector<double> solid_angles(const std::vector<AspectDeg>& aspect) {
         most = d;
         nearest = i;
       }
-    out[nearest] += 1.0 / kDirections;
+    if (nearest < count && most >= farthest[nearest]) out[nearest] += 1.0 / kDirections;
   }
+  // None is nothing: there may be more of them than directions.
+  for (double& weight : out) weight = std::max(weight, 0.5 / kDirections);
   return out;
 }
 
@@ -92,10 +128,11 @@ absl::StatusOr<std::vector<double>> weights_of(std::span<const QueryRow> rows,
                                                const std::vector<AspectDeg>& aspects,
                                                const std::vector<std::size_t>& aspect_of,
                                                AspectWeight weight,
-                                               std::span<const RowWeights> own_weights) {
+                                               std::span<const RowWeights> own_weights,
+                                               const schema::ResolvedSweep& sweep) {
   std::vector<double> of_aspect(aspects.size(), 1);
   bool shares = weight == AspectWeight::kSolidAngle;
-  if (shares) of_aspect = solid_angles(aspects);
+  if (shares) of_aspect = solid_angles(aspects, sweep);
   for (const RowWeights& table : own_weights)
     if (table.of_aspects) {
       of_aspect = weights_of_aspects(table, aspects);
@@ -144,10 +181,21 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     if (added) aspect.push_back({s.aspect_azimuth_deg, s.aspect_elevation_deg});
     aspect_of.push_back(at->second);
   }
-  const auto weights = weights_of(rows, aspect, aspect_of, weight, own_weights);
+  const auto sweep = reader.sweep(any.sweep);
+  if (!sweep.ok()) return sweep.status();
+  const auto weights = weights_of(rows, aspect, aspect_of, weight, own_weights, sweep->resolved);
   if (!weights.ok()) return weights.status();
-  std::map<Place, const QueryRow*> partner;
-  for (const QueryRow& row : against) partner[place_of(row.signature)] = &row;
+  std::map<Place, const QueryRow*> partner, own_place;
+  for (const auto& [all, of] : {std::pair{rows, &own_place}, {against, &partner}})
+    for (const QueryRow& row : all)
+      if (const auto [at, added] = of->emplace(place_of(row.signature), &row); !added)
+        return absl::InvalidArgumentError(fmt::format(
+            "two rows, {} and {}, are of the same place, {} {}, aspect {:g},{:g} at {:g} m: choose "
+            "one of the stored ranges (--at-range-m){}",
+            at->second->signature.row, row.signature.row, row.signature.season,
+            row.signature.time_utc, row.signature.aspect_azimuth_deg,
+            row.signature.aspect_elevation_deg, row.signature.range_m,
+            of == &partner ? ", or one sweep of the other target (--against-sweep)" : ""));
   std::map<std::tuple<double, double, double>, std::size_t> views;
   std::map<std::tuple<std::string, std::string, double, double>, std::size_t> places;
   BandPopulation out;
@@ -191,8 +239,6 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     out.row.push_back(std::move(made));
   }
   if (out.lambda_um.size() < 2) return absl::InvalidArgumentError("the band has one wavelength");
-  const auto sweep = reader.sweep(any.sweep);
-  if (!sweep.ok()) return sweep.status();
   auto own = response_of(*sweep, any.band);
   if (!own.ok()) return own.status();
   out.own_response = *std::move(own);

@@ -69,13 +69,20 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
   out.step_um_ = (last - first) / static_cast<double>(lambda_um.size() - 1);
   Detector& whole = out.whole_;
   whole = detector;
-  if (whole.response.empty()) whole.response = window(first, last);
+  // Alike to the whole band as it is stored, with the response that it was stored with.
+  if (whole.response.empty())
+    whole.response =
+        out.population_.own_response.empty() ? window(first, last) : out.population_.own_response;
   if (const auto fits = band_weights(lambda_um, whole.response); !fits.ok())
     return absl::InvalidArgumentError(
-        fmt::format("the detector's response: {}; give --window or a response within the band, or "
-                    "ask for a wider [[band]] in the sweep",
+        fmt::format("the detector's response: {}; give a response within the band, or ask for a "
+                    "wider [[band]] in the sweep",
                     std::string(fits.status().message())));
   out.detector_ = integrals_of(whole);
+  if (out.detector_.photons.empty() && !(out.detector_.constant > 0))
+    return absl::InvalidArgumentError(
+        "the detector's noise is too small a number to be squared: a scene temperature or an NEI "
+        "that no detector has");
   out.ratio_ = largest_ratio(out.detector_.signal, out.population_.own_response);
   if (std::isinf(out.ratio_))
     return absl::InvalidArgumentError(
@@ -202,13 +209,14 @@ double BandSearch::background_left(const Candidate& c) const {
   return all > 0 ? std::sqrt(left / all) : 0;
 }
 
-double BandSearch::of_row(const Candidate& c, std::size_t row, const Errors& error) const {
+double BandSearch::of_row(const Candidate& c, std::size_t row, const Errors& error,
+                          double signals) const {
   const bool two = population_.row[row].against.has_value();
   const auto target = [&](std::size_t k, Passband p) {
-    return of(target_.signal, p, row) + error.target[k];
+    return signals * of(target_.signal, p, row) + error.target[k];
   };
   const auto against = [&](std::size_t k, Passband p) {
-    return two ? of(against_.signal, p, row) + error.against[k] : 0.0;
+    return two ? signals * of(against_.signal, p, row) + error.against[k] : 0.0;
   };
   const double v1 = detector_.variance(of(photons_, c.one, row));
   if (!c.other) {

@@ -48,10 +48,14 @@ struct Candidate {
 struct CandidateMerit {
   Candidate of;
   // One sigma of the merit: of the samples; with bounds and unseen light; with models and inputs.
+  // With what errors add to it on average: |S| of a small S is as large as its error.
   double samples_stderr, numerical_error, total_error;
   // Probability of being the best of those compared, and of being at least as good as the first:
   // of numerical errors, and of all.
   double best_numerical, best, as_good_numerical, as_good;
+  // The merit that these errors alone would have, of no contrast at all: a merit that is not
+  // clearly more says that nothing is known of the contrast.
+  double errors_alone = 0;
 };
 struct WindowChoice {
   std::vector<CandidateMerit> candidate;  // compared with each other, the best first
@@ -141,11 +145,16 @@ class BandSearch {
   };
   struct Errors {  // of the signals of both targets in both passbands
     std::array<double, 2> target{}, against{};
+    Errors operator*(double factor) const {
+      return {{target[0] * factor, target[1] * factor}, {against[0] * factor, against[1] * factor}};
+    }
   };
   static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
     return by_limit[p.last][row] - by_limit[p.first][row];
   }
-  [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error) const;
+  // signals: 1, or 0 of the errors alone.
+  [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
+                              double signals = 1) const;
   [[nodiscard]] double gain(Passband one, Passband other) const;
   void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
                     Found& out) const;

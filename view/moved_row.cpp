@@ -189,6 +189,7 @@ absl::StatusOr<Behind> behind_of(const Sp& spectrum, const SightLine& from, cons
   return out;
 }
 
+// Of the apparent intensity, as seen along this line of sight.
 double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
                             double apparent_w_sr) {
   double surface_w_sr = 0;
@@ -300,11 +301,19 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
       error(contrast_of(row), grown, m.contrast.stderr_, contrast_bound);
   // These are in the errors; by themselves they are known for the stored range alone.
   s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.depth_bound_w_sr =
-      s.background_bound_w_sr = s.contrast_model_error_w_sr = s.apparent_temperature_bound_w_sr =
-          s.apparent_input_uncertainty_w_sr = s.contrast_input_uncertainty_w_sr = kNotComputed;
+      s.background_bound_w_sr = s.apparent_temperature_bound_w_sr = kNotComputed;
   s.background_radiance_w_m2_sr = m.background.value;
   s.background_radiance_stderr_w_m2_sr = m.background.stderr_;
   s.apparent_model_error_w_sr = apparent_model_error(row, spectrum, to, m.apparent.value);
+  // Of the contrast, and of uncertain inputs, it is not stored how they came about: they are taken
+  // to grow as the model's error of the apparent intensity does, or as what arrives, where that is
+  // more.
+  const double model_here = apparent_model_error(row, spectrum, from, row.apparent_intensity_w_sr);
+  const double model_growth =
+      model_here > 0 ? std::max(grown, s.apparent_model_error_w_sr / model_here) : grown;
+  for (double S::*of : {&S::contrast_model_error_w_sr, &S::apparent_input_uncertainty_w_sr,
+                        &S::contrast_input_uncertainty_w_sr})
+    s.*of *= model_growth;
   s.path_transmittance = after.transmittance;
   s.path_radiance_w_m2_sr = after.path;
   return out;

@@ -248,6 +248,32 @@ class Bands(unittest.TestCase):
         said = done.stderr.split("half ")[1].split(" m,")[0]
         self.assertAlmostEqual(float(said), ranges[(len(ranges) - 1) // 2], delta=2e-3 * float(said))
 
+    def test_solid_angles_of_some_aspects(self):
+        """What is not chosen, or not there, gives its weight to nobody: those at the edge count no more than those in the middle."""
+        def weights(*options):
+            file = self.path / "solid.csv"
+            self.irsig("bands", self.db, "--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--range-m", "4000,8000", "--detection", file, *options)
+            return {(float(r["aspect_azimuth_deg"]), float(r["aspect_elevation_deg"])): float(r["weight"]) for r in csv.DictReader(file.open())}
+        for options in ((), ("--aspect", "0,5", "--within", "110")):
+            found = weights(*options)
+            self.assertEqual(len(found), 14 if not options else len(found))
+            for elevation in (5, 40):
+                ring = [w for (_, e), w in found.items() if e == elevation]
+                self.assertGreaterEqual(len(ring), 3)
+                self.assertLess(max(ring) / min(ring), 1.05, found)
+
+    def test_two_sweeps_in_the_other_file(self):
+        other, both = self.path / "other.sigdb", self.path / "both.sigdb"
+        (self.path / "other.toml").write_text(SWEEP.format(kelvin=310).replace('name = "ship"', 'name = "decoy"', 1))
+        self.irsig("run", self.path / "other.toml", "--db", other)
+        self.irsig("merge", self.db, other, "--out", both)
+        options = (self.db, "--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--against", both)
+        done = subprocess.run([IRSIG, "bands", *map(str, options)], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn("--against-sweep", done.stderr)
+        self.assertEqual(float(self.table(*options, "--against-sweep", "ship")[0]["merit"]), 0)
+        self.assertGreater(float(self.table(*options, "--against-sweep", "decoy")[0]["merit"]), 0)
+
     def test_weights_of_ones_own(self):
         lambda_um, contrast, _, _, _, view = self.spectra(self.db)
         edges = [3.05, 4.95]

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace irsig {
 namespace {
@@ -98,6 +99,45 @@ TEST(BandMargins, OfTwoTargets) {
   one.bias_bound_w_sr = other.bias_bound_w_sr = 0;
   one.model_error_w_sr = other.model_error_w_sr = 0.1;
   expect_near(margins(population(one, other)).whole.total_error, 0.1);
+}
+
+// |S| of a contrast that is nothing is as large as its error: that is said, and is in the error.
+TEST(BandMargins, OfAContrastThatIsNothing) {
+  TargetContrast t = contrast(0.002);
+  t.modes = {std::vector<double>(kBins, 0.01)};
+  const Margins m = margins(population(t));
+  // The mean of |x| is 0.8 sigma.
+  expect_near(m.whole.errors_alone, 0.02 * std::sqrt(2 / std::numbers::pi));
+  EXPECT_GT(m.whole.errors_alone, m.whole.of.merit);
+  // Scatter of |x| is 0.6 sigma; on average errors add 0.6 of them.
+  EXPECT_GT(m.whole.numerical_error, 0.9 * std::hypot(0.6, 0.6) * 0.02);
+  // Of a contrast that is clear nothing is added.
+  t = contrast(1);
+  t.modes = {std::vector<double>(kBins, 0.01)};
+  expect_near(margins(population(t)).whole.numerical_error, 0.02);
+}
+
+// Two that are the same thing share being the best.
+TEST(BandMargins, EqualOnesShareBeingTheBest) {
+  TargetContrast t = contrast(1);
+  t.modes = {std::vector<double>(kBins, 0.01)};
+  const auto search = BandSearch::make(population(t), {{}, ConstantNoise{1e-6}});
+  ASSERT_TRUE(search.ok());
+  const Candidate same = search->candidate({}, {0, search->edges_um().size() - 1});
+  const Candidate both[] = {same, same};
+  const WindowChoice choice = search->compare({}, both);
+  for (const CandidateMerit& m : choice.candidate) EXPECT_DOUBLE_EQ(m.best, 0.5);
+}
+
+// Without a response of its own a detector has that which the band was stored with.
+TEST(BandSearchTest, AlikeToABandWhoseResponseEndsInNothing) {
+  BandPopulation p = population(contrast(1));
+  p.own_response = {{3, 0}, {4, 1}, {5, 0}};
+  const auto search = BandSearch::make(p, {{}, ConstantNoise{1e-6}});
+  ASSERT_TRUE(search.ok()) << search.status();
+  EXPECT_NEAR(search->candidate({}, {0, search->edges_um().size() - 1}).merit, 1, 1e-9);
+  EXPECT_FALSE(BandSearch::make(p, {{{3, 1}, {5, 1}}, ConstantNoise{1e-6}}).ok());
+  EXPECT_FALSE(BandSearch::make(p, {{}, ConstantNoise{1e-200}}).ok());
 }
 
 // Rows of a view share their paths, those of two views do not.

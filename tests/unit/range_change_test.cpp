@@ -184,6 +184,8 @@ TEST_F(RangeChanged, GreyAirObeysBouguersLaw) {
 }
 
 TEST_F(RangeChanged, TheOwnRangeGivesTheStoredRow) {
+  db_.signatures[0].contrast_model_error_w_sr = 3;
+  db_.signatures[0].contrast_input_uncertainty_w_sr = 2;
   const auto rows = at(kRange);
   ASSERT_TRUE(rows.ok()) << rows.status();
   const StoredSignature &s = rows->front().signature, &stored = db_.signatures[0];
@@ -193,6 +195,15 @@ TEST_F(RangeChanged, TheOwnRangeGivesTheStoredRow) {
   EXPECT_DOUBLE_EQ(s.apparent_intensity_stderr_w_sr, stored.apparent_intensity_stderr_w_sr);
   EXPECT_NEAR(s.apparent_numerical_error_w_sr, stored.apparent_numerical_error_w_sr, 1e-9);
   EXPECT_NEAR(rows->front().range_change->range_bound_w_sr, 0, 1e-9);
+  // These are not 0 because they are known at another range.
+  EXPECT_NEAR(s.contrast_model_error_w_sr, 3, 1e-9);
+  EXPECT_NEAR(s.contrast_input_uncertainty_w_sr, 2, 1e-9);
+  for (const double range_m : {600.0, 20000.0}) {
+    const StoredSignature moved = at(range_m)->front().signature;
+    const double left = moved.path_transmittance / stored.path_transmittance;
+    EXPECT_GE(moved.contrast_model_error_w_sr, 0.999 * left * 3) << range_m;
+    EXPECT_GE(moved.contrast_input_uncertainty_w_sr, 0.999 * left * 2) << range_m;
+  }
 }
 
 // The causes' errors at most, not less than what the air leaves of the stored one.
