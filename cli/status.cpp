@@ -43,7 +43,8 @@ absl::Status write_rows(const schema::StatusReply& status, std::string_view form
                                    {"workers"},
                                    {"heat_jobs"},
                                    {"heat_done"},
-                                   {"priority"}},
+                                   {"priority"},
+                                   {"done_per_s"}},
                                   out);
   if (!writer.ok()) return writer.status();
   for (const auto& sweep : status.sweep())
@@ -51,8 +52,23 @@ absl::Status write_rows(const schema::StatusReply& status, std::string_view form
                     sweep.cancelled(), sweep.rays(), sweep.worst_relative_error(),
                     sweep.sweep_sha256(), absl::StrJoin(sweep.failure(), "\n"),
                     std::uint64_t{status.workers()}, sweep.heat_jobs(), sweep.heat_done(),
-                    double(sweep.priority())});
+                    double(sweep.priority()),
+                    sweep.done_per_s() > 0 ? Cell(sweep.done_per_s()) : Cell()});
   return (*writer)->finish();
+}
+
+// Whose jobs are under way longest: three at most, from ten seconds on.
+std::vector<const schema::WorkerStatus*> slowest(const schema::StatusReply& status) {
+  constexpr double kLong_s = 10;
+  constexpr std::size_t kMost = 3;
+  std::vector<const schema::WorkerStatus*> out;
+  for (const auto& worker : status.worker())
+    if (worker.state() == schema::WorkerStatus::STATE_COMPUTING && worker.job_s() >= kLong_s)
+      out.push_back(&worker);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto* a, const auto* b) { return a->job_s() > b->job_s(); });
+  out.resize(std::min(out.size(), kMost));
+  return out;
 }
 
 absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
@@ -65,6 +81,10 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
                width, sweep.jobs(), sweep.done(), sweep.leased(), sweep.quarantined(),
                sweep.cancelled(), sweep.rays(), 100 * sweep.worst_relative_error(),
                sweep.sweep_sha256());
+    if (const std::uint64_t left = sweep.jobs() - settled_jobs(sweep);
+        left > 0 && sweep.done_per_s() > 0)
+      fmt::print(out, "  {:.3g} jobs/s, {} left\n", sweep.done_per_s(),
+                 duration_text(static_cast<double>(left) / sweep.done_per_s()));
     if (sweep.priority() != 0) fmt::print(out, "  priority: {}\n", sweep.priority());
     if (sweep.heat_jobs() > 0)
       fmt::print(out, "  temperatures: {} of {} jobs done\n", sweep.heat_done(), sweep.heat_jobs());
@@ -84,6 +104,12 @@ absl::Status write_text(const schema::StatusReply& status, std::ostream& out) {
     if (worker.state() == schema::WorkerStatus::STATE_SET_ASIDE)
       fmt::print(out, "  set aside: {}: {}\n", worker.name(), worker.reason());
   }
+  for (const schema::WorkerStatus* slow : slowest(status))
+    fmt::print(out, "  longest: job {} on {}{}{}, for {}\n", slow->job_key().substr(0, 12),
+               slow->name(), slow->host().empty() ? "" : " at ", slow->host(),
+               duration_text(slow->job_s()));
+  for (const auto& failure : status.recent_failure())
+    fmt::print(out, "  failed, tried again: {}\n", failure);
   for (const auto& warning : status.warning()) fmt::print(out, "warning: {}\n", warning);
   return absl::OkStatus();
 }
@@ -93,6 +119,7 @@ absl::Status write_workers(const schema::StatusReply& status, std::string_view f
                            std::ostream& out) {
   auto writer = make_table_writer(format,
                                   {{"worker"},
+                                   {"host"},
                                    {"state"},
                                    {"job_s"},
                                    {"memory_bytes"},
@@ -103,7 +130,7 @@ absl::Status write_workers(const schema::StatusReply& status, std::string_view f
   if (!writer.ok()) return writer.status();
   for (const auto& worker : status.worker()) {
     const bool computes = worker.state() == schema::WorkerStatus::STATE_COMPUTING;
-    (*writer)->row({worker.name(), std::string(state_name(worker.state())),
+    (*writer)->row({worker.name(), worker.host(), std::string(state_name(worker.state())),
                     computes ? Cell(worker.job_s()) : Cell(),
                     worker.memory_bytes() > 0 ? Cell(std::uint64_t{worker.memory_bytes()}) : Cell(),
                     worker.reason(), worker.job_key(), worker.determinism_class()});

@@ -17,12 +17,6 @@ namespace {
 constexpr std::size_t kRequestsInACommit = 100;
 constexpr auto kTick = std::chrono::milliseconds(250);  // how often silence is looked for
 
-// A refusal concerns one request, and what it has written (a failure that was counted) is meant.
-bool is_refusal(const absl::Status& status) {
-  return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
-         absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsAborted(status);
-}
-
 // The store itself cannot go on: a full or damaged disk, no memory, a lock that stays.
 bool is_the_end(const absl::Status& status) {
   return absl::IsResourceExhausted(status) || absl::IsDataLoss(status) ||
@@ -142,11 +136,12 @@ void CommitLoop::run(Farm& farm, StoreWriter& store) {
 
 absl::Status CommitLoop::serve(Farm& farm, StoreWriter& store, std::vector<Request>& requests) {
   const bool lost = farm.somebody_is_silent();
-  const bool writes =
-      lost || std::any_of(requests.begin(), requests.end(),
-                          [](const Request& request) { return request.kind == Kind::kWrites; });
+  Kind most = lost ? Kind::kLeases : Kind::kReads;
+  for (const Request& request : requests) most = std::max(most, request.kind);
+  const bool writes = most != Kind::kReads;
   if (writes) {
-    if (auto status = store.begin(); !status.ok()) return status;
+    if (auto status = most == Kind::kLeases ? store.begin_unsynced() : store.begin(); !status.ok())
+      return status;
   }
   absl::Status broken;
   // What has arrived is heard before anybody is called silent.

@@ -12,13 +12,20 @@
 
 namespace irsig {
 
+// A refusal concerns one request, and what it has written (a failure that was counted) is meant.
+[[nodiscard]] inline bool is_refusal(const absl::Status& status) {
+  return absl::IsFailedPrecondition(status) || absl::IsInvalidArgument(status) ||
+         absl::IsNotFound(status) || absl::IsAlreadyExists(status) || absl::IsAborted(status);
+}
+
 // The one thread that owns the farm and its store. Requests that arrive while a commit is on its
 // way to the disk wait, and then share the next one (group commit): the busier, the fewer commits a
 // request. post() may be called from any thread; the other members belong to the thread that made
 // the loop.
 class CommitLoop {
  public:
-  enum class Kind { kReads, kWrites };
+  // kLeases: writes what need not outlive the machine, if that dies: who has which job.
+  enum class Kind { kReads, kLeases, kWrites };
   using Work = absl::AnyInvocable<absl::Status(Farm&)>;
   using Acknowledge = absl::AnyInvocable<void(const absl::Status&)>;
 

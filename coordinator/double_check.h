@@ -76,4 +76,23 @@ class Stragglers {
   double typical_s_ = 0, known_ = 0;
 };
 
+// How many there were a second, of the last ones. Times as above.
+class Rate {
+ public:
+  void happened(double now_s) {
+    at_s_.push_back(now_s);
+    if (at_s_.size() > kMost) at_s_.pop_front();
+  }
+  // 0: too few, or too long ago.
+  [[nodiscard]] double per_s(double now_s) const {
+    if (at_s_.size() < 2 || now_s - at_s_.back() > kLongAgo_s || !(now_s > at_s_.front())) return 0;
+    return static_cast<double>(at_s_.size() - 1) / (now_s - at_s_.front());
+  }
+
+ private:
+  static constexpr std::size_t kMost = 200;
+  static constexpr double kLongAgo_s = 3600;
+  std::deque<double> at_s_;
+};
+
 }  // namespace irsig

@@ -41,7 +41,13 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
 
 constexpr std::size_t kMostSessions = 10000;
 constexpr std::size_t kMostSweepsInMind = 100;
+constexpr std::size_t kMostVersionsInMind = 20;
 constexpr std::size_t kMostHeldBytes = 256 << 20;  // of assets, between their calls
+
+bool has_key(const std::vector<schema::JobSpec>& jobs, const std::string& job_key) {
+  return std::any_of(jobs.begin(), jobs.end(),
+                     [&](const schema::JobSpec& spec) { return spec.job_key() == job_key; });
+}
 
 }  // namespace
 
@@ -87,7 +93,8 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
   for (const auto& [what, text] :
        {std::pair<const char*, const std::string&>{"worker_name", request.worker_name()},
         {"determinism_class", request.determinism_class()},
-        {"build_id", request.build_id()}}) {
+        {"build_id", request.build_id()},
+        {"host", request.host()}}) {
     if (text.size() > kLongestName || !is_one_line(text))
       return absl::InvalidArgumentError(
           absl::StrCat(what, " has ", text.size(),
@@ -99,6 +106,7 @@ absl::StatusOr<schema::RegisterReply> Farm::register_worker(
   if (const auto aside = aside_.find(request.worker_name()); aside != aside_.end())
     return absl::AbortedError(absl::StrCat("this worker was set aside: ", aside->second));
   Session session{.worker_name = request.worker_name(),
+                  .host = request.host(),
                   .determinism_class = request.determinism_class(),
                   .physics_version = request.physics_version(),
                   .memory_bytes = request.memory_bytes(),
@@ -216,7 +224,7 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::audit_for(const Session& session)
 
 // Of the jobs that take long, the one that takes longest: once, and not to whom it failed on.
 absl::StatusOr<std::optional<QueuedJob>> Farm::straggling_job_for(const Session& session) {
-  const Session* slowest = nullptr;
+  std::vector<const Session*> slow;
   for (const auto& [id, other] : sessions_) {
     if (other.state != SessionState::kComputing || other.is_duplicate ||
         other.worker_name == session.worker_name ||
@@ -227,15 +235,21 @@ absl::StatusOr<std::optional<QueuedJob>> Farm::straggling_job_for(const Session&
       return third.second.state == SessionState::kComputing && third.second.is_duplicate &&
              third.second.job == other.job;
     });
-    if (!twice && (slowest == nullptr || other.leased_at_s < slowest->leased_at_s))
-      slowest = &other;
+    if (!twice) slow.push_back(&other);
   }
-  if (slowest == nullptr) return std::nullopt;
-  auto found = duplicate(slowest->job, JobState::kLeased);
-  if (!found.ok() || !found->has_value()) return found;
-  if (auto status = check_physics(session, slowest->job); !status.ok()) return std::nullopt;
-  log_line(LogLevel::info, about(*slowest), "takes long: {} computes it, too", session.worker_name);
-  return found;
+  std::stable_sort(slow.begin(), slow.end(), [](const Session* a, const Session* b) {
+    return a->leased_at_s < b->leased_at_s;
+  });
+  for (const Session* slowest : slow) {
+    // Its job may be settled already: cancelled, or done by somebody else.
+    auto found = duplicate(slowest->job, JobState::kLeased);
+    if (!found.ok()) return found;
+    if (!found->has_value() || !check_physics(session, slowest->job).ok()) continue;
+    log_line(LogLevel::info, about(*slowest), "takes long: {} computes it, too",
+             session.worker_name);
+    return found;
+  }
+  return std::nullopt;
 }
 
 // Temperatures that another sweep of the database has are not computed again: the sweeps of a pilot
@@ -314,7 +328,9 @@ absl::Status Farm::check_class(const Session& session) {
 }
 
 Farm::SweepRules Farm::rules_for(const schema::ResolvedSweep& sweep) {
-  SweepRules rules{std::nullopt, {}, sweep.sweep().output().thumbnail_px()};
+  SweepRules rules{.physics_version = std::nullopt,
+                   .wavelengths = {},
+                   .thumbnail_px = sweep.sweep().output().thumbnail_px()};
   for (const schema::Band& band : sweep.sweep().band()) {
     const double steps = std::round((band.lambda_max_um() - band.lambda_min_um()) / band.step_um());
     rules.wavelengths.push_back(static_cast<std::size_t>(steps) + 1);
@@ -331,8 +347,15 @@ Farm::SweepRules& Farm::remember(const std::string& sweep_sha256,
 // Job keys hold the physics version of whoever submitted the sweep; a worker with another one would
 // store its numbers under a key that promises different ones.
 absl::Status Farm::check_physics(const Session& session, const JobName& job) {
+  const auto refused = [&] {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "this sweep was submitted for another physics version than the worker's (",
+        session.physics_version, "): submit it again with the irsig of the worker's build"));
+  };
   const std::string& sha256 = job.sweep_sha256;
   auto known = sweeps_.find(sha256);
+  if (known != sweeps_.end() && known->second.other_versions.contains(session.physics_version))
+    return refused();
   if (known == sweeps_.end() || !known->second.physics_version) {
     const auto bytes = store_.asset(sha256);
     if (!bytes.ok()) return bytes.status();
@@ -343,19 +366,23 @@ absl::Status Farm::check_physics(const Session& session, const JobName& job) {
     if (auto status = check_resolved(sweep); !status.ok())
       return absl::FailedPreconditionError(
           absl::StrCat("the stored sweep ", sha256, " cannot be computed: ", status.message()));
-    // All keys of a sweep were made with one version: of a coordinator that was started again it is
-    // known when one key is found again.
-    for (const auto& spec : expand_jobs(sweep, static_cast<int>(session.physics_version))) {
-      if (spec.job_key() != job.job_key) continue;
-      remember(sha256, sweep).physics_version = session.physics_version;
-      return absl::OkStatus();
+    SweepRules& rules = remember(sha256, sweep);
+    const auto stored = store_.physics_version(sha256);
+    if (!stored.ok()) return stored.status();
+    if (*stored > 0) {
+      rules.physics_version = *stored;
+    } else if (has_key(expand_jobs(sweep, static_cast<int>(session.physics_version)),
+                       job.job_key)) {
+      // All keys of a sweep were made with one version.
+      rules.physics_version = session.physics_version;
+    } else {
+      if (rules.other_versions.size() < kMostVersionsInMind)
+        rules.other_versions.insert(session.physics_version);
+      return refused();
     }
-  } else if (*known->second.physics_version == session.physics_version) {
-    return absl::OkStatus();
+    known = sweeps_.find(sha256);
   }
-  return absl::FailedPreconditionError(absl::StrCat(
-      "this sweep was submitted for another physics version than the worker's (",
-      session.physics_version, "): submit it again with the irsig of the worker's build"));
+  return *known->second.physics_version == session.physics_version ? absl::OkStatus() : refused();
 }
 
 absl::StatusOr<bool> Farm::all_settled() {
@@ -482,6 +509,9 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
         !status.ok())
       return status;
   }
+  if (auto status = store_.set_physics_version(submission.sweep_sha256, submission.physics_version);
+      !status.ok())
+    return status;
   if (submission.priority)
     if (auto status = store_.set_priority(submission.sweep_sha256, *submission.priority);
         !status.ok())
@@ -518,6 +548,8 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     out->set_heat_jobs(sweep.heat_jobs);
     out->set_heat_done(sweep.heat_done);
     out->set_priority(sweep.priority);
+    if (const auto rate = rates_.find(sweep.sweep_sha256); rate != rates_.end())
+      out->set_done_per_s(rate->second.per_s(clock_()));
   }
   reply.set_workers(static_cast<std::uint32_t>(sessions_.size()));
   for (const auto& [name, reason] : aside_) {
@@ -531,6 +563,7 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     if (session.state == SessionState::kAside || reply.worker_size() >= kMostWorkersTold) continue;
     auto* out = reply.add_worker();
     out->set_name(session.worker_name);
+    out->set_host(session.host);
     out->set_determinism_class(session.determinism_class);
     out->set_memory_bytes(session.memory_bytes);
     out->set_state(schema::WorkerStatus::STATE_IDLE);
@@ -540,6 +573,7 @@ absl::StatusOr<schema::StatusReply> Farm::status() {
     out->set_job_s(clock_() - session.leased_at_s);
   }
   for (const std::string& line : differing_) reply.add_warning(line);
+  for (const std::string& line : recent_failures_) reply.add_recent_failure(line);
   for (const auto& [name, its_class] : of_other_class_)
     reply.add_warning(absl::StrCat("worker ", name, " computes nothing: it is of the determinism ",
                                    "class \"", its_class, "\", the database of another one"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -98,7 +99,7 @@ class Farm {
 
  private:
   struct Session {
-    std::string worker_name, determinism_class;
+    std::string worker_name, host, determinism_class;
     std::uint32_t physics_version;
     std::uint64_t memory_bytes;
     double heard_at_s;
@@ -115,6 +116,7 @@ class Farm {
   // What is asked of a sweep with every lease and every result.
   struct SweepRules {
     std::optional<std::uint32_t> physics_version;  // that its keys were made with, if known
+    std::set<std::uint32_t> other_versions = {};   // if not: that they were not made with
     std::vector<std::size_t> wavelengths;          // of the spectra of each band
     std::uint32_t thumbnail_px;
   };
@@ -174,6 +176,8 @@ class Farm {
   std::map<std::string, std::string> aside_;           // worker name -> why
   std::map<std::string, std::string> of_other_class_;  // refused: worker name -> class
   std::vector<std::string> differing_;                 // messages, for status
+  std::deque<std::string> recent_failures_;            // the same
+  std::map<std::string, Rate> rates_;                  // by sweep: of done jobs
   DoubleCheck double_check_;
   Stragglers stragglers_;
   std::uint64_t duplicates_ = 0;

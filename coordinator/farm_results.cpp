@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kFailuresToQuarantine = 3;
 // So many jobs that failed on one worker, and that others have done, are the worker's fault.
 constexpr std::size_t kFailuresAloneToSetAside = 3;
-constexpr std::size_t kMostDifferingTold = 20;
+constexpr std::size_t kMostDifferingTold = 20, kMostRecentFailures = 20, kMostRates = 1000;
 
 std::string short_key(const std::string& key) { return key.substr(0, 12); }
 
@@ -206,6 +206,8 @@ absl::Status Farm::was_stored(const Session& session, const JobName& job) {
   log_line(LogLevel::debug, {.job_key = job.job_key, .worker = session.worker_name}, "stored");
   losses_.erase(job.job_key);
   out_of_memory_.erase(job.job_key);
+  if (rates_.size() < kMostRates || rates_.contains(job.sweep_sha256))
+    rates_[job.sweep_sha256].happened(clock_());
   if (double_check_.chosen(job) && somebody_besides({session.worker_name}))
     double_check_.ask_for(job, {session.worker_name});
   const auto failed = failed_on_.find(job.job_key);
@@ -324,6 +326,11 @@ absl::Status Farm::count_failure(Session& session, const std::string& message,
   }
   auto status = store_.fail(session.fencing_token, counted_as, why, for_good);
   if (absl::IsFailedPrecondition(status)) status = absl::OkStatus();  // cancelled meanwhile
+  if (!for_good) {
+    recent_failures_.push_back(absl::StrCat("job ", short_key(key), " on ", session.worker_name,
+                                            ": ", why.substr(0, 500)));
+    if (recent_failures_.size() > kMostRecentFailures) recent_failures_.pop_front();
+  }
   if (for_good) {
     failed_on_.erase(key);
     out_of_memory_.erase(key);

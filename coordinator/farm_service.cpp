@@ -68,8 +68,8 @@ class ChunkReader : public grpc::ServerReadReactor<Chunk>, private OpenCalls::Ca
   ~ChunkReader() override { calls_.remove(*this); }
 
   void OnReadDone(bool ok) override {
-    calls_.heard(*this);
     if (ok) {
+      calls_.moved(*this, chunk_.ByteSizeLong());
       if (auto status = safely([&] { return take(chunk_); }); !status.ok()) return end(status);
       chunk_.Clear();
       return this->StartRead(&chunk_);
@@ -129,6 +129,7 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
       worker_id_ = chunk.worker_id();
       fencing_token_ = chunk.fencing_token();
       expected_ = chunk.result_bytes();
+      wants_job_ = chunk.wants_job();
       sweep_sha256_ = chunk.sweep_sha256();
       if (sweep_sha256_.size() > kHashText)
         return absl::InvalidArgumentError("a hash that is longer than a hash");
@@ -176,10 +177,19 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
                                     .checked = checked});
           if (!got.ok()) return got.status();
           *reply_ = *std::move(got);
-          return absl::OkStatus();
+          return wants_job_ ? add_next_job(farm) : absl::OkStatus();
         },
         [this](const absl::Status& status) { end(status); });
     return absl::OkStatus();
+  }
+
+  // With the answer, in the same transaction. Who is refused learns why when it asks by itself.
+  absl::Status add_next_job(Farm& farm) {
+    schema::LeaseRequest request;
+    request.set_worker_id(worker_id_);
+    auto next = farm.lease(request);
+    if (next.ok()) *reply_->mutable_next() = *std::move(next);
+    return is_refusal(next.status()) ? absl::OkStatus() : next.status();
   }
 
   void let_go() override {
@@ -197,7 +207,7 @@ class CompleteCall final : public ChunkReader<schema::CompleteChunk> {
   FarmService::Desk& desk_;
   schema::CompleteReply* reply_;
   Share leased_, late_;
-  bool begun_ = false, holds_lease_ = false;
+  bool begun_ = false, holds_lease_ = false, wants_job_ = false;
   std::string worker_id_, sweep_sha256_, content_sha256_, bytes_;
   std::uint64_t fencing_token_ = 0, expected_ = 0;
 };
@@ -334,10 +344,12 @@ class SubmitCall final : public ChunkReader<schema::SubmitChunk> {
   std::vector<Asset> assets_;
 };
 
-class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
+class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk>,
+                        private OpenCalls::Call {
  public:
-  FetchCall(CommitLoop& loop, std::string sha256) {
-    loop.post(
+  FetchCall(grpc::CallbackServerContext* context, FarmService::Desk& desk, std::string sha256)
+      : context_(context), calls_(desk.calls) {
+    desk.loop.post(
         CommitLoop::Kind::kReads,
         [this, sha = std::move(sha256)](Farm& farm) -> absl::Status {
           auto got = farm.asset(sha);
@@ -345,14 +357,21 @@ class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
           bytes_ = *std::move(got);
           return absl::OkStatus();
         },
-        [this](const absl::Status& status) { status.ok() ? send() : Finish(to_grpc(status)); });
+        [this](const absl::Status& status) {
+          if (!status.ok()) return Finish(to_grpc(status));
+          calls_.add(*this);
+          send();
+        });
   }
+  ~FetchCall() override { calls_.remove(*this); }
   void OnWriteDone(bool ok) override {
+    calls_.moved(*this, chunk_.piece().size());
     ok ? send() : Finish(grpc::Status(grpc::StatusCode::CANCELLED, "the receiver went away"));
   }
   void OnDone() override { delete this; }
 
  private:
+  void cancel() override { context_->TryCancel(); }
   void send() {
     if (sent_ >= bytes_->size()) return Finish(grpc::Status::OK);
     chunk_.set_piece(bytes_->substr(sent_, kFetchedPieceBytes));
@@ -360,6 +379,8 @@ class FetchCall final : public grpc::ServerWriteReactor<schema::AssetChunk> {
     StartWrite(&chunk_);
   }
 
+  grpc::CallbackServerContext* context_;
+  OpenCalls& calls_;
   std::shared_ptr<const std::string> bytes_;
   std::size_t sent_ = 0;
   schema::AssetChunk chunk_;
@@ -388,7 +409,7 @@ grpc::ServerUnaryReactor* FarmService::Lease(grpc::CallbackServerContext* contex
                                              schema::LeaseReply* reply) {
   if (auto status = desk_.door->admit(*context, "Lease", kWorks); !status.ok())
     return refuse(context, status);
-  return answer(desk_.loop, Kind::kWrites, context, reply,
+  return answer(desk_.loop, Kind::kLeases, context, reply,
                 [request](Farm& farm) { return farm.lease(*request); });
 }
 
@@ -424,7 +445,7 @@ grpc::ServerWriteReactor<schema::AssetChunk>* FarmService::FetchAsset(
     grpc::CallbackServerContext* context, const schema::FetchAssetRequest* request) {
   if (auto status = desk_.door->admit(*context, "FetchAsset", kFetches); !status.ok())
     return new RefusedStream<grpc::ServerWriteReactor<schema::AssetChunk>>(status);
-  return new FetchCall(desk_.loop, request->sha256());
+  return new FetchCall(context, desk_, request->sha256());
 }
 
 grpc::ServerReadReactor<schema::SubmitChunk>* FarmService::Submit(

@@ -80,10 +80,12 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (rules.lost_after_s < 2 * rules.heartbeat_s) {
+  // Of what is no number every comparison is false, and every range takes it.
+  if (!(rules.lost_after_s >= 2 * rules.heartbeat_s))
     return report(
         absl::InvalidArgumentError("--lost-after-s must be at least twice --heartbeat-s"));
-  }
+  if (!(rules.audit_share >= 0))
+    return report(absl::InvalidArgumentError("--audit-share: expected a number from 0 to 1"));
   if (listen.empty()) listen = "unix:" + db_path + "-farm";
   const auto address = irsig::parse_address(listen, network);
   if (!address.ok()) return report(address.status());

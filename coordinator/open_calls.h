@@ -8,11 +8,13 @@
 
 namespace irsig {
 
-// Streams that are being received. One whose sender says nothing for kSilence is cancelled: a call
-// that is left half open would keep what it holds for ever. Thread-safe.
+// Streams that are under way. One whose other side says or takes nothing for kSilence, or is slower
+// than kSlowest altogether, is cancelled: a call that is left half open would keep what it holds
+// for ever. Thread-safe.
 class OpenCalls {
  public:
   static constexpr auto kSilence = std::chrono::seconds(60);
+  static constexpr double kSlowest_bytes_s = 16e3;
 
   class Call {
    public:
@@ -33,33 +35,46 @@ class OpenCalls {
     thread_.join();
   }
 
-  void add(Call& call) { heard(call, true); }
-  void heard(Call& call) { heard(call, false); }
+  void add(Call& call) {
+    const std::lock_guard lock(mutex_);
+    open_[&call] = {Steady::now(), Steady::now(), 0};
+  }
+  // What came, or was taken: nothing at all is silence.
+  void moved(Call& call, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    const auto found = open_.find(&call);
+    if (found == open_.end() || bytes == 0) return;
+    found->second.moved_at = Steady::now();
+    found->second.bytes += bytes;
+  }
   void remove(Call& call) {
     const std::lock_guard lock(mutex_);
-    heard_at_.erase(&call);
+    open_.erase(&call);
   }
 
  private:
   using Steady = std::chrono::steady_clock;
 
-  void heard(Call& call, bool is_new) {
-    const std::lock_guard lock(mutex_);
-    if (is_new || heard_at_.contains(&call)) heard_at_[&call] = Steady::now();
-  }
+  struct Open {
+    Steady::time_point begun, moved_at;
+    std::size_t bytes = 0;
+  };
 
   void watch() {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, kSilence / 8, [this] { return ending_; })) {
       const auto now = Steady::now();
-      for (auto& [call, at] : heard_at_)
-        if (now - at > kSilence) call->cancel();
+      for (auto& [call, open] : open_) {
+        const std::chrono::duration<double> earned(static_cast<double>(open.bytes) /
+                                                   kSlowest_bytes_s);
+        if (now - open.moved_at > kSilence || now - open.begun > kSilence + earned) call->cancel();
+      }
     }
   }
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::unordered_map<Call*, Steady::time_point> heard_at_;
+  std::unordered_map<Call*, Open> open_;
   bool ending_ = false;
   std::thread thread_;
 };

@@ -63,7 +63,7 @@ for part in "$@"; do
     link) part link /usr/bin/python3 tests/fault/link_test.py "$bin" . 600 40 ;;
     slurm) part slurm /usr/bin/python3 tests/system/slurm_run_test.py "$bin" . 2000 ;;
     fuzz) part fuzz fuzz ;;
-    farm_scale) part farm_scale "$bin/farm_scale_bench" --folder "$logs" ;;
+    farm_scale) part farm_scale "$bin/farm_scale_bench" --folder "$logs" --require ;;
   esac
 done
 printf '\n'

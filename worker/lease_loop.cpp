@@ -113,8 +113,9 @@ class LeaseLoop {
       if (!spool.ok()) return spool.status();
       spool_ = *std::move(spool);
     }
-    while (!stop_) {
+    while (!stop_ || next_) {  // a job that came with an answer is ours to compute
       if (worker_id_.empty()) {
+        next_.reset();  // of another life
         const auto status = register_here();
         if (!status.ok()) return stopped_or(status);
         look_into_spool();
@@ -125,7 +126,8 @@ class LeaseLoop {
       } else if (!status.ok()) {
         return stopped_or(status);
       }
-      const auto lease = ask_for_job();
+      const auto lease =
+          next_ ? absl::StatusOr<schema::LeaseReply>(*std::exchange(next_, {})) : ask_for_job();
       if (absl::IsNotFound(lease.status())) {  // the coordinator has restarted, or took us for lost
         worker_id_.clear();
         continue;
@@ -224,6 +226,7 @@ class LeaseLoop {
     request.set_build_id(plan_.build_id);
     request.set_physics_version(plan_.physics_version);
     request.set_memory_bytes(plan_.memory_bytes);
+    request.set_host(plan_.host);
     schema::RegisterReply reply;
     const auto status = persist([&] {
       if (stop_ && !although_stopped) return absl::FailedPreconditionError("stopped");
@@ -380,8 +383,13 @@ class LeaseLoop {
   absl::Status deliver() {
     for (auto at = undelivered_.begin(); at != undelivered_.end();) {
       schema::CompleteReply reply;
+      // With the last of them comes the next job: one way to the coordinator and its disk, not two.
+      const bool wants_job =
+          !stop_ && at->fencing_token != 0 && std::next(at) == undelivered_.end();
       const absl::Status status =
-          persist([&] { return send_once(*at, reply); }, [&] { keep_on_disk(*at); });
+          persist([&] { return send_once(*at, wants_job, reply); }, [&] { keep_on_disk(*at); });
+      if (status.ok() && reply.next().state() == schema::LeaseReply::STATE_LEASED)
+        next_ = std::move(*reply.mutable_next());
       const std::string& key = at->result.job_key();
       if (absl::IsNotFound(status)) {
         keep_on_disk(*at);
@@ -425,7 +433,7 @@ class LeaseLoop {
     }
   }
 
-  absl::Status send_once(const Undelivered& one, schema::CompleteReply& reply) {
+  absl::Status send_once(const Undelivered& one, bool wants_job, schema::CompleteReply& reply) {
     const std::string& bytes = one.result.result();
     grpc::ClientContext context;
     set_deadline(context, kStream_s);
@@ -435,11 +443,13 @@ class LeaseLoop {
     chunk.set_fencing_token(one.fencing_token);
     chunk.set_result_bytes(bytes.size());
     chunk.set_sweep_sha256(one.result.sweep_sha256());
+    chunk.set_wants_job(wants_job);
     bool open = true;
     for (std::size_t at = 0; open && at < bytes.size(); at += kPieceBytes) {
       chunk.set_piece(bytes.substr(at, kPieceBytes));
       open = stream->Write(chunk);
       chunk.clear_sweep_sha256();
+      chunk.clear_wants_job();
     }
     stream->WritesDone();
     return to_absl(stream->Finish());
@@ -457,6 +467,7 @@ class LeaseLoop {
   Assets assets_;
   std::unique_ptr<Spool> spool_;
   std::list<Undelivered> undelivered_;
+  std::optional<schema::LeaseReply> next_;
   std::set<std::string> foreign_sweeps_;  // that this coordinator takes no results of
   Steady::time_point look_again_{};
   Heart heart_;

@@ -24,6 +24,7 @@ struct WorkerPlan {
   std::string determinism_class;
   std::string build_id;
   std::uint32_t physics_version = 0;
+  std::string host;                // for people
   std::uint64_t memory_bytes = 0;  // that a job may take here; 0: not known
   bool exit_when_finished = false;
   double give_up_after_s = 600;  // without any answer of the coordinator

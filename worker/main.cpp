@@ -27,11 +27,15 @@ void ask_to_stop(int) {
   if (stop_asked.exchange(true)) _exit(1);
 }
 
-// Two containers may share host name and process number.
-std::string default_name() {
+std::string host_name() {
   char host[256] = "localhost";
   gethostname(host, sizeof(host) - 1);
-  return absl::StrCat(host, "-", getpid(), "-", absl::Hex(std::random_device()() & 0xffff));
+  return host;
+}
+
+// Two containers may share host name and process number.
+std::string default_name() {
+  return absl::StrCat(host_name(), "-", getpid(), "-", absl::Hex(std::random_device()() & 0xffff));
 }
 
 // 2: what was given is wrong, or the coordinator refuses this worker for good; 3: it has set it
@@ -67,6 +71,7 @@ int main(int argc, char** argv) {
   irsig::NetworkOptions network;
   irsig::WorkerPlan plan;
   plan.worker_name = default_name();
+  plan.host = host_name();
   app.add_option("--coordinator", coordinator, "unix:PATH or HOST:PORT")->required();
   irsig::add_network_options(app, network);
   app.add_option("--name", plan.worker_name, "a name that no other worker has")

@@ -9,6 +9,12 @@ WHERE state = 0 AND unmet_needs = 0 AND sweep_id = (
   ORDER BY w.priority DESC, w.sweep_id LIMIT 1)
 ORDER BY failures, job_index LIMIT 1;
 
+-- name: set_physics_version
+UPDATE sweep SET physics_version = ?2 WHERE sweep_sha256 = ?1;
+
+-- name: physics_version
+SELECT coalesce(physics_version, 0) FROM sweep WHERE sweep_sha256 = ?1;
+
 -- name: set_priority
 UPDATE sweep SET priority = ?2 WHERE sweep_sha256 = ?1;
 
@@ -165,20 +171,23 @@ WHERE ?1 IS NULL OR w.sweep_id = ?1
 GROUP BY w.sweep_id
 ORDER BY w.sweep_id;
 
--- The messages of quarantined jobs: the last failure of each; and of those that were given up because of a job that
+-- The messages of quarantined jobs: the last failure of each of the first ?2; and of those that were given up because of a job that
 -- they need, how many, the first and the last, by the first such job.
 -- name: failures_of_sweep
 SELECT job_index, last_index, jobs, season, worker_name, message, needed_index
-FROM (SELECT j.job_index, j.job_index AS last_index, 1 AS jobs, coalesce(h.season, '') AS season, a.worker_name,
-             a.message, NULL AS needed_index, max(a.fencing_token)
-      FROM job j JOIN attempt a USING (job_id) LEFT JOIN heat_job h USING (job_id)
-      WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND j.unmet_needs = 0 AND a.outcome = 3
-      GROUP BY j.job_id
+FROM (SELECT * FROM (
+        SELECT j.job_index, j.job_index AS last_index, 1 AS jobs, coalesce(h.season, '') AS season, a.worker_name,
+               a.message, NULL AS needed_index
+        FROM job j LEFT JOIN heat_job h USING (job_id)
+        JOIN attempt a ON a.fencing_token = (SELECT max(b.fencing_token) FROM attempt b
+                                             WHERE b.job_id = j.job_id AND b.outcome = 3)
+        WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND j.unmet_needs = 0
+        ORDER BY j.job_index LIMIT ?2)
       UNION ALL
-      SELECT min(job_index), max(job_index), count(*), '', '', '', needed_index, 0
+      SELECT min(job_index), max(job_index), count(*), '', '', '', needed_index
       FROM (SELECT j.job_index, min(needed.job_index) AS needed_index
             FROM job j JOIN job_need n USING (job_id) JOIN job needed ON needed.job_id = n.needs_job_id
-            WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND needed.state = 3
+            WHERE j.sweep_id = ?1 AND j.superseded = 0 AND j.state = 3 AND j.unmet_needs > 0 AND needed.state = 3
             GROUP BY j.job_id)
       GROUP BY needed_index)
 ORDER BY job_index;

@@ -245,7 +245,7 @@ absl::StatusOr<std::vector<std::string>> failures_of_sweep(Database& database,
                                                            std::uint64_t quarantined) {
   std::vector<std::string> failures;
   std::uint64_t told = 0;
-  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id);
+  absl::StatusOr<Rows> row = database.query(sql::failures_of_sweep, sweep_id, kMostFailures + 1);
   if (!row.ok()) return row.status();
   for (;;) {
     const absl::StatusOr<bool> found = row->next();

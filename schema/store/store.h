@@ -129,6 +129,9 @@ class StoreWriter {
   virtual ~StoreWriter() = default;
 
   virtual absl::Status begin() = 0;
+  // The same, but commit() returns before the disk has it: if the machine dies (not the process),
+  // the transaction may not have been; later ones are lost with it, or none.
+  virtual absl::Status begin_unsynced() = 0;
   virtual absl::Status commit() = 0;
   virtual void rollback() = 0;
 
@@ -210,6 +213,10 @@ class StoreWriter {
   virtual absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
                                          const std::string& determinism_class) = 0;
   virtual absl::StatusOr<std::uint64_t> cancel(const std::string& sweep_sha256) = 0;
+  // That the keys of a sweep were made with; 0: not known (an older database).
+  virtual absl::Status set_physics_version(const std::string& sweep_sha256,
+                                           std::uint32_t version) = 0;
+  virtual absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256) = 0;
   // Of this sweep's jobs against those of others, from the next lease on; new ones have 0.
   // NOT_FOUND: no sweep has this hash. INVALID_ARGUMENT: beyond +-kMostPriority.
   virtual absl::Status set_priority(const std::string& sweep_sha256, int priority) = 0;

@@ -41,7 +41,9 @@ class SqliteWriter final : public StoreWriter {
     if (owned_) rollback();
   }
 
-  absl::Status begin() override { return database_.run("BEGIN IMMEDIATE"); }
+  absl::Status begin() override { return begin(true); }
+
+  absl::Status begin_unsynced() override { return begin(false); }
 
   absl::Status commit() override { return database_.run("COMMIT"); }
 
@@ -214,6 +216,18 @@ class SqliteWriter final : public StoreWriter {
     return jobs;
   }
 
+  absl::Status set_physics_version(const std::string& sweep_sha256,
+                                   std::uint32_t version) override {
+    IRSIG_STORE_TRY(require_transaction());
+    return database_.run(sql::set_physics_version, sweep_sha256, version);
+  }
+
+  absl::StatusOr<std::uint32_t> physics_version(const std::string& sweep_sha256) override {
+    const auto version = database_.integer(sql::physics_version, sweep_sha256);
+    if (!version.ok()) return version.status();
+    return static_cast<std::uint32_t>(*version);
+  }
+
   absl::Status set_priority(const std::string& sweep_sha256, int priority) override {
     IRSIG_STORE_TRY(require_transaction());
     if (std::abs(priority) > kMostPriority)
@@ -275,6 +289,14 @@ class SqliteWriter final : public StoreWriter {
   }
 
  private:
+  absl::Status begin(bool synced) {
+    if (synced != synced_)
+      IRSIG_STORE_TRY(
+          database_.script(synced ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL"));
+    synced_ = synced;
+    return database_.run("BEGIN IMMEDIATE");
+  }
+
   absl::Status require_transaction() const {
     if (database_.in_transaction()) return absl::OkStatus();
     return absl::FailedPreconditionError("a change of the database outside begin() ... commit()");
@@ -285,6 +307,7 @@ class SqliteWriter final : public StoreWriter {
   Database& database_;
   std::string path_;
   bool created_;
+  bool synced_ = true;
   ProgressCounters counters_;
 };
 

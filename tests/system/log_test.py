@@ -87,5 +87,15 @@ class Logs(unittest.TestCase):
                 self.assertIn(f'{option[0]}: "{option[1]}", expected ', done.stderr)
 
 
+    def test_rules_that_are_no_numbers(self):
+        """Every comparison with them is false: a worker that dies would never be lost."""
+        with tempfile.TemporaryDirectory() as folder:
+            for option in ("--heartbeat-s", "--lost-after-s", "--audit-share"):
+                done = subprocess.run([COORDINATOR, "--db", f"{folder}/s.sigdb", "--listen", f"unix:{folder}/socket", option, "nan"],
+                                      capture_output=True, text=True, timeout=60)
+                self.assertEqual(done.returncode, 2, option + done.stderr)
+                self.assertIn(option, done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1])

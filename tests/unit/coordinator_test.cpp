@@ -289,6 +289,57 @@ TEST_F(ServerTest, AResultThatWasCutIsNotTakenForAResult) {
   EXPECT_EQ(farm_status(address)->sweep(0).done(), 1U);
 }
 
+// The next job with the answer to a result: it is leased as if it had been asked for.
+TEST_F(ServerTest, TheNextJobComesWithTheAnswer) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  const auto sweep = frigate_sweep(2);
+  ASSERT_TRUE(submit(address, sweep, {}, 1).ok());
+  const auto farm = schema::Farm::NewStub(connect(address));
+  schema::RegisterRequest request;
+  request.set_worker_name("a");
+  request.set_determinism_class(kSyntheticClass);
+  request.set_physics_version(1);
+  schema::RegisterReply registered;
+  grpc::ClientContext first, second;
+  ASSERT_TRUE(farm->Register(&first, request, &registered).ok());
+  schema::LeaseRequest ask;
+  ask.set_worker_id(registered.worker_id());
+  schema::LeaseReply lease;
+  ASSERT_TRUE(farm->Lease(&second, ask, &lease).ok());
+  const auto returned = [&](const schema::LeaseReply& of, bool wants_job) {
+    const auto bytes = synthetic_result(sweep, of.job()).SerializeAsString();
+    grpc::ClientContext context;
+    schema::CompleteReply reply;
+    const auto stream = farm->Complete(&context, &reply);
+    schema::CompleteChunk chunk;
+    chunk.set_worker_id(registered.worker_id());
+    chunk.set_fencing_token(of.fencing_token());
+    chunk.set_sweep_sha256(of.job().sweep_sha256());
+    chunk.set_wants_job(wants_job);
+    chunk.set_result_bytes(bytes.size());
+    chunk.set_piece(bytes);
+    stream->Write(chunk);
+    stream->WritesDone();
+    EXPECT_TRUE(stream->Finish().ok());
+    return reply;
+  };
+  const auto answer = returned(lease, true);
+  EXPECT_EQ(answer.state(), schema::CompleteReply::STATE_STORED);
+  ASSERT_EQ(answer.next().state(), schema::LeaseReply::STATE_LEASED);
+  EXPECT_NE(answer.next().job().job_key(), lease.job().job_key());
+  EXPECT_EQ(farm_status(address)->sweep(0).leased(), 1U);
+  // The answer was lost: the same result again, and again a job, which is the same one.
+  const auto again = returned(lease, true);
+  EXPECT_EQ(again.state(), schema::CompleteReply::STATE_KNOWN);
+  EXPECT_EQ(again.next().job().job_key(), answer.next().job().job_key());
+  EXPECT_NE(again.next().fencing_token(), answer.next().fencing_token());
+  EXPECT_EQ(farm_status(address)->sweep(0).leased(), 1U);
+  EXPECT_FALSE(returned(again.next(), false).has_next());
+  EXPECT_EQ(farm_status(address)->sweep(0).done(), 2U);
+}
+
 // Calls that nobody ends are cancelled; one that never began to be answered is no reason to wait.
 TEST_F(ServerTest, AStreamThatNeverEndsDoesNotHoldUpTheEnd) {
   auto server = start(socket());

@@ -268,6 +268,27 @@ TEST_F(StragglerTest, AFailureOfTheSecondIsNotTheJobs) {
   EXPECT_EQ(*returns(a_, slow_), State::STATE_STORED);
 }
 
+// The one that takes longest has been done by somebody else: the next one's turn.
+TEST_F(FarmTest, BehindASettledStragglerTheNextIsComputedTwice) {
+  submit(5);
+  const auto a = worker("a"), b = worker("b"), c = worker("c");
+  const auto slow = job(a), also_slow = job(c);
+  for (int i = 0; i < 3; ++i) {
+    const auto quick = job(b);
+    now_s_ += 1;
+    ASSERT_TRUE(complete(b, quick).ok());
+  }
+  now_s_ += 3;
+  const auto second = job(b);
+  EXPECT_EQ(second.job().job_key(), slow.job().job_key());
+  EXPECT_EQ(*returns(b, second), State::STATE_STORED);
+  const auto third = job(b);  // `a` still computes what is done
+  EXPECT_EQ(third.job().job_key(), also_slow.job().job_key());
+  EXPECT_EQ(*returns(b, third), State::STATE_STORED);
+  EXPECT_EQ(status().done(), 5U);
+  EXPECT_EQ(lease(b)->state(), schema::LeaseReply::STATE_FINISHED);
+}
+
 TEST_F(StragglerTest, ACancelledOneIsNotComputedTwice) {
   wait(3);
   const auto sha = status().sweep_sha256();

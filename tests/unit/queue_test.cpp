@@ -397,6 +397,50 @@ TEST_F(FarmTest, AnotherPhysicsVersionIsRefusedAndLeavesTheJobFree) {
   EXPECT_TRUE(complete(a, job(a)).ok());
 }
 
+// After a restart, too: what the keys were made with is in the database.
+TEST_F(FarmTest, AnotherPhysicsVersionIsRefusedAfterARestart) {
+  submit(1);
+  open("second");
+  const auto old = try_worker("old", kSyntheticClass, 7);
+  ASSERT_TRUE(old.ok());
+  for (int i = 0; i < 2; ++i)
+    EXPECT_TRUE(absl::IsFailedPrecondition(lease(old->worker_id()).status()));
+  EXPECT_EQ(*store_->physics_version(status().sweep_sha256()), 1U);
+  // Of a database that does not say so: by the keys.
+  ASSERT_TRUE(ask([&] { return store_->set_physics_version(status().sweep_sha256(), 2); }).ok());
+  open("third");
+  EXPECT_TRUE(absl::IsFailedPrecondition(lease(worker("a")).status()));
+}
+
+TEST_F(FarmTest, AStatusTellsRatesHostsAndWhatIsTriedAgain) {
+  submit(5);
+  schema::RegisterRequest request;
+  request.set_worker_name("a");
+  request.set_host("node7");
+  request.set_determinism_class(kSyntheticClass);
+  request.set_physics_version(1);
+  const auto a = ask([&] { return farm_->register_worker(request); })->worker_id();
+  EXPECT_EQ(status().done_per_s(), 0);
+  for (int i = 0; i < 3; ++i) {
+    const auto leased = job(a);
+    now_s_ += 4;
+    ASSERT_TRUE(complete(a, leased).ok());
+  }
+  EXPECT_NEAR(status().done_per_s(), 0.25, 1e-12);
+  ASSERT_TRUE(fail(a, job(a), "out of luck").ok());
+  const auto told = farm_status();
+  ASSERT_EQ(told.recent_failure_size(), 1);
+  EXPECT_THAT(told.recent_failure(0), testing::HasSubstr("on a: out of luck"));
+  EXPECT_EQ(told.worker(0).host(), "node7");
+  now_s_ += 3599;
+  EXPECT_GT(status().done_per_s(), 0);
+  now_s_ += 2;
+  EXPECT_EQ(status().done_per_s(), 0) << "long ago";
+  request.set_host("two\nlines");
+  EXPECT_TRUE(
+      absl::IsInvalidArgument(ask([&] { return farm_->register_worker(request); }).status()));
+}
+
 TEST_F(FarmTest, CancelledJobsAreNotLeasedAndTheirResultsAreNotWanted) {
   submit(3);
   const auto a = worker("a");
@@ -418,9 +462,9 @@ TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
     ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
   };
   const auto a = worker("a");
-  std::string first;
   const auto sweep_of = [&](const schema::LeaseReply& lease) {
-    for (const auto& sweep : farm_status().sweep())
+    const auto now = farm_status();
+    for (const auto& sweep : now.sweep())
       if (sweep.sweep_sha256() == lease.job().sweep_sha256()) return sweep.name();
     return std::string();
   };
@@ -436,7 +480,8 @@ TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
   next();
   add("idle", -5);
   schema::PrioritizeRequest request;
-  for (const auto& sweep : farm_status().sweep())
+  const auto now = farm_status();
+  for (const auto& sweep : now.sweep())
     if (sweep.name() == "first") request.set_sweep_sha256(sweep.sweep_sha256());
   request.set_priority(6);
   ASSERT_TRUE(ask([&] { return farm_->prioritize(request); }).ok());
