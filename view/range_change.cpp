@@ -21,6 +21,8 @@ namespace irsig {
 namespace {
 
 constexpr double kFewestLengths = 20;
+// As of ranges in sweep files: farther, double precision no longer tells a target's sides apart.
+constexpr double kFarthestM = 1e9;
 
 // The air of homogeneous surroundings and of none does the same to whatever comes through it.
 ViewEnvironment plain_view(const Air& air, double air_temperature_k, double range_m,
@@ -246,6 +248,11 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
   for (const double range_m : ranges_m_)
     if (!(range_m > 0 && std::isfinite(range_m)))
       return absl::InvalidArgumentError(fmt::format("range {} m: expected more than 0", range_m));
+  for (const double range_m : ranges_m_)
+    if (range_m > kFarthestM)
+      return absl::InvalidArgumentError(
+          fmt::format("range {:g} m is too far: expected from {:g} lengths of the target to {:g} m",
+                      range_m, kFewestLengths, kFarthestM));
   if (!extent_of_)
     return absl::InvalidArgumentError("rows at another range need the target's extent");
   std::vector<StoredSignature> signatures;

@@ -36,9 +36,10 @@ namespace irsig {
 // as far as the transmittance changes. Not covered: parts of the target that come into view or go
 // out of it, and lobes narrower than the target is seen from either range.
 //
-// INVALID_ARGUMENT: a range that is not positive, or below 20 target lengths (asked for or stored),
-// a line of sight that the environment does not have (environment.h); FAILED_PRECONDITION: a row
-// that an older irsig or an earlier version of the sweep left, whose air is not known.
+// INVALID_ARGUMENT: a range that is not positive, below 20 target lengths (asked for or stored) or
+// beyond 1e9 m, a line of sight that the environment does not have (environment.h);
+// FAILED_PRECONDITION: a row that an older irsig or an earlier version of the sweep left, whose air
+// is not known.
 //
 // The air of a sweep's band is made once, for all rows: what many rows are moved with, some at a
 // time.

@@ -230,6 +230,8 @@ TEST_F(RangeChanged, WhatCannotBeMovedIsRefused) {
   };
   using enum absl::StatusCode;
   refused(at(0), kInvalidArgument, "expected more than 0");
+  refused(at(1e300), kInvalidArgument,
+          "too far: expected from 20 lengths of the target to 1e+09 m");
   refused(at(199), kInvalidArgument, "range 199 m is below 20 lengths");
   EXPECT_TRUE(at(200).ok());
   refused(at(5000, {150, 80}), kInvalidArgument, "the stored range 2000 m is below 20 lengths");
