@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "serve/answer_parts.h"
 #include "view/plot.h"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr const char* kCsv = "text/csv; charset=utf-8";
 constexpr const char* kSvg = "image/svg+xml";
+constexpr const char* kPng = "image/png";
 
 using Bytes = absl::StatusOr<std::string>;
 
@@ -79,6 +81,12 @@ Bytes spectrum_svg(const PageSources& sources, const Question& q) {
   return plot_spectrum(**reader, row_query(q));
 }
 
+Bytes image_png(const PageSources& sources, const Question& q) {
+  auto image = answer_thumbnail(sources, q);
+  if (!image.ok()) return image.status();
+  return std::move(image->body);
+}
+
 struct File {
   std::string_view name;
   const char* type;
@@ -94,6 +102,8 @@ constexpr File kFiles[] = {
     {"compare.csv", kCsv, Needs::kBoth, compare_csv},
     {"bands.csv", kCsv, Needs::kBands, bands_csv},
     {"bands.svg", kSvg, Needs::kBands, bands_svg},
+    {"left_out.csv", kCsv, Needs::kSelection, left_out_csv},
+    {"image.png", kPng, Needs::kRow, image_png},
     {"map.svg", kSvg, Needs::kSelection, map_svg},
     {"cut.svg", kSvg, Needs::kSelection, cut_svg},
     {"spectrum.svg", kSvg, Needs::kRow, spectrum_svg},

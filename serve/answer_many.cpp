@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
 
 #include "serve/answer_parts.h"
 #include "serve/command_line.h"
@@ -46,89 +45,6 @@ std::string points(const std::vector<PolarPoint>& point) {
   return out.finish();
 }
 
-std::string describe(const SweepContents& sweep) {
-  JsonObject out;
-  out.text("name", sweep.name);
-  out.count("viewpoints", sweep.viewpoints);
-  out.count("rows", sweep.rows);
-  out.count("whole_rows", sweep.whole_rows);
-  out.flag("thumbnails", sweep.thumbnails);
-  std::vector<std::string> conditions, bands;
-  for (const auto& c : sweep.condition) {
-    JsonObject condition;
-    condition.text("season", c.season);
-    condition.text("time_utc", c.time_utc);
-    conditions.push_back(condition.finish());
-  }
-  for (const auto& b : sweep.band) {
-    JsonObject band;
-    band.text("name", b.name);
-    band.number("lambda_min_um", b.lambda_min_um);
-    band.number("lambda_max_um", b.lambda_max_um);
-    bands.push_back(band.finish());
-  }
-  out.objects("condition", conditions);
-  out.objects("band", bands);
-  out.numbers("range_m", sweep.range_m);
-  return out.finish();
-}
-
-std::string describe(const SweepProgress& sweep) {
-  JsonObject out;
-  out.text("name", sweep.name);
-  out.count("jobs", sweep.jobs);
-  out.count("waiting", sweep.waiting);
-  out.count("leased", sweep.leased);
-  out.count("done", sweep.done);
-  out.count("failed", sweep.quarantined);
-  out.count("cancelled", sweep.cancelled);
-  out.count("heat_jobs", sweep.heat_jobs);
-  out.count("heat_done", sweep.heat_done);
-  out.number("worst_relative_error", sweep.worst_relative_error);
-  out.texts("failures", sweep.failures);
-  return out.finish();
-}
-
-// {"database": [what `describe` says of each]}; a database that cannot be read has its error in
-// place of that.
-template <typename Describe>
-JsonObject each_database(const PageSources& sources, const Describe& describe_one) {
-  std::vector<std::string> databases;
-  for (std::size_t i = 0; i < sources.database.size(); ++i) {
-    JsonObject out;
-    out.text("path", sources.database[i]);
-    out.text("name", std::filesystem::path(sources.database[i]).filename().string());
-    auto reader = open_database(sources, i);
-    absl::Status status = reader.status();
-    if (status.ok()) status = describe_one(sources.database[i], **reader, out);
-    if (!status.ok()) out.text("error", std::string(status.message()));
-    databases.push_back(out.finish());
-  }
-  JsonObject all;
-  all.objects("database", databases);
-  return all;
-}
-
-std::string describe(const PageFarm& farm) {
-  JsonObject out;
-  out.count("workers", farm.workers);
-  std::vector<std::string> workers;
-  for (const PageWorker& w : farm.worker) {
-    JsonObject worker;
-    worker.text("name", w.name);
-    worker.text("state", w.state);
-    if (w.job_s) worker.number("job_s", *w.job_s);
-    worker.text("job_key", w.job_key);
-    worker.text("determinism_class", w.determinism_class);
-    worker.text("reason", w.reason);
-    worker.count("memory_bytes", w.memory_bytes);
-    workers.push_back(worker.finish());
-  }
-  out.objects("worker", workers);
-  out.texts("warning", farm.warning);
-  return out.finish();
-}
-
 }  // namespace
 
 absl::StatusOr<std::vector<StoredValue>> values_of_selection(StoreReader& reader,
@@ -146,46 +62,6 @@ absl::StatusOr<std::vector<StoredValue>> values_of_selection(StoreReader& reader
   }
   if (absl::Status status = check_computed(*values, quantity); !status.ok()) return status;
   return values;
-}
-
-absl::StatusOr<PageReply> answer_contents(const PageSources& sources) {
-  JsonObject all = each_database(
-      sources, [](const std::string&, StoreReader& reader, JsonObject& out) -> absl::Status {
-        const auto contents = reader.contents();
-        if (!contents.ok()) return contents.status();
-        std::vector<std::string> sweeps;
-        for (const SweepContents& sweep : *contents) sweeps.push_back(describe(sweep));
-        out.objects("sweep", sweeps);
-        return absl::OkStatus();
-      });
-  std::vector<std::string> detectors;
-  for (const PageDetector& d : sources.detector) detectors.push_back(d.name);
-  all.texts("detector", detectors);
-  all.flag("accuracy_page", !sources.accuracy_page.empty());
-  return json_reply(all.finish());
-}
-
-absl::StatusOr<PageReply> answer_progress(const PageSources& sources) {
-  JsonObject all = each_database(
-      sources, [](const std::string& path, StoreReader& reader, JsonObject& out) -> absl::Status {
-        const auto progress = reader.progress();
-        if (!progress.ok()) return progress.status();
-        std::error_code ignored;
-        // The writer's lock lies beside the database as long as there is one.
-        out.flag("writing", std::filesystem::exists(path + "-lock", ignored));
-        std::vector<std::string> sweeps;
-        for (const SweepProgress& sweep : *progress) sweeps.push_back(describe(sweep));
-        out.objects("sweep", sweeps);
-        return absl::OkStatus();
-      });
-  if (sources.farm) {
-    const auto farm = sources.farm();
-    if (farm.ok())
-      all.json("farm", describe(*farm));
-    else
-      all.text("farm_error", std::string(farm.status().message()));
-  }
-  return json_reply(all.finish());
 }
 
 absl::StatusOr<PageReply> answer_map(const PageSources& sources, const Question& q) {
@@ -212,6 +88,9 @@ absl::StatusOr<PageReply> answer_cut(const PageSources& sources, const Question&
   const auto values = values_of_selection(**reader, q.a, q.quantity);
   if (!values.ok()) return values.status();
   const auto cut = polar_cut(*values, columns_of(q.quantity), q.elevation_deg);
+  if (absl::IsOutOfRange(cut.status()) && !q.elevation_deg)
+    return absl::OutOfRangeError(
+        fmt::format("{}: choose one below", std::string(cut.status().message())));
   if (!cut.ok()) return cut.status();
   JsonObject out;
   name_quantity(out, q.quantity);
@@ -260,8 +139,7 @@ absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const 
     values[i] = *std::move(found);
   }
   Comparison out = compare(values[0], values[1]);
-  if (out.value.empty())
-    return absl::NotFoundError("the two have no aspect in common: nothing to compare");
+  if (out.value.empty()) return absl::NotFoundError("the two have no aspect in common");
   return out;
 }
 

@@ -27,6 +27,12 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q);
 
+// Every viewpoint as the others have it. FAILED_PRECONDITION: too many for a page.
+[[nodiscard]] absl::StatusOr<PageReply> answer_left_out(const PageSources& sources,
+                                                        const Question& q);
+[[nodiscard]] absl::StatusOr<std::string> left_out_csv(const PageSources& sources,
+                                                       const Question& q);
+
 // Of one row.
 [[nodiscard]] absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<PageReply> answer_spectrum(const PageSources& sources,

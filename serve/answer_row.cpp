@@ -65,6 +65,7 @@ absl::StatusOr<PageReply> answer_row(const PageSources& sources, const Question&
   JsonObject out;
   out.text("command", row_command(database, q, false));
   out.text("explain_command", explain_command(database, q));
+  out.text("image_command", image_command(database, q));
   out.text("quantity", quantity.name);
   out.text("title", quantity.title);
   out.text("unit", quantity.unit);

@@ -56,6 +56,7 @@ constexpr Route kRoutes[] = {
     {"/api/map", Needs::kSelection, answer_map},
     {"/api/cut", Needs::kSelection, answer_cut},
     {"/api/compare", Needs::kBoth, answer_compare},
+    {"/api/left_out", Needs::kSelection, answer_left_out},
     {"/api/bands", Needs::kBands, answer_bands},
     {"/api/row", Needs::kRow, answer_row},
     {"/api/spectrum", Needs::kRow, answer_spectrum},

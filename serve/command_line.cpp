@@ -57,6 +57,12 @@ std::string cut_command(const std::string& database, const Question& question,
          quantity_option(question.quantity) + " --format csv --out -";
 }
 
+std::string left_out_command(const std::string& database, const Question& question) {
+  return "irsig plan --refine " + database_word(database) + option("sweep", question.a.sweep) +
+         option("at-range-m", question.a.at_range_m) + quantity_option(question.quantity) +
+         " --left-out left_out.csv";
+}
+
 std::string bands_command(const std::string& database, const Question& question,
                           const std::string& detector) {
   const BandQuestion& b = question.bands;
@@ -77,6 +83,12 @@ std::string row_command(const std::string& database, const Question& question, b
   if (question.range_m) out += option("range-m", *question.range_m);
   out += quantity_option(question.quantity) + " --causes";
   return out + (spectrum ? " --spectrum --format csv" : " --format json");
+}
+
+std::string image_command(const std::string& database, const Question& question) {
+  const std::uint64_t row = question.row.value_or(0);
+  return "irsig query " + database_word(database) + option("sweep", question.a.sweep) +
+         fmt::format(" --row {} --thumbnail row-{}.png", row, row);
 }
 
 std::string explain_command(const std::string& database, const Question& question) {

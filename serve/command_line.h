@@ -16,12 +16,16 @@ namespace irsig {
 // `irsig plot --kind polar`, as CSV.
 [[nodiscard]] std::string cut_command(const std::string& database, const Question& question,
                                       double elevation_deg);
-// `irsig query --row`; spectrum: of its spectrum.
+// `irsig plan --refine`: every condition and band of the selection's sweep and range.
+[[nodiscard]] std::string left_out_command(const std::string& database, const Question& question);
 // detector: its file; empty: that of the question's noise.
 [[nodiscard]] std::string bands_command(const std::string& database, const Question& question,
                                         const std::string& detector);
+// `irsig query --row`; spectrum: of its spectrum.
 [[nodiscard]] std::string row_command(const std::string& database, const Question& question,
                                       bool spectrum);
+// `irsig query --thumbnail`: its stored image.
+[[nodiscard]] std::string image_command(const std::string& database, const Question& question);
 // `irsig explain`.
 [[nodiscard]] std::string explain_command(const std::string& database, const Question& question);
 

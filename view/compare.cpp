@@ -1,5 +1,6 @@
 #include "view/compare.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -11,8 +12,6 @@
 
 namespace irsig {
 namespace {
-
-using AspectKey = std::pair<std::int64_t, std::int64_t>;
 
 constexpr double kSameDeg = 1e-6;
 
@@ -41,6 +40,13 @@ ComparedAspect compared(const StoredValue& a, const StoredValue& b) {
 }
 
 }  // namespace
+
+std::vector<AspectKey> aspect_keys(std::span<const StoredValue> values) {
+  std::vector<AspectKey> out;
+  for (const StoredValue& v : values) out.push_back(key_of(v));
+  std::sort(out.begin(), out.end());
+  return out;
+}
 
 Comparison compare(std::span<const StoredValue> a, std::span<const StoredValue> b) {
   std::map<AspectKey, const StoredValue*> of_b;

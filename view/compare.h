@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <ostream>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -26,6 +28,10 @@ struct Comparison {
   std::vector<ComparedAspect> value;         // in the order of a
   std::size_t only_in_a = 0, only_in_b = 0;  // aspects that the other one does not have
 };
+
+// The aspects of values, sorted: what is one aspect to compare() has one key.
+using AspectKey = std::pair<std::int64_t, std::int64_t>;
+[[nodiscard]] std::vector<AspectKey> aspect_keys(std::span<const StoredValue> values);
 
 // Aspects within 1e-6 deg are one. Values that were not computed are left out as if they were not
 // there.

@@ -145,6 +145,9 @@ absl::StatusOr<PolarCuts> polar_cuts(StoreReader& reader, const Query& query,
   const QuantityColumns& quantity = columns_of(query.quantity);
   for (const SignatureField& field : fields_of(out.signature, query.quantity)) {
     auto cut = polar_cut(values_of(field.signature, quantity), quantity, elevation_deg);
+    if (absl::IsOutOfRange(cut.status()) && !elevation_deg)
+      return absl::OutOfRangeError(
+          fmt::format("{}: name one with --elevation", std::string(cut.status().message())));
     if (!cut.ok()) return cut.status();
     elevation_deg = cut->elevation_deg;  // of the first one for all
     out.cut.push_back({field.signature.front(), *std::move(cut)});

@@ -78,8 +78,7 @@ absl::StatusOr<double> lowest_elevation_deg(std::span<const StoredValue> values,
   if (count_on_ring(values, low) >= kFewestOnRing) return low;
   for (double at = std::ceil(low); at <= 60; ++at)
     if (covered_all_around(samples, at)) return at;
-  return absl::OutOfRangeError(
-      "no elevation is covered by viewpoints all around the target: name one with --elevation");
+  return absl::OutOfRangeError("no elevation is covered by viewpoints all around the target");
 }
 
 // The samples of a belt around the ring, which hold the neighbours of all of its points; all of

@@ -2,6 +2,7 @@
 import http.client
 import json
 import os
+import pathlib
 import re
 import signal
 import subprocess
@@ -55,11 +56,27 @@ class Server:
         return self.process.returncode, errors
 
 
-def small_sweep(program, source, sweep_file, database):
-    """The quickstart at two hours of each season, small and coarse: 24 viewpoints, 6 conditions, 2 bands."""
+def small_sweep(program, source, sweep_file, database, changes={}):
+    """The quickstart at two hours of each season, small and coarse: 24 viewpoints, 6 conditions, 2 bands. changes: of its text."""
     text = (source / "jobs/examples/quickstart.toml").read_text()
     for old, new in (("triangles = 20000", "triangles = 2000"), ('time = ["10:30+09:00"]', 'time = ["10:30+09:00", "22:30+09:00"]')):
         assert old in text, old
         text = text.replace(old, new)
+    for old, new in changes.items():
+        assert old in text, old
+        text = text.replace(old, new)
     sweep_file.write_text(text)
     irsig(program, "run", sweep_file, "--db", database)
+
+
+FEW = {'kind = "fibonacci"\ncount = 24': 'kind = "grid"\nazimuth_deg = [0, 40, 80]\nelevation_deg = [10, 30]'}  # all on one side
+POLAR = {'name = "winter"': 'name = "polar"'}
+
+
+def empty_database(program, database):
+    """What a coordinator leaves that nobody has asked for anything."""
+    farm = subprocess.Popen([pathlib.Path(program).with_name("irsig-coordinator"), "--db", database, "--listen", f"unix:{database}-farm"],
+                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    assert "listening" in farm.stdout.readline()
+    farm.terminate()
+    farm.communicate()

@@ -21,7 +21,7 @@ import time
 import unittest
 import urllib.parse
 
-from serve_fixture import Server, irsig, small_sweep
+from serve_fixture import FEW, Server, empty_database, irsig, small_sweep
 
 IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 DETECTOR = SOURCE / "jobs/examples/detectors/insb.toml"
@@ -31,6 +31,21 @@ QUANTITIES = {
     "contrast_intensity": ("contrast_intensity_w_sr", "contrast_numerical_error_w_sr"),
     "background_radiance": ("background_radiance_w_m2_sr", "background_radiance_stderr_w_m2_sr"),
 }
+
+# As many aspects as can be had in seconds.
+MANY = """name = "many"
+time = ["12:00Z"]
+season = [{ name = "any", date = 2025-06-21 }]
+band = [{ name = "lwir", lambda_min_um = 8, lambda_max_um = 12, step_um = 1 }]
+model = { generate = "sphere", triangles = 100 }
+material = [{ name = "paint", kind = "lambert", emissivity = 0.9 }]
+part = [{ name = "sphere", material = "paint", temperature_k = 300 }]
+viewpoints = { kind = "fibonacci", count = 1001, range_m = 1000 }
+surroundings = { kind = "none", sky_radiance_w_m2_sr_um = 0, lower_radiance_w_m2_sr_um = 0 }
+air = { model = "vacuum" }
+transport = { sun = false, max_reflections = 0 }
+accuracy = { samples_per_replicate = 64 }
+"""
 
 
 def printed(command):
@@ -89,6 +104,53 @@ class Serve(unittest.TestCase):
             for column, name in (("azimuth_deg", "aspect_azimuth_deg"), ("elevation_deg", "aspect_elevation_deg"),
                                  ("value", value), ("error", error)):
                 self.assertEqual(shown[column], [float(r[name]) for r in rows], (quantity, column))
+
+    def test_left_out_is_the_plan(self):
+        for quantity in ("intensity", "contrast_intensity"):
+            shown = self.server.json("/api/left_out", quantity=quantity, **self.selection(season="summer", time=self.time_of("summer"), band="lwir"))
+            command = shlex.split(shown["command"])
+            self.assertEqual(command[-2:], ["--left-out", "left_out.csv"])
+            irsig(IRSIG, *command[1:])
+            rows = [r for r in table((self.path / "left_out.csv").read_text())
+                    if (r["season"], r["time_utc"], r["band"]) == ("summer", self.time_of("summer"), "lwir")]
+            self.assertGreater(len(rows), 10)
+            for column in ("interpolated", "error", "relative_deviation"):
+                self.assertEqual(shown[column], [float(r[column]) for r in rows], (quantity, column))
+            aspect = {r["row"]: (r["aspect_azimuth_deg"], r["aspect_elevation_deg"]) for r in table(irsig(IRSIG, "query", self.db, "--format", "csv"))}
+            self.assertEqual([aspect[str(row)] for row in shown["row"]], [(r["aspect_azimuth_deg"], r["aspect_elevation_deg"]) for r in rows])
+
+    def test_many_aspects_are_left_to_the_command_line(self):
+        many = self.path / "many.sigdb"
+        (self.path / "many.toml").write_text(MANY)
+        irsig(IRSIG, "run", self.path / "many.toml", "--db", many)
+        server = Server(IRSIG, many)
+        self.addCleanup(server.end)
+        (sweep,) = server.json("/api/contents")["database"][0]["sweep"]
+        chosen = {"sweep": "many", "season": "any", "time": sweep["condition"][0]["time_utc"], "band": "lwir", "at_range_m": 1000}
+        said = server.json("/api/left_out", 409, **chosen)["error"]
+        self.assertIn("1001 aspects are too many for a page (1000 at most): irsig plan --refine", said)
+        self.assertEqual(len(server.json("/api/map", **chosen)["row"]), 1001)
+
+    def time_of(self, season):
+        return next(c["time_utc"] for c in self.contents["database"][0]["sweep"][0]["condition"] if c["season"] == season)
+
+    def test_who_shares_viewpoints(self):
+        few, empty = self.path / "few.sigdb", self.path / "empty.sigdb"
+        small_sweep(IRSIG, SOURCE, self.path / "few.toml", few, FEW)
+        empty_database(IRSIG, empty)
+        server = Server(IRSIG, self.db, few, f"./{self.other.name}", empty)
+        self.addCleanup(server.end)
+        contents = server.json("/api/contents")
+        self.assertEqual([[[(s["db"], s["sweep"]) for s in sweep["shares"]] for sweep in d["sweep"]] for d in contents["database"]],
+                         [[[(0, "quickstart"), (2, "quickstart")]], [[(1, "quickstart")]], [[(0, "quickstart"), (2, "quickstart")]], []])
+        # What a page says has no options of a command.
+        chosen = self.selection(db=1)
+        self.assertEqual(server.json("/api/cut", 400, **chosen)["error"],
+                         "no elevation is covered by viewpoints all around the target: choose one below")
+        self.assertIn("name one with --elevation", irsig(IRSIG, "plot", few, "--kind", "polar", "--out", "-", code=2))
+        self.assertIn("no viewpoint is surrounded", server.json("/api/left_out", 409, **chosen)["error"])
+        self.assertIn("no aspect in common", server.json("/api/compare", 404, **self.selection(), **{f"b_{k}": v for k, v in chosen.items()})["error"])
+        self.assertEqual(server.json("/api/progress")["database"][3]["sweep"], [])
 
     def test_cut_is_the_plot(self):
         for elevation in (None, 20, 33.5):
@@ -222,6 +284,10 @@ class Serve(unittest.TestCase):
         self.assertEqual((status, headers["Content-Type"]), (200, "image/png"))
         irsig(IRSIG, "query", self.db, "--row", 3, "--thumbnail", self.path / "own.png")
         self.assertEqual(body, (self.path / "own.png").read_bytes())
+        self.assertEqual(self.file("image.png", sweep="quickstart", row=3), body)
+        command = shlex.split(self.server.json("/api/row", sweep="quickstart", row=3)["image_command"])
+        irsig(IRSIG, *command[1:])
+        self.assertEqual((self.path / "row-3.png").read_bytes(), body)
 
     def test_progress(self):
         database = self.server.json("/api/progress")["database"][0]
@@ -307,6 +373,7 @@ class Serve(unittest.TestCase):
         refused("/api/row", 400, "expected more than 0 m", **row, range_m=0)
         refused("/api/row", 400, "expected a number", **row, range_m="nan")
         refused("/api/row", 400, "20 lengths", **row, range_m=100)
+        refused("/api/row", 400, "is too far: expected from 20 lengths of the target to 1e+09 m", **row, range_m=1e300)
         refused("/api/row", 400, "no quantity", **row, quantity="brightness")
         refused("/api/row", 400, "databases are numbered 0 to 1", **row, db=2)
         refused("/api/row", 400, "there is no such parameter here", **row, colour="red")

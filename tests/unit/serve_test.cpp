@@ -88,7 +88,10 @@ TEST(CommandLine, IsOneOfAShell) {
             "irsig query ./-a.sigdb --sweep=-x --season winter --time 2025-06-21T01:30:00Z --band "
             "mwir --at-range-m 5000 --format csv");
   EXPECT_THAT(cut_command("a b", q, -5), HasSubstr("irsig plot 'a b' --kind polar --elevation=-5"));
+  EXPECT_EQ(left_out_command("a", q),
+            "irsig plan --refine a --sweep=-x --at-range-m 5000 --left-out left_out.csv");
   q.row = 7;
+  EXPECT_EQ(image_command("a b", q), "irsig query 'a b' --sweep=-x --row 7 --thumbnail row-7.png");
   q.range_m = 12345.678;
   q.quantity = SignatureQuantity::kApparentIntensity;
   EXPECT_EQ(row_command("a", q, true),
