@@ -2,6 +2,7 @@
 import { scaleOf } from "./colors.js";
 import { html, svg, table } from "./draw.js";
 import { brief, tickLabels, ticks } from "./numbers.js";
+import { readOut } from "./readout.js";
 
 export const BAND_FIELDS = ["bands", "detector", "nei_w_m2", "merit", "percentile", "threshold", "over"];
 const MERITS = [["mean", "mean SNR"], ["percentile", "SNR that all but a few % exceed"], ["worst", "worst SNR"], ["above", "share above a threshold"]];
@@ -56,15 +57,22 @@ export function drawBands(answer, readout) {
     svg("text", { class: "middle", x: 14, y: TOP + SIDE / 2, transform: `rotate(-90 14 ${TOP + SIDE / 2})` }, "to [µm]"));
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE - 20}`, class: "plot", role: "img", "aria-label": `${answer.title} of every window; the best is ${words(best)}` }, ...parts);
   const index = new Map(first.map((f, k) => [`${f},${last[k]}`, k]));
+  const here = svg("rect", { class: "here", width: 0, height: 0 });
+  picture.append(here);
   readout.textContent = words(best);
-  picture.addEventListener("pointermove", (event) => {
-    const box = picture.getBoundingClientRect(), unit = box.width / SIZE;
-    const from = low + (high - low) * ((event.clientX - box.left) / unit - LEFT) / SIDE, to = high - (high - low) * ((event.clientY - box.top) / unit - TOP) / SIDE;
-    const below = edge.findLastIndex((e) => e <= from), above = edge.findIndex((e) => e >= to);
-    const k = index.get(`${below},${above}`);
-    if (k !== undefined) readout.textContent = words(k);
+  return readOut(picture, {
+    first: best,
+    at: (x, y) => {
+      const from = low + (high - low) * (x - LEFT) / SIDE, to = high - (high - low) * (y - TOP) / SIDE;
+      return index.get(`${edge.findLastIndex((e) => e <= from)},${edge.findIndex((e) => e >= to)}`);
+    },
+    step: (k, dx, dy) => index.get(`${first[k] + dx},${last[k] + dy}`),
+    say: (k) => {
+      const [x, y] = [X(edge[first[k]]), Y(edge[last[k]])];
+      for (const [name, value] of Object.entries({ x, y, width: X(edge[first[k] + 1]) - x, height: Y(edge[last[k] - 1]) - y })) here.setAttribute(name, value);
+      readout.textContent = words(k);
+    },
   });
-  return picture;
 }
 
 export function bestWindows(answer) {

@@ -32,8 +32,9 @@ export class ColorScale {
   }
 }
 
-// From 0 unless that would waste half of the colours; around 0 for differences.
-export function scaleOf(values, { around0 = false } = {}) {
+// From 0 unless that would waste half of the colours; around 0 for differences. upto: what is above
+// has the last colour.
+export function scaleOf(values, { around0 = false, upto = Infinity } = {}) {
   let low = Infinity, high = -Infinity;
   for (const v of values) {
     if (v === null) continue;
@@ -41,6 +42,7 @@ export function scaleOf(values, { around0 = false } = {}) {
     high = Math.max(high, v);
   }
   if (low > high) return new ColorScale(0, 1);
+  high = Math.max(low, Math.min(high, upto));
   if (around0) {
     const reach = Math.max(3, Math.abs(low), Math.abs(high));
     return new ColorScale(-reach, reach, "diverging");

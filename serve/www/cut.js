@@ -1,6 +1,7 @@
 // Values all around the target at one elevation, bow up, starboard to the right.
 import { path, svg } from "./draw.js";
 import { brief, degrees, displayUnit, tickLabels, ticks } from "./numbers.js";
+import { nearest, readOut } from "./readout.js";
 
 const SIZE = 400, CENTER = SIZE / 2, RADIUS = 155;
 const RAD = Math.PI / 180;
@@ -52,18 +53,24 @@ export function drawCut(cuts, azimuth, readout) {
     parts.push(svg("line", { class: "cross", x1: CENTER, y1: CENTER, x2: x, y2: y }));
   }
   const summary = `${cuts[0].title} around the target at elevation ${degrees(cuts[0].elevation_deg)}, greatest ${brief(Math.max(...cuts[0].point.value) * factor)} ${unit}`;
+  const here = svg("circle", { class: "here", cx: -9, cy: -9, r: 5 });
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, class: "plot round", role: "img", "aria-label": summary },
-    ...parts, svg("text", { x: 2, y: 13 }, `in ${unit}`));
-  picture.addEventListener("pointermove", (event) => {
-    const box = picture.getBoundingClientRect();
-    const angle = (Math.atan2(event.clientX - box.left - box.width / 2, box.height / 2 - event.clientY + box.top) / RAD + 360) % 360;
-    readout.textContent = cuts.map((cut, i) => {
-      const { point } = cut;
-      const apart = (k) => Math.abs(((point.azimuth_deg[k] - angle + 540) % 360) - 180);
-      let k = 0;
-      point.azimuth_deg.forEach((_, j) => { if (apart(j) < apart(k)) k = j; });
-      return `${cuts.length > 1 ? `${"AB"[i]} ` : ""}${degrees(point.azimuth_deg[k])}: ${brief(point.value[k] * factor)} ± ${brief(point.error[k] * factor, 2)} ${unit}`;
-    }).join("; ");
+    ...parts, svg("text", { x: 2, y: 13 }, `in ${unit}`), here);
+  // Of B what is nearest to the azimuth of A.
+  const along = cuts[0].point.azimuth_deg;
+  const towards = (azimuths, angle) => nearest(azimuths.length, (k) => Math.abs(((azimuths[k] - angle + 540) % 360) - 180));
+  return readOut(picture, {
+    first: towards(along, azimuth ?? 0),
+    at: (x, y) => towards(along, (Math.atan2(x - CENTER, CENTER - y) / RAD + 360) % 360),
+    step: (k, dx, dy) => (((k + dx + dy) % along.length) + along.length) % along.length,
+    say: (place) => {
+      const [cx, cy] = at(along[place], cuts[0].point.value[place]);
+      here.setAttribute("cx", cx);
+      here.setAttribute("cy", cy);
+      readout.textContent = cuts.map(({ point }, i) => {
+        const k = towards(point.azimuth_deg, along[place]);
+        return `${cuts.length > 1 ? `${"AB"[i]} ` : ""}${degrees(point.azimuth_deg[k])}: ${brief(point.value[k] * factor)} ± ${brief(point.error[k] * factor, 2)} ${unit}`;
+      }).join("; ");
+    },
   });
-  return picture;
 }

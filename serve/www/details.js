@@ -113,6 +113,7 @@ export function progress({ database, farm, farm_error: trouble }) {
       out.push(html("p", { class: "words" }, `${d.name}: ${d.error}`));
       continue;
     }
+    if (d.sweep.length === 0) out.push(html("p", {}, `${d.name}: no sweep yet`));
     for (const s of d.sweep) {
       const whole = s.done === s.jobs;
       const state = whole ? "complete" : d.writing ? `running, ${s.leased} on workers` : "not complete, nobody is computing it";

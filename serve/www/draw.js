@@ -20,17 +20,24 @@ export class Panel {
     this.section = document.getElementById(id);
     this.body = this.section.querySelector(".body");
     this.words = this.section.querySelector(".words");
-    this.tools = this.section.querySelector(".tools");
+    this.tools = this.section.querySelector(":scope > .tools");
     this.readout = this.section.querySelector(".readout");
   }
+  // A plot that is drawn anew keeps the focus.
   show(...content) {
     this.words.hidden = true;
     this.body.hidden = false;
+    const held = this.body.contains(document.activeElement) && document.activeElement.matches(".plot");
     if (content.length > 0) this.body.replaceChildren(...content);
+    if (held) this.body.querySelector(".plot")?.focus();
+  }
+  // Beside the content.
+  say(words) {
+    this.words.textContent = words;
+    this.words.hidden = words === "";
   }
   fail(message) {
-    this.words.textContent = message;
-    this.words.hidden = false;
+    this.say(message);
     this.body.hidden = true;
     if (this.readout) this.readout.textContent = "";
     this.tools.replaceChildren();
@@ -39,12 +46,16 @@ export class Panel {
     const heading = this.section.querySelector("h2");
     if (heading.textContent !== text) heading.textContent = text;
   }
-  // command: what prints the same; files: [name, address].
   offer(command, files) {
-    const links = files.map(([name, address]) => html("a", { href: address, download: true }, name));
-    this.tools.replaceChildren(
-      html("button", { type: "button", "data-command": command, title: command }, "Copy as CLI command"), ...links);
+    offer(this.tools, command, files);
   }
+}
+
+// command: what prints the same; files: [name, address].
+export function offer(tools, command, files) {
+  const links = files.map(([name, address]) => html("a", { href: address, download: true }, name));
+  tools.replaceChildren(
+    html("button", { type: "button", "data-command": command, title: command }, "Copy as CLI command"), ...links);
 }
 
 export function table(caption, heads, rows) {

@@ -6,11 +6,12 @@ import { scaleOf } from "./colors.js";
 import { fillControls, QUANTITIES } from "./controls.js";
 import { drawCut } from "./cut.js";
 import { budget, ledger, progress, values } from "./details.js";
-import { html, Panel, svg } from "./draw.js";
+import { html, offer, Panel, svg } from "./draw.js";
 import { Hemisphere } from "./hemisphere.js";
-import { aspectText, brief, degrees, displayUnit, tickLabels, ticks, withError } from "./numbers.js";
+import { askMap } from "./map.js";
+import { aspectText, brief, degrees, displayUnit, tickLabels, ticks } from "./numbers.js";
 import { CAUSES, causesOf, drawSpectrum, legend } from "./spectrum.js";
-import { completeSelection, readAddress, SELECTION, selectionParameters, writeAddress } from "./state.js";
+import { completeSelection, proposeOther, readAddress, SELECTION, selectionParameters, sweepOf, writeAddress } from "./state.js";
 
 const $ = (id) => document.getElementById(id);
 const panel = Object.fromEntries(["map", "values", "spectrum", "cut", "budget", "bands", "ledger"].map((id) => [id, new Panel(id)]));
@@ -18,7 +19,7 @@ const elevation = $("elevation");
 const readouts = { map: $("dome-readout"), cut: panel.cut.readout, spectrum: panel.spectrum.readout };
 
 let contents, state;
-let shown = null;    // aspects and values of the map: {azimuth, elevation, row, b_row, value, words(k)}
+let shown = null;    // aspects and values of the map: {azimuth, elevation, row, value, words(k)}; b_row: of B, if there is one
 let chosen = -1;     // of them
 let run = 0;         // answers to an older one are dropped
 
@@ -35,41 +36,34 @@ function change(fields, { replace = false, redraw = true } = {}) {
   Object.assign(state, fields);
   const names = Object.keys(fields);
   const small = names.every((f) => ["time", "b_time", "range_m", "aspect", "turn", "zoom", "elevation_deg"].includes(f));
-  complete();
+  complete({ asked: false });
   writeAddress(state, { replace: replace || names.some((f) => f.endsWith("time")) });
   if (!small) fillControls($("controls"), state, contents, change);
   if (redraw) refresh();
 }
 
-// What the address leaves open is filled in; what it asks for in vain is said.
-function complete() {
+// What the address leaves open is filled in; what it asks for in vain is said, but not what a
+// choice in the form takes along. What cannot be shown at all is said, too.
+function complete({ asked }) {
   const wrong = contents.database.filter((d) => d.error).map((d) => `${d.name}: ${d.error}`);
-  const complain = (words) => wrong.push(words);
-  let there = completeSelection(state, "", contents, complain);
+  const complain = (words) => (asked ? wrong.push(words) : 0);
+  const there = completeSelection(state, "", contents, complain);
   if (there && state.compare) {
-    const fresh = SELECTION.every((f) => state[`b_${f}`] === "");
-    if (fresh) {
-      for (const f of SELECTION) state[`b_${f}`] = state[f];
-      const other = contents.database.findIndex((d, k) => String(k) !== state.db && !d.error);
-      const season = there.condition.find((c) => c.season !== state.season);
-      if (other >= 0) Object.assign(state, { b_db: String(other), b_sweep: "" });
-      else if (season) Object.assign(state, { b_season: season.season });
-    }
-    there = completeSelection(state, "b_", contents, complain) && there;
+    if (SELECTION.every((f) => state[`b_${f}`] === "")) proposeOther(state, contents);
+    if (!completeSelection(state, "b_", contents, complain)) wrong.push(`${contents.database[Number(state.b_db)].name} holds no sweep yet: there is nothing to compare with.`);
   }
   if (!QUANTITIES.some(([name]) => name === state.quantity)) {
     if (state.quantity !== "") complain(`There is no quantity “${state.quantity.slice(0, 80)}”: shown is the intensity.`);
     state.quantity = "intensity";
   }
-  if (!there && wrong.length === 0) complain("This database holds no sweep yet.");
+  const a = contents.database[Number(state.db)];
+  if (!there && a && !a.error) wrong.push(`${a.name} holds no sweep yet: it is shown here as soon as one is submitted.`);
   const trouble = $("trouble");
   trouble.textContent = wrong.join(" ");
   trouble.hidden = wrong.length === 0;
-  return there;
 }
 
 const selectionA = () => ({ ...selectionParameters(state), quantity: state.quantity });
-const both = () => ({ ...selectionA(), ...selectionParameters(state, "b_", "b_") });
 const rowOf = (k, which = "") => ({ db: state[`${which}db`], sweep: state[`${which}sweep`], row: which ? shown.b_row[k] : shown.row[k] });
 const detail = (k, which = "") => ({ ...rowOf(k, which), quantity: state.quantity, range_m: state.range_m });
 
@@ -80,20 +74,6 @@ async function fill(id, mine, work) {
   } catch (error) {
     if (mine === run) panel[id].fail(error.message);
   }
-}
-
-async function askMap() {
-  if (!state.compare) {
-    const m = await ask("/api/map", selectionA());
-    return { ...m, azimuth: m.azimuth_deg, elevation: m.elevation_deg, around0: false, shown_unit: m.unit, shown_title: m.title,
-      words: (k) => withError(m.value[k], m.error[k], m.unit) };
-  }
-  const c = await ask("/api/compare", both());
-  const show = state.show || "difference";
-  const difference = show === "difference";
-  return { ...c, azimuth: c.azimuth_deg, elevation: c.elevation_deg, row: c.a_row, value: difference ? c.sigmas : c[show], around0: difference,
-    shown_unit: difference ? "σ" : c.unit, shown_title: difference ? `B − A of the ${c.title.toLowerCase()}` : `${c.title} of ${show.toUpperCase()}`,
-    words: (k) => `A ${withError(c.a[k], c.a_error[k], c.unit)}, B ${withError(c.b[k], c.b_error[k], c.unit)}, B − A ${brief(c.sigmas[k], 3)} σ` };
 }
 
 function choose() {
@@ -120,11 +100,17 @@ function chooseFirst() {
 
 async function refresh() {
   const mine = ++run;
-  document.querySelector("main").hidden = false;
+  const there = sweepOf(state, "", contents);
+  document.querySelector("main").hidden = !there;
+  if (!there) {
+    shown = null;
+    document.body.removeAttribute("aria-busy");
+    return;
+  }
   document.body.setAttribute("aria-busy", "true");
   let map = null;
   try {
-    map = await askMap();
+    map = await askMap(state, contents);
   } catch (error) {
     if (mine !== run) return;
     shown = null;
@@ -143,27 +129,27 @@ async function refresh() {
 }
 
 function showMap() {
-  const scale = scaleOf(shown.value, { around0: shown.around0 });
+  const scale = scaleOf(shown.value, { around0: shown.around0, upto: shown.upto });
   panel.map.show();
+  if (shown.reason) panel.map.say(shown.reason);
   panel.map.title(shown.shown_title);
   dome.setData(shown.azimuth, shown.elevation, shown.value, scale);
   dome.choose(chosen);
   const [azimuth, up] = (state.turn || "180,90").split(",").map(Number);
   if (Number.isFinite(azimuth) && Number.isFinite(up)) dome.look(azimuth, up, Number(state.zoom) || 1);
-  drawBar(scale, shown.shown_unit);
+  drawBar(scale, shown.shown_unit, shown.upto !== undefined);
   sayAspect(chosen);
-  const files = state.compare ? [["CSV", addressOf("/file/compare.csv", both())]]
-    : [["CSV", addressOf("/file/rows.csv", selectionA())], ["SVG", addressOf("/file/map.svg", selectionA())]];
-  panel.map.offer(shown.command, files);
+  panel.map.offer(shown.command, shown.files);
 }
 
-function drawBar(scale, plain) {
-  const width = 400, { unit, factor } = plain === "σ" ? { unit: plain, factor: 1 } : displayUnit(Math.max(Math.abs(scale.low), Math.abs(scale.high)), plain);
+function drawBar(scale, plain, open) {
+  const width = 400, { unit, factor } = ["σ", "%"].includes(plain) ? { unit: plain, factor: 1 } : displayUnit(Math.max(Math.abs(scale.low), Math.abs(scale.high)), plain);
   const at = ticks(scale.low, scale.high, 5), labels = tickLabels(at, factor);
-  const x = (v) => 24 + (width - 80) * (v - scale.low) / (scale.high - scale.low);
-  const steps = Array.from({ length: 64 }, (_, k) => svg("rect", { x: 24 + (width - 80) * k / 64, y: 2, width: (width - 80) / 64 + 0.5, height: 12, fill: scale.css(Math.round(255 * k / 63)) }));
-  $("bar").replaceChildren(svg("svg", { viewBox: `0 0 ${width} 34`, class: "plot", role: "img", "aria-label": `Colours from ${labels[0]} to ${labels.at(-1)} ${unit}` },
-    ...steps, ...at.map((v, k) => svg("text", { class: "middle", x: x(v), y: 29 }, labels[k])), svg("text", { x: width - 50, y: 13 }, unit)));
+  const long = width - (open ? 104 : 80), words = open ? `${unit} or more` : unit;
+  const x = (v) => 24 + long * (v - scale.low) / (scale.high - scale.low);
+  const steps = Array.from({ length: 64 }, (_, k) => svg("rect", { x: 24 + long * k / 64, y: 2, width: long / 64 + 0.5, height: 12, fill: scale.css(Math.round(255 * k / 63)) }));
+  $("bar").replaceChildren(svg("svg", { viewBox: `0 0 ${width} 34`, class: "plot", role: "img", "aria-label": `Colours from ${labels[0]} to ${labels.at(-1)} ${words}` },
+    ...steps, ...at.map((v, k) => svg("text", { class: "middle", x: x(v), y: 29 }, labels[k])), svg("text", { x: 30 + long, y: 13 }, words)));
 }
 
 function sayAspect(k) {
@@ -173,17 +159,17 @@ function sayAspect(k) {
 }
 
 // The stored image of the viewpoint under the pointer.
-const image = $("image").querySelector("img"), imageWords = $("image").querySelector(".words"), imageCaption = $("image").querySelector("figcaption");
+const image = $("image").querySelector("img"), imageWords = $("image").querySelector(".words"), imageCaption = $("image").querySelector("figcaption"),
+  imageTools = $("image").querySelector(".tools");
 function hideImage(words) {
-  image.hidden = true;
+  image.hidden = imageTools.hidden = true;
   imageWords.textContent = words;
   imageWords.hidden = words === "";
   imageCaption.textContent = "";
 }
 function showImage(k) {
   if (!shown || k < 0) return;
-  const sweep = contents.database[Number(state.db)].sweep.find((s) => s.name === state.sweep);
-  if (!sweep.thumbnails) return hideImage("This sweep was computed without images.");
+  if (!sweepOf(state, "", contents)?.thumbnails) return hideImage("This sweep was computed without images.");
   const address = addressOf("/api/thumbnail.png", rowOf(k));
   const where = aspectText(shown.azimuth[k], shown.elevation[k]);
   if (image.dataset.address === address) return undefined;
@@ -196,7 +182,7 @@ function showImage(k) {
     }
   };
   image.onload = () => {
-    image.hidden = false;
+    image.hidden = imageTools.hidden = false;
     imageWords.hidden = true;
     imageCaption.textContent = `${where}: radiance in the band, black to its own brightest pixel`;
   };
@@ -216,7 +202,7 @@ function showRow(mine) {
   return fill("values", mine, async () => {
     let row, other = null;
     try {
-      [row, other] = await Promise.all([ask("/api/row", asked), state.compare ? ask("/api/row", detail(chosen, "b_")) : null]);
+      [row, other] = await Promise.all([ask("/api/row", asked), shown.b_row ? ask("/api/row", detail(chosen, "b_")) : null]);
     } catch (error) {
       for (const id of ["budget", "ledger"]) if (mine === run) panel[id].fail(error.message);
       throw error;
@@ -224,6 +210,7 @@ function showRow(mine) {
     if (mine !== run) return;
     panel.values.show(...values(row, other, differenceOf(row, other)));
     panel.values.offer(other ? `${row.command}\n${other.command}` : row.command, [["CSV", addressOf("/file/row.csv", asked)]]);
+    offer(imageTools, row.image_command, [["PNG", addressOf("/file/image.png", rowOf(chosen))]]);
     const parts = budget(row);
     if (parts) {
       panel.budget.show(...parts);
@@ -237,7 +224,7 @@ function showRow(mine) {
 function showSpectrum(mine) {
   return fill("spectrum", mine, async () => {
     const asked = detail(chosen);
-    const [a, b] = await Promise.all([ask("/api/spectrum", asked), state.compare ? ask("/api/spectrum", detail(chosen, "b_")) : null]);
+    const [a, b] = await Promise.all([ask("/api/spectrum", asked), shown.b_row ? ask("/api/spectrum", detail(chosen, "b_")) : null]);
     if (mine !== run) return;
     const stacked = state.quantity === "intensity";
     const entries = [["a", `${b ? "A" : a.title}, band ±2 standard errors`], ...(b ? [["b", "B"]] : [])];
@@ -253,12 +240,12 @@ function showSpectrum(mine) {
 function showCut(mine) {
   return fill("cut", mine, async () => {
     const asked = { ...selectionA(), elevation_deg: state.elevation_deg };
+    elevation.min = Math.max(-89, Math.floor(shown.elevation.reduce((x, y) => Math.min(x, y), 90)));
+    elevation.max = Math.min(89, Math.ceil(shown.elevation.reduce((x, y) => Math.max(x, y), -90)));
     const a = await ask("/api/cut", asked);
     const ofB = { ...selectionParameters(state, "b_"), quantity: state.quantity, elevation_deg: a.elevation_deg };
-    const b = state.compare ? await ask("/api/cut", ofB) : null;
+    const b = shown.b_row ? await ask("/api/cut", ofB) : null;
     if (mine !== run) return;
-    elevation.min = Math.max(-89, Math.floor(Math.min(...shown.elevation)));
-    elevation.max = Math.min(89, Math.ceil(shown.elevation.reduce((x, y) => Math.max(x, y), -90)));
     elevation.value = a.elevation_deg;
     elevation.nextElementSibling.textContent = degrees(a.elevation_deg);
     readouts.cut.textContent = a.interpolated ? `Interpolated between viewpoints, band ±2σ; marks: viewpoints within ${a.near_deg}°.` : "Marks: viewpoints, bars ±2σ.";
@@ -283,6 +270,9 @@ function showBands(mine) {
   });
 }
 
+// What there is to choose from.
+const sweepsOf = ({ database }) => JSON.stringify(database.map((d) => d.sweep?.map((s) => [s.name, s.shares]) ?? d.error));
+
 // How far sweeps are; what is new is shown at once.
 let done = null;
 async function watch() {
@@ -297,8 +287,11 @@ async function watch() {
       if (farm || database.some((d) => d.writing)) wait = 2000;
       if (done !== null && now !== done) {
         forget();
+        const known = sweepsOf(contents);
         contents = await ask("/api/contents");
-        if (complete()) refresh();
+        complete({ asked: true });
+        if (sweepsOf(contents) !== known) fillControls($("controls"), state, contents, change);
+        refresh();
         describe();
       }
       done = now;
@@ -310,7 +303,7 @@ async function watch() {
 }
 
 function describe() {
-  $("about").textContent = contents.database.map((d) => `${d.name}: ${d.error ? "cannot be read" : d.sweep.map((s) => `${s.rows} of ${s.whole_rows} rows from ${s.viewpoints} viewpoints`).join(", ")}`).join("; ");
+  $("about").textContent = contents.database.map((d) => `${d.name}: ${d.error ? "cannot be read" : d.sweep.length === 0 ? "no sweep yet" : d.sweep.map((s) => `${s.rows} of ${s.whole_rows} rows from ${s.viewpoints} viewpoints`).join(", ")}`).join("; ");
   if (contents.accuracy_page) $("about").append("; ", html("a", { href: "/accuracy" }, "what accuracy costs"));
   document.title = `irsig: ${contents.database.map((d) => d.name).join(", ")}`;
 }
@@ -343,10 +336,9 @@ function listen() {
   $("bands-open").addEventListener("click", () => change({ bands: "1" }));
   addEventListener("popstate", () => {
     state = readAddress();
-    if (complete()) {
-      fillControls($("controls"), state, contents, change);
-      refresh();
-    }
+    complete({ asked: true });
+    fillControls($("controls"), state, contents, change);
+    refresh();
   });
 }
 
@@ -362,11 +354,10 @@ async function start() {
     return;
   }
   describe();
-  if (complete()) {
-    writeAddress(state, { replace: true });
-    fillControls($("controls"), state, contents, change);
-    await refresh();
-  }
+  complete({ asked: true });
+  writeAddress(state, { replace: true });
+  fillControls($("controls"), state, contents, change);
+  await refresh();
   watch();
 }
 

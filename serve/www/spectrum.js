@@ -2,6 +2,7 @@
 // row that it is compared with.
 import { path, svg } from "./draw.js";
 import { brief, displayUnit, tickLabels, ticks } from "./numbers.js";
+import { nearest, readOut } from "./readout.js";
 
 const WIDTH = 560, HEIGHT = 320, LEFT = 58, RIGHT = 10, TOP = 26, BOTTOM = 40;
 export const CAUSES = [
@@ -63,18 +64,20 @@ export function drawSpectrum(a, b, stacked, readout) {
   const picture = svg("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: "plot", role: "img", "aria-label": summary },
     ...parts, svg("text", { x: LEFT, y: 14 }, `${a.title} in ${unit}`),
     svg("text", { class: "middle", x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 5 }, "Wavelength in µm"), cross);
-  picture.addEventListener("pointermove", (event) => {
-    const box = picture.getBoundingClientRect();
-    const at = left + (((event.clientX - box.left) / box.width) * WIDTH - LEFT) / (WIDTH - LEFT - RIGHT) * (right - left);
-    const say = reach.map((s, i) => {
-      let k = 0;
-      s.lambda_um.forEach((l, j) => { if (Math.abs(l - at) < Math.abs(s.lambda_um[k] - at)) k = j; });
-      if (i === 0) for (const end of ["x1", "x2"]) cross.setAttribute(end, X(s.lambda_um[k]));
-      return `${reach.length > 1 ? `${"AB"[i]} ` : ""}${brief(s.lambda_um[k])} µm: ${brief(s.value[k] * factor)} ± ${brief(s.value_stderr[k] * factor, 2)} ${unit}`;
-    });
-    readout.textContent = say.join("; ");
+  // Of B what is nearest to the wavelength of A.
+  return readOut(picture, {
+    first: a.value.indexOf(Math.max(...a.value)),
+    at: (x) => nearest(a.lambda_um.length, (k) => Math.abs(X(a.lambda_um[k]) - x)),
+    step: (k, dx, dy) => Math.min(a.lambda_um.length - 1, Math.max(0, k + dx + dy)),
+    say: (place) => {
+      const um = a.lambda_um[place];
+      for (const end of ["x1", "x2"]) cross.setAttribute(end, X(um));
+      readout.textContent = reach.map((s, i) => {
+        const k = nearest(s.lambda_um.length, (j) => Math.abs(s.lambda_um[j] - um));
+        return `${reach.length > 1 ? `${"AB"[i]} ` : ""}${brief(s.lambda_um[k])} µm: ${brief(s.value[k] * factor)} ± ${brief(s.value_stderr[k] * factor, 2)} ${unit}`;
+      }).join("; ");
+    },
   });
-  return picture;
 }
 
 // Which colour is what.

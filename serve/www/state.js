@@ -34,6 +34,32 @@ export function selectionParameters(state, prefix = "", as = "") {
   return Object.fromEntries(SELECTION.map((f) => [as + f, state[prefix + f]]));
 }
 
+// The chosen sweep, or undefined: its database has none (yet).
+export const sweepOf = (state, prefix, contents) =>
+  contents.database[Number(state[`${prefix}db`])]?.sweep?.find((s) => s.name === state[`${prefix}sweep`]);
+
+// Whether a sweep can be chosen: for B, whether it shares a viewpoint with A.
+export function fits(state, prefix, contents, database, sweep) {
+  const a = prefix === "" ? null : sweepOf(state, "", contents);
+  return !a || a.shares.some((s) => s.db === database && s.sweep === sweep);
+}
+
+// What A is set beside unless something else is asked for: what another database has of its season,
+// or else another season, hour or sweep of its own.
+export function proposeOther(state, contents) {
+  for (const f of SELECTION) state[`b_${f}`] = state[f];
+  const { condition, shares } = sweepOf(state, "", contents);
+  const elsewhere = shares.find((s) => String(s.db) !== state.db);
+  const season = condition.find((c) => c.season !== state.season);
+  const hour = condition.find((c) => c.time_utc !== state.time);
+  const sweep = shares.find((s) => s.sweep !== state.sweep);
+  if (elsewhere) Object.assign(state, { b_db: String(elsewhere.db), b_sweep: elsewhere.sweep });
+  else if (season) state.b_season = season.season;
+  else if (hour) state.b_time = hour.time_utc;
+  else if (sweep) state.b_sweep = sweep.sweep;
+  completeSelection(state, "b_", contents, () => {});
+}
+
 // Fills in what the address does not say, and replaces what there is not; `complain` is told in words.
 export function completeSelection(state, prefix, contents, complain) {
   const pick = (field, known, what) => {
@@ -44,18 +70,18 @@ export function completeSelection(state, prefix, contents, complain) {
   };
   const readable = contents.database.map((d, k) => (d.error ? -1 : k)).filter((k) => k >= 0);
   if (readable.length === 0) return null;
-  pick("db", readable.map(String), "database");
-  const sweeps = contents.database[Number(state[`${prefix}db`])].sweep;
+  const first = (list, good) => [...list.filter(good), ...list.filter((x) => !good(x))];
+  const useful = (k) => contents.database[k].sweep.some((s) => fits(state, prefix, contents, k, s.name));
+  pick("db", first(readable, useful).map(String), "database");
+  const database = Number(state[`${prefix}db`]), sweeps = contents.database[database].sweep;
   if (sweeps.length === 0) return null;
-  pick("sweep", sweeps.map((s) => s.name), "sweep");
-  const sweep = sweeps.find((s) => s.name === state[`${prefix}sweep`]);
+  pick("sweep", first(sweeps.map((s) => s.name), (name) => fits(state, prefix, contents, database, name)), "sweep");
+  const sweep = sweepOf(state, prefix, contents);
   pick("season", sweep.condition.map((c) => c.season), "season");
   const times = sweep.condition.filter((c) => c.season === state[`${prefix}season`]).map((c) => c.time_utc);
   // Another season keeps the hour of the day if it has it.
-  const hour = state[`${prefix}time`].slice(10);
-  const same = times.find((t) => t.slice(10) === hour);
-  if (same && hour !== "") state[`${prefix}time`] = same;
-  else if (!times.includes(state[`${prefix}time`])) state[`${prefix}time`] = times[0];
+  const time = state[`${prefix}time`];
+  if (!times.includes(time)) state[`${prefix}time`] = times.find((t) => time !== "" && t.slice(10) === time.slice(10)) ?? times[0];
   pick("band", sweep.band.map((b) => b.name), "band");
   pick("at_range_m", sweep.range_m.map(String), "range");
   return sweep;

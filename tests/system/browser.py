@@ -96,9 +96,18 @@ class Page:
         assert "exceptionDetails" not in result, f"{expression}: {result['exceptionDetails']}"
         return result["result"].get("value")
 
+    def run_unless_leaving(self, expression):
+        """The same, or None while another page takes the place of this one."""
+        try:
+            return self.run(expression)
+        except AssertionError as error:
+            if "navigated or closed" in str(error) or "Not attached" in str(error):
+                return None
+            raise
+
     def wait(self, expression, what=None):
         begin = time.monotonic()
-        while not self.run(expression):
+        while not self.run_unless_leaving(expression):
             assert time.monotonic() - begin < TIMEOUT_S, f"in vain waited for {what or expression}; errors {self.errors}"
             time.sleep(0.02)
 
