@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <set>
 
 #include "view/atomic_file.h"
 #include "view/progress.h"
@@ -22,17 +21,12 @@ absl::Status export_netcdf(StoreReader& reader, const ExportAsked& asked, const 
     return absl::InvalidArgumentError(
         "netcdf holds computed signatures only: export interpolated ones as csv");
   }
-  const auto rows = run_query(reader, asked.query, asked.extent_of);
+  auto rows = run_query(reader, asked.query, asked.extent_of);
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return nothing();
-  std::set<std::string> sweeps;
-  for (const QueryRow& r : *rows) sweeps.insert(r.signature.sweep);
-  if (sweeps.size() > 1) {
-    return absl::InvalidArgumentError(fmt::format(
-        "a netcdf file holds one sweep; choose one with --sweep: {}", fmt::join(sweeps, ", ")));
-  }
-  return replace_file(
-      path, [&](const std::string& beside) { return write_netcdf(reader, *rows, beside); });
+  return replace_file(path, [&](const std::string& beside) {
+    return write_netcdf(reader, *std::move(rows), beside);
+  });
 }
 
 }  // namespace

@@ -27,11 +27,12 @@ struct ExportAsked {
 // number of rows but for netcdf (4 kB a row, and its spectrum if it is moved).
 //   csv      the columns of `irsig query --format csv --causes`, one line per signature; or with
 //            spectra. Of several sweeps, too
-//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day, band,
-//            part, and bin (of the band's wavelengths, which are lambda_um(band, bin)), and range_m
-//            if rows are moved to other ranges; scalars, causes, parts, spectra with the bins'
-//            limits and weights; instant, sun, weather and warnings by condition. One sweep per
-//            file. What is not there (yet) is NaN.
+//   netcdf   netCDF-4 with CF-1.10 attributes: dimensions viewpoint, season, time_of_day (time, if
+//            there is one season, or one has several dates), band, part, and bin (of the band's
+//            wavelengths, which are lambda_um(band, bin)), and range_m if rows are moved to other
+//            ranges; scalars, causes, parts, spectra with the bins' limits, response and weights;
+//            instant, sun, weather and warnings by condition. Of several sweeps each is a group.
+//            What is not there (yet) is NaN.
 //   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
 //            one band's wavelengths, a spectrum and its name for each signature
 // NOT_FOUND: nothing matches.
@@ -42,8 +43,8 @@ struct ExportAsked {
 [[nodiscard]] absl::Status export_csv(StoreReader& reader, const ExportAsked& asked,
                                       std::ostream& out);
 
-// The netCDF writer: rows of one sweep, not interpolated, not empty.
-[[nodiscard]] absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
+// The netCDF writer: rows that are not interpolated, not empty.
+[[nodiscard]] absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
                                         const std::string& path);
 
 // The same for an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.

@@ -9,11 +9,10 @@
 #include <tuple>
 
 #include "absl/strings/str_join.h"
-#include "bridge/environment/sweep_environment.h"
 #include "core/accuracy/spectral_modes.h"
 #include "core/geo/sun.h"
-#include "core/spectral/band.h"
 #include "view/export.h"
+#include "view/netcdf_bands.h"
 #include "view/netcdf_file.h"
 #include "view/progress.h"
 
@@ -47,18 +46,23 @@ std::vector<T> collected(const std::vector<const S*>& from, const Get& get) {
   return out;
 }
 
-// The cube that a file holds. A condition is a season at a time of day ("01:30:00Z"); where a
-// season has several dates, at an instant.
+// The cube that a sweep's rows make. A condition is a season at a time of day ("01:30:00Z"), which
+// seasons share; where one season is alone, or one has several dates, at an instant: an axis of
+// dates, on which readers choose by date.
 struct Layout {
   Places<std::tuple<double, double, double>> viewpoint;  // at its stored range
   Places<std::string> season, time, band;
   Places<double> range;  // of moved rows; else one for all
   bool moved;
+  bool dated = false;  // times are instants
   struct Cell {
     std::size_t viewpoint, season, time, band, range;
   };
   std::vector<Cell> cell;  // of each row
 
+  static std::string clock(const std::string& time_utc) {
+    return time_utc.substr(time_utc.find('T') + 1);
+  }
   static double stored_range_m(const QueryRow& r) {
     return r.range_change ? r.range_change->stored_range_m : r.signature.range_m;
   }
@@ -70,14 +74,17 @@ struct Layout {
     for (const double r : ranges) range.place(r, rows.front().signature);
     range_m.assign(ranges.begin(), ranges.end());
     std::map<std::pair<std::string, std::string>, std::string> instant;
-    const auto clock = [](const S& s) { return s.time_utc.substr(s.time_utc.find('T') + 1); };
-    bool dated = false;
+    std::set<std::string> seasons;
     for (const QueryRow& r : rows) {
       const S& s = r.signature;
-      dated |= instant.try_emplace({s.season, clock(s)}, s.time_utc).first->second != s.time_utc;
+      seasons.insert(s.season);
+      dated |= instant.try_emplace({s.season, clock(s.time_utc)}, s.time_utc).first->second !=
+               s.time_utc;
     }
+    dated |= seasons.size() == 1;
     std::set<std::string> times;  // in their order
-    for (const QueryRow& r : rows) times.insert(dated ? r.signature.time_utc : clock(r.signature));
+    for (const QueryRow& r : rows)
+      times.insert(dated ? r.signature.time_utc : clock(r.signature.time_utc));
     for (const std::string& t : times) time.place(t, rows.front().signature);
     for (const QueryRow& r : rows) {
       const S& s = r.signature;
@@ -85,13 +92,13 @@ struct Layout {
       const std::tuple key(s.aspect_azimuth_deg, s.aspect_elevation_deg, stored_m);
       const std::size_t views = viewpoint.size();
       cell.push_back({viewpoint.place(key, s), season.place(s.season, s),
-                      time.place(dated ? s.time_utc : clock(s), s), band.place(s.band, s),
+                      time.place(dated ? s.time_utc : clock(s.time_utc), s), band.place(s.band, s),
                       range.place(moved ? s.range_m : 0, s)});
       if (viewpoint.size() > views) viewpoint_range_m.push_back(stored_m);
     }
     time_name.assign(times.begin(), times.end());
   }
-  std::vector<std::string> time_name;
+  std::vector<std::string> time_name;  // in their order
   std::vector<double> range_m, viewpoint_range_m;
 
   [[nodiscard]] std::size_t condition(const Cell& c) const {
@@ -153,6 +160,7 @@ using Dimension = NetcdfFile::Dimension;
 struct Dimensions {
   Dimension viewpoint, season, time, band;
   std::optional<Dimension> range;  // of moved rows
+  std::string coordinates;         // of the cube, for CF: those that are no axis
   [[nodiscard]] std::vector<Dimension> cube() const {
     std::vector<Dimension> out{viewpoint, season, time, band};
     if (range) out.push_back(*range);
@@ -160,8 +168,24 @@ struct Dimensions {
   }
 };
 
+constexpr const char* kConventions = "CF-1.10";
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* kCoordinates = "aspect_azimuth_deg aspect_elevation_deg range_m time";
+
+double instant_of(const std::string& time_utc) {
+  const auto t = parse_rfc3339(time_utc);
+  return t.ok() ? unix_seconds(*t) : kNan;
+}
+
+// Whether a condition's wind is stated, which may be calm: weather that nothing asks the wind of
+// has 0 as well.
+bool wind_is_stated(const schema::ResolvedSweep& sweep, const schema::Condition& c) {
+  if (c.weather().wind_speed_m_s() > 0) return true;
+  const auto at = static_cast<int>(c.season_index());
+  if (!c.has_weather() || at >= sweep.sweep().season_size()) return false;
+  const schema::Season& season = sweep.sweep().season(at);
+  return season.name() == c.season() &&
+         (season.has_wind_speed_m_s() || season.has_weather_file() || season.has_day());
+}
 
 // What is known of each condition: when it is, the sun, the weather. [season][time]
 void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
@@ -176,10 +200,9 @@ void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
     return out;
   };
   const std::vector<Dimension> plane{d.season, d.time};
-  file.times({"time", "instant of the condition", ""}, plane, each([](const S& s) {
-               const auto t = parse_rfc3339(s.time_utc);
-               return t.ok() ? unix_seconds(*t) : kNan;
-             }));
+  if (!layout.dated)  // else an axis
+    file.times({"time", "instant of the condition", ""}, plane,
+               each([](const S& s) { return instant_of(s.time_utc); }));
   file.doubles(
       {"sun_azimuth_deg", "azimuth of the sun seen from the target, clockwise from north", ""},
       plane, each([](const S& s) { return s.sun_azimuth_deg; }));
@@ -190,28 +213,43 @@ void write_conditions(NetcdfFile& file, const std::vector<QueryRow>& rows,
       if (c.season() == s.season && c.time_utc() == s.time_utc) return &c;
     return nullptr;  // of an earlier version of the sweep
   };
-  // 0: the sweep does not say.
+  // nullopt: the sweep does not say. Zero is a value where it is said.
   const auto stated = [&](const char* name, const auto& get) {
     auto values = each([&](const S& s) {
       const schema::Condition* c = condition_of(s);
-      return c == nullptr || get(*c) == 0 ? kNan : get(*c);
+      return c == nullptr ? kNan : get(*c).value_or(kNan);
     });
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
       file.doubles({name, "", ""}, plane, values);
   };
   using C = schema::Condition;
-  stated("air_temperature_k", [](const C& c) {
-    return c.weather().surface_stated() ? c.weather().air_temperature_k() : c.air_temperature_k();
+  using Value = std::optional<double>;
+  const auto said = [](bool is_said, double value) { return is_said ? Value(value) : Value(); };
+  // Of numbers that cannot be 0 (jobs/number_bounds.cpp): 0 stands for none.
+  const auto nonzero = [&](double value) { return said(value != 0, value); };
+  stated("air_temperature_k", [&](const C& c) {
+    return nonzero(c.weather().surface_stated() ? c.weather().air_temperature_k()
+                                                : c.air_temperature_k());
   });
-  stated("relative_humidity_percent",
-         [](const C& c) { return c.weather().relative_humidity_percent(); });
-  stated("pressure_pa", [](const C& c) { return c.weather().pressure_pa(); });
-  stated("wind_speed_m_s", [](const C& c) { return c.weather().wind_speed_m_s(); });
-  stated("visibility_m", [](const C& c) { return c.weather().visibility_m(); });
-  stated("sea_temperature_k", [](const C& c) { return c.surroundings().sea_temperature_k(); });
-  stated("ground_temperature_k",
-         [](const C& c) { return c.surroundings().ground_temperature_k(); });
-  stated("sun_irradiance_w_m2", [](const C& c) { return c.sun_irradiance_w_m2(); });
+  // The three of the surface come together.
+  stated("relative_humidity_percent", [&](const C& c) {
+    return said(c.weather().surface_stated() || c.weather().pressure_pa() != 0,
+                c.weather().relative_humidity_percent());
+  });
+  stated("pressure_pa", [&](const C& c) { return nonzero(c.weather().pressure_pa()); });
+  stated("wind_speed_m_s",
+         [&](const C& c) { return said(wind_is_stated(sweep, c), c.weather().wind_speed_m_s()); });
+  stated("visibility_m", [&](const C& c) { return nonzero(c.weather().visibility_m()); });
+  stated("sea_temperature_k", [&](const C& c) {
+    return said(c.surroundings().has_sea_temperature_k(), c.surroundings().sea_temperature_k());
+  });
+  stated("ground_temperature_k", [&](const C& c) {
+    return said(c.surroundings().has_ground_temperature_k(),
+                c.surroundings().ground_temperature_k());
+  });
+  stated("sun_irradiance_w_m2", [&](const C& c) {
+    return said(sweep.sweep().transport().sun(), c.sun_irradiance_w_m2());
+  });
   std::vector<std::string> warning;
   for (const S* s : any) {
     const schema::Condition* c = s == nullptr ? nullptr : condition_of(*s);
@@ -239,9 +277,15 @@ void write_axes(NetcdfFile& file, const Layout& layout, const Dimensions& d) {
                  {*d.range}, layout.range_m);
   file.strings({"season", "", ""}, {d.season},
                collected<std::string>(layout.season.first(), [](const S& s) { return s.season; }));
-  file.strings(
-      {"time_of_day", "time of day, UTC; date and time where a season has several dates", ""},
-      {d.time}, layout.time_name);
+  std::vector<std::string> clock;
+  for (const std::string& name : layout.time_name)
+    clock.push_back(layout.dated ? Layout::clock(name) : name);
+  file.strings({"time_of_day", "time of day, UTC", ""}, {d.time}, clock);
+  if (layout.dated) {
+    std::vector<double> instant;
+    for (const std::string& name : layout.time_name) instant.push_back(instant_of(name));
+    file.times({"time", "instant of the condition", ""}, {d.time}, instant);
+  }
   const auto& bands = layout.band.first();
   file.strings({"band", "", ""}, {d.band},
                collected<std::string>(bands, [](const S& s) { return s.band; }));
@@ -261,14 +305,14 @@ void write_scalars(NetcdfFile& file, const std::vector<QueryRow>& rows, const La
       if (kQuantityMember[q] == &S::apparent_temperature_k && v == 0) continue;
       values[layout.index(layout.cell[i])] = v;
     }
-    file.doubles({kQuantities[q].name.data(), "", "", kCoordinates}, d.cube(), values);
+    file.doubles({kQuantities[q].name.data(), "", "", d.coordinates}, d.cube(), values);
   }
   if (layout.moved) {
     std::vector<double> values(layout.size(), kNan);
     for (std::size_t i = 0; i < rows.size(); ++i)
       values[layout.index(layout.cell[i])] = rows[i].range_change->range_bound_w_sr;
     file.doubles({"range_bound_w_sr", "what moving to the range adds to the apparent error", "",
-                  kCoordinates},
+                  d.coordinates},
                  d.cube(), values);
   }
   std::vector<long long> row(layout.size(), -1), samples = row;
@@ -311,9 +355,9 @@ absl::Status write_inputs(StoreReader& reader, NetcdfFile& file, const std::vect
   std::vector<Dimension> cube = d.cube();
   cube.push_back(input);
   file.doubles({"input_contribution_w_sr", "what the intensity gains by one sigma of the input", "",
-                kCoordinates},
+                d.coordinates},
                cube, value);
-  file.doubles({"input_contribution_stderr_w_sr", "", "", kCoordinates}, cube, value_stderr);
+  file.doubles({"input_contribution_stderr_w_sr", "", "", d.coordinates}, cube, value_stderr);
   return absl::OkStatus();
 }
 
@@ -348,65 +392,8 @@ absl::Status write_parts(StoreReader& reader, NetcdfFile& file, const std::vecto
   file.strings({"part", "part of the target", ""}, {part}, names);
   std::vector<Dimension> cube = d.cube();
   cube.push_back(part);
-  file.doubles({"part_intensity_w_sr", "", "", kCoordinates}, cube, value);
-  file.doubles({"part_intensity_stderr_w_sr", "", "", kCoordinates}, cube, value_stderr);
-  return absl::OkStatus();
-}
-
-// What each bin of a band adds to the in-band integral of a spectrum of bin means, response
-// included: exact where the spectrum is a straight line. (Only half of the first and last bin lies
-// inside the band; its mean is not that of the half.)
-std::vector<double> bin_weights(const BandGrid& grid) {
-  const std::size_t bins = grid.lambda_um.size();
-  std::vector<double> weight(bins, 0.0);
-  for (std::size_t k = 0; k < bins; ++k) {
-    double moment = 0;
-    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i) {
-      weight[k] += grid.band_weight[i];
-      moment += grid.band_weight[i] * (grid.node_um[i] - grid.lambda_um[k]);
-    }
-    // Times the slope, from the bins beside it.
-    const std::size_t below = k == 0 ? 0 : k - 1, above = std::min(k + 1, bins - 1);
-    if (above == below) continue;
-    const double per_mean = moment / (grid.lambda_um[above] - grid.lambda_um[below]);
-    weight[above] += per_mean;
-    weight[below] -= per_mean;
-  }
-  return weight;
-}
-
-// The bins of a band's stored wavelengths: their limits and weights.
-absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep, const Layout& layout,
-                        const std::vector<std::vector<double>>& lambda_um, Dimension band,
-                        Dimension bin, std::size_t bins) {
-  std::vector<double> axis(layout.band.size() * bins, kNan), weight = axis,
-                                                             bounds(2 * axis.size(), kNan);
-  for (std::size_t b = 0; b < layout.band.size(); ++b) {
-    for (std::size_t k = 0; k < lambda_um[b].size(); ++k) axis[b * bins + k] = lambda_um[b][k];
-    const auto& bands = sweep.sweep().band();
-    const auto of = std::find_if(bands.begin(), bands.end(), [&](const schema::Band& message) {
-      return message.name() == layout.band.first()[b]->band;
-    });
-    if (of == bands.end()) continue;
-    Band stated{of->name(), of->lambda_min_um(), of->lambda_max_um(), of->step_um(), {}};
-    for (const schema::SpectralPoint& p : of->response())
-      stated.response.push_back({p.lambda_um(), p.value()});
-    const auto grid = make_band_grid(stated, spectral_breaks_um(sweep));
-    if (!grid.ok()) return grid.status();
-    if (grid->lambda_um.size() != lambda_um[b].size()) continue;  // of an earlier version
-    const std::vector<double> of_bin = bin_weights(*grid);
-    for (std::size_t k = 0; k < of_bin.size(); ++k) {
-      bounds[2 * (b * bins + k)] = grid->lambda_um[k] - grid->step_um / 2;
-      bounds[2 * (b * bins + k) + 1] = grid->lambda_um[k] + grid->step_um / 2;
-      weight[b * bins + k] = of_bin[k];
-    }
-  }
-  file.doubles({"lambda_um", "wavelength in vacuum, middle of the bin", ""}, {band, bin}, axis);
-  file.doubles({"lambda_bounds_um", "limits of the bin, over which spectra are means", ""},
-               {band, bin, file.dimension("edge", 2)}, bounds);
-  file.doubles({"in_band_weight_um",
-                "response x width inside the band: sums of these times a spectrum are in-band", ""},
-               {band, bin}, weight);
+  file.doubles({"part_intensity_w_sr", "", "", d.coordinates}, cube, value);
+  file.doubles({"part_intensity_stderr_w_sr", "", "", d.coordinates}, cube, value_stderr);
   return absl::OkStatus();
 }
 
@@ -428,7 +415,8 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
   }
   if (bins == 0) return absl::OkStatus();
   bin = file.dimension("bin", bins);
-  if (absl::Status s = write_bins(file, sweep, layout, lambda_um, d.band, *bin, bins); !s.ok())
+  const auto bands = collected<std::string>(layout.band.first(), [](const S& s) { return s.band; });
+  if (absl::Status s = write_bins(file, sweep, bands, lambda_um, d.band, *bin, bins); !s.ok())
     return s;
   std::vector<Dimension> cube = d.cube();
   cube.push_back(*bin);
@@ -439,8 +427,7 @@ absl::Status write_spectra(StoreReader& reader, NetcdfFile& file,
     const bool taken = std::any_of(kQuantities.begin(), kQuantities.end(),
                                    [&](const QuantityInfo& q) { return q.name == name; });
     variable.push_back(file.slabs(
-        {taken ? "spectral_" + name : name, "", name, fmt::format("{} lambda_um", kCoordinates)},
-        cube));
+        {taken ? "spectral_" + name : name, "", name, d.coordinates + " lambda_um"}, cube));
   }
   const std::size_t slab = layout.places() * bins;
   std::vector<std::vector<float>> values(std::size(kSpectra));
@@ -503,8 +490,8 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
   cube.push_back(*bin);
   std::vector<NetcdfFile::Variable> variable;
   for (const ModeColumn& column : kModes)
-    variable.push_back(file.slabs(
-        {column.name, "", column.name, fmt::format("{} lambda_um", kCoordinates)}, cube));
+    variable.push_back(
+        file.slabs({column.name, "", column.name, d.coordinates + " lambda_um"}, cube));
   const std::size_t of_row = most * bins;
   for (std::size_t v = 0; v < of_viewpoint.size(); ++v)
     for (std::size_t c = 0; c < std::size(kModes); ++c) {
@@ -528,16 +515,13 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows,
-                          const std::string& path) {
+// One sweep's cube, where the file is.
+absl::Status write_cube(StoreReader& reader, const std::vector<QueryRow>& rows, NetcdfFile& file) {
   const S& any = rows.front().signature;
   const auto sweep = reader.sweep(any.sweep);
   if (!sweep.ok()) return sweep.status();
   const Layout layout(rows);
-  NetcdfFile file(path);
-  file.attribute("Conventions", "CF-1.10");
+  file.attribute("Conventions", kConventions);
   file.attribute("title", "Infrared signatures of sweep " + any.sweep);
   file.attribute("source", fmt::format("irsig build {}, physics version {}", any.build_id,
                                        any.physics_version));
@@ -548,9 +532,12 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
                  "errors, numerical errors and model errors are one sigma. NaN: not computed.");
   Dimensions d{file.dimension("viewpoint", layout.viewpoint.size()),
                file.dimension("season", layout.season.size()),
-               file.dimension("time_of_day", layout.time.size()),
+               file.dimension(layout.dated ? "time" : "time_of_day", layout.time.size()),
                file.dimension("band", layout.band.size()),
-               {}};
+               {},
+               fmt::format("aspect_azimuth_deg aspect_elevation_deg {} {}",
+                           layout.moved ? "stored_range_m" : "range_m",
+                           layout.dated ? "time_of_day" : "time")};
   if (layout.moved) d.range = file.dimension("range_m", layout.range.size());
   write_axes(file, layout, d);
   write_conditions(file, rows, sweep->resolved, layout, d);
@@ -564,8 +551,32 @@ absl::Status write_netcdf(StoreReader& reader, const std::vector<QueryRow>& rows
           write_spectra(reader, file, sweep->resolved, rows, layout, d, bin, bins);
       !status.ok())
     return status;
-  if (absl::Status status = write_modes(reader, file, rows, layout, d, bin, bins); !status.ok())
-    return status;
+  return write_modes(reader, file, rows, layout, d, bin, bins);
+}
+
+}  // namespace
+
+absl::Status write_netcdf(StoreReader& reader, std::vector<QueryRow> rows,
+                          const std::string& path) {
+  // Of a sweep one after the other, as they come.
+  std::vector<std::vector<QueryRow>> of_sweep;
+  std::map<std::string, std::size_t> place;
+  for (QueryRow& row : rows) {
+    const auto [at, is_new] = place.try_emplace(row.signature.sweep, of_sweep.size());
+    if (is_new) of_sweep.emplace_back();
+    of_sweep[at->second].push_back(std::move(row));
+  }
+  rows.clear();
+  rows.shrink_to_fit();
+  NetcdfFile file(path);
+  if (of_sweep.size() > 1) {
+    file.attribute("Conventions", kConventions);
+    file.attribute("title", "Infrared signatures of several sweeps, each a group");
+  }
+  for (const std::vector<QueryRow>& cube : of_sweep) {
+    if (of_sweep.size() > 1) file.group(cube.front().signature.sweep);
+    if (absl::Status status = write_cube(reader, cube, file); !status.ok()) return status;
+  }
   return file.close();
 }
 

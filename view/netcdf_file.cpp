@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <netcdf.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace irsig {
 
 NetcdfFile::NetcdfFile(const std::string& path) {
   check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &file_), "create");
+  group_ = file_;
 }
 
 NetcdfFile::~NetcdfFile() {
@@ -24,41 +26,54 @@ void NetcdfFile::check(int code, std::string_view doing) {
   }
 }
 
+void NetcdfFile::group(const std::string& name) {
+  std::string plain = name;
+  std::replace(plain.begin(), plain.end(), '/', '_');
+  if (status_.ok()) check(nc_def_grp(file_, plain.c_str(), &group_), name);
+}
+
 NetcdfFile::Dimension NetcdfFile::dimension(const std::string& name, std::size_t length) {
   int id = -1;
-  if (status_.ok()) check(nc_def_dim(file_, name.c_str(), length, &id), name);
+  if (status_.ok()) check(nc_def_dim(group_, name.c_str(), length, &id), name);
   return id;
 }
 
 void NetcdfFile::attribute(std::string_view name, const std::string& value) {
   if (!status_.ok()) return;
-  check(nc_put_att_text(file_, NC_GLOBAL, std::string(name).c_str(), value.size(), value.data()),
+  check(nc_put_att_text(group_, NC_GLOBAL, std::string(name).c_str(), value.size(), value.data()),
         name);
 }
 
 int NetcdfFile::define(const Quantity& what, int type, const std::vector<Dimension>& dimensions) {
   int id = -1;
   if (!status_.ok()) return id;
-  check(nc_def_var(file_, what.name.c_str(), type, static_cast<int>(dimensions.size()),
+  check(nc_def_var(group_, what.name.c_str(), type, static_cast<int>(dimensions.size()),
                    dimensions.data(), &id),
         what.name);
   const auto text = [&](const char* name, const std::string& value) {
     if (!value.empty() && status_.ok()) {
-      check(nc_put_att_text(file_, id, name, value.size(), value.data()), what.name);
+      check(nc_put_att_text(group_, id, name, value.size(), value.data()), what.name);
     }
   };
   const irsig::Quantity quantity = quantity_of(what.of.empty() ? what.name : what.of);
   text("long_name", what.long_name.empty() ? quantity.noun : what.long_name);
   if (type != NC_STRING) text("units", quantity.cf_unit);
   text("coordinates", what.coordinates);
-  if (status_.ok() && type == NC_DOUBLE) {
+  text("bounds", what.bounds);
+  text("comment", what.comment);
+  // CF allows no fill value where a variable is the coordinate of its own dimension.
+  char dimension[NC_MAX_NAME + 1] = "";
+  if (status_.ok() && dimensions.size() == 1)
+    check(nc_inq_dimname(group_, dimensions.front(), dimension), what.name);
+  const bool coordinate = what.name == dimension;
+  if (status_.ok() && type == NC_DOUBLE && !coordinate) {
     const double fill = std::numeric_limits<double>::quiet_NaN();
-    check(nc_def_var_fill(file_, id, NC_FILL, &fill), what.name);
+    check(nc_def_var_fill(group_, id, NC_FILL, &fill), what.name);
   } else if (status_.ok() && type == NC_FLOAT) {
     const float fill = std::numeric_limits<float>::quiet_NaN();
-    check(nc_def_var_fill(file_, id, NC_FILL, &fill), what.name);
+    check(nc_def_var_fill(group_, id, NC_FILL, &fill), what.name);
     // Spectra are smooth: level 4 with shuffling halves them; higher levels gain < 2 %.
-    if (!dimensions.empty()) check(nc_def_var_deflate(file_, id, 1, 1, 4), what.name);
+    if (!dimensions.empty()) check(nc_def_var_deflate(group_, id, 1, 1, 4), what.name);
   }
   return id;
 }
@@ -66,7 +81,7 @@ int NetcdfFile::define(const Quantity& what, int type, const std::vector<Dimensi
 void NetcdfFile::doubles(const Quantity& what, const std::vector<Dimension>& dimensions,
                          const std::vector<double>& values) {
   const int id = define(what, NC_DOUBLE, dimensions);
-  if (status_.ok()) check(nc_put_var_double(file_, id, values.data()), what.name);
+  if (status_.ok()) check(nc_put_var_double(group_, id, values.data()), what.name);
 }
 
 void NetcdfFile::times(const Quantity& what, const std::vector<Dimension>& dimensions,
@@ -76,8 +91,8 @@ void NetcdfFile::times(const Quantity& what, const std::vector<Dimension>& dimen
        {std::pair<const char*, std::string_view>{"units", "seconds since 1970-01-01 00:00:00"},
         {"calendar", "standard"}})
     if (status_.ok())
-      check(nc_put_att_text(file_, id, name, value.size(), value.data()), what.name);
-  if (status_.ok()) check(nc_put_var_double(file_, id, unix_s.data()), what.name);
+      check(nc_put_att_text(group_, id, name, value.size(), value.data()), what.name);
+  if (status_.ok()) check(nc_put_var_double(group_, id, unix_s.data()), what.name);
 }
 
 NetcdfFile::Variable NetcdfFile::slabs(const Quantity& what,
@@ -86,10 +101,10 @@ NetcdfFile::Variable NetcdfFile::slabs(const Quantity& what,
   std::vector<std::size_t> chunk;
   for (const Dimension d : dimensions) {
     std::size_t length = 0;
-    if (status_.ok()) check(nc_inq_dimlen(file_, d, &length), what.name);
+    if (status_.ok()) check(nc_inq_dimlen(group_, d, &length), what.name);
     chunk.push_back(chunk.empty() ? 1 : length);
   }
-  if (status_.ok()) check(nc_def_var_chunking(file_, id, NC_CHUNKED, chunk.data()), what.name);
+  if (status_.ok()) check(nc_def_var_chunking(group_, id, NC_CHUNKED, chunk.data()), what.name);
   return {id, dimensions.size()};
 }
 
@@ -97,17 +112,17 @@ void NetcdfFile::put(const Variable& to, std::size_t first, const std::vector<fl
   if (!status_.ok()) return;
   std::vector<std::size_t> start(to.dimensions, 0), count(to.dimensions, 1);
   std::vector<int> dimension(to.dimensions);
-  check(nc_inq_vardimid(file_, to.id, dimension.data()), "put");
+  check(nc_inq_vardimid(group_, to.id, dimension.data()), "put");
   for (std::size_t i = 1; i < to.dimensions; ++i)
-    check(nc_inq_dimlen(file_, dimension[i], &count[i]), "put");
+    check(nc_inq_dimlen(group_, dimension[i], &count[i]), "put");
   start[0] = first;
-  check(nc_put_vara_float(file_, to.id, start.data(), count.data(), values.data()), "put");
+  check(nc_put_vara_float(group_, to.id, start.data(), count.data(), values.data()), "put");
 }
 
 void NetcdfFile::counts(const Quantity& what, const std::vector<Dimension>& dimensions,
                         const std::vector<long long>& values) {
   const int id = define(what, NC_INT64, dimensions);
-  if (status_.ok()) check(nc_put_var_longlong(file_, id, values.data()), what.name);
+  if (status_.ok()) check(nc_put_var_longlong(group_, id, values.data()), what.name);
 }
 
 void NetcdfFile::strings(const Quantity& what, const std::vector<Dimension>& dimensions,
@@ -116,12 +131,12 @@ void NetcdfFile::strings(const Quantity& what, const std::vector<Dimension>& dim
   if (!status_.ok()) return;
   std::vector<const char*> text;
   for (const auto& v : values) text.push_back(v.c_str());
-  check(nc_put_var_string(file_, id, text.data()), what.name);
+  check(nc_put_var_string(group_, id, text.data()), what.name);
 }
 
 absl::Status NetcdfFile::close() {
   if (file_ >= 0) check(nc_close(file_), "close");
-  file_ = -1;
+  file_ = group_ = -1;
   return status_;
 }
 

@@ -19,6 +19,9 @@ class NetcdfFile {
   NetcdfFile(const NetcdfFile&) = delete;
   NetcdfFile& operator=(const NetcdfFile&) = delete;
 
+  // What follows goes into a group below the root, which is made; "/" is replaced by "_".
+  void group(const std::string& name);
+
   using Dimension = int;
   Dimension dimension(const std::string& name, std::size_t length);
   void attribute(std::string_view name, const std::string& value);
@@ -28,6 +31,8 @@ class NetcdfFile {
     std::string long_name;         // empty: made from the name
     std::string of;                // the identifier whose unit it has; empty: its name
     std::string coordinates = "";  // CF attribute, empty: none
+    std::string bounds = "";       // likewise
+    std::string comment = "";      // likewise
   };
   // The values in row-major order, as many as the dimensions' product. NaN is the fill value of
   // doubles and floats.
@@ -55,7 +60,7 @@ class NetcdfFile {
   void check(int code, std::string_view doing);
   int define(const Quantity& what, int type, const std::vector<Dimension>& dimensions);
 
-  int file_ = -1;
+  int file_ = -1, group_ = -1;
   absl::Status status_;
 };
 

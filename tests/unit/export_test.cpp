@@ -73,7 +73,7 @@ import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1])
 assert d.attrs["Conventions"] == "CF-1.10", d.attrs
 assert dict(d.sizes) == {"viewpoint": 191, "season": 3, "time_of_day": 1, "band": 2, "part": 2,
-                         "bin": 9, "edge": 2}, d.sizes
+                         "bin": 9, "edge": 2, "response_point": 2}, d.sizes
 assert list(d["season"].values) == ["winter", "spring", "summer"]
 assert list(d["band"].values) == ["mwir", "lwir"]
 i = d["intensity_w_sr"]
@@ -94,6 +94,8 @@ assert np.isfinite(mwir["lambda_um"].values).sum() == 5 and np.isnan(mwir["lambd
 assert np.isnan(mwir["spectral_intensity_w_sr_um"].values[..., 5:]).all()
 assert not np.isnan(mwir["spectral_intensity_w_sr_um"].values[..., :5]).any()
 bounds = lwir["lambda_bounds_um"].values
+assert d["lambda_um"].attrs["bounds"] == "lambda_bounds_um"  # and the unit that CF asks for
+assert d["lambda_bounds_um"].attrs["units"] == d["lambda_um"].attrs["units"]
 assert (bounds[1:, 0] == bounds[:-1, 1]).all() and (bounds.mean(axis=1) == lwir["lambda_um"].values).all()
 summer = d.sel(season="summer", time_of_day="01:30:00Z")
 assert str(summer["time"].values)[:16] == "2025-06-21T01:30", summer["time"]
@@ -132,7 +134,139 @@ assert np.isnan(d["apparent_temperature_k"].values[0, 0, 0, 0])
             0);
 }
 
-// One time of day of each season is an axis; a season with several dates has instants.
+// Once "wind_speed_m_s" was in "s", and a calm not stated.
+TEST_F(Export, NetcdfHasUnitsOfEverythingAndZerosThatAreStated) {
+  FakeStoreReader db = fake_database();
+  schema::ResolvedSweep& sweep = db.sweeps["box ship"].resolved;
+  sweep.mutable_sweep()->mutable_transport()->set_sun(true);
+  std::uint32_t place = 0;
+  for (schema::Condition& c : *sweep.mutable_condition()) {
+    c.set_season_index(place++);
+    schema::Season& season = *sweep.mutable_sweep()->add_season();
+    season.set_name(c.season());
+    schema::Weather& weather = *c.mutable_weather();
+    weather.set_surface_stated(c.season() != "spring");
+    weather.set_air_temperature_k(280.5);
+    weather.set_pressure_pa(c.season() == "summer" ? 99000 : 101300);
+    weather.set_relative_humidity_percent(c.season() == "winter" ? 0 : 70);
+    weather.set_visibility_m(c.season() == "winter" ? 0 : 23000);
+    if (c.season() == "winter") season.set_wind_speed_m_s(0);
+    if (c.season() == "summer") weather.set_wind_speed_m_s(5);
+    c.set_sun_irradiance_w_m2(c.season() == "winter" ? 0 : 700);
+    c.mutable_surroundings()->set_sea_temperature_k(c.season() == "winter" ? 0 : 285);
+  }
+  for (StoredSignature& s : db.signatures) {
+    s.input_uncertainty_w_sr = 1;
+    db.input[s.signature_id] = {{"wind_speed_m_s", {1, 0.1, 0}, {1, 0.1, 0}, {1, 0.1, 0}}};
+  }
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("units.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, numpy as np, xarray as xr
+d = xr.open_dataset(sys.argv[1], decode_times=False)
+UNITS = {"_w_m2_sr_um": "W m-2 sr-1 um-1", "_w_sr_um": "W sr-1 um-1", "_w_m2_sr": "W m-2 sr-1", "_w_sr": "W sr-1", "_w_m2": "W m-2",
+         "_m2": "m2", "_m_s": "m s-1", "_deg": "degree", "_percent": "percent", "_pa": "Pa", "_um": "um", "_k": "K", "_m": "m"}
+NONE = {"row", "samples", "path_transmittance", "spectral_path_transmittance", "backface_share", "response", "response_at_point"}
+for name, v in d.variables.items():
+    if v.dtype == object:
+        assert "units" not in v.attrs, name
+        continue
+    if name == "time":
+        assert v.attrs["units"] == "seconds since 1970-01-01 00:00:00"
+        continue
+    ending = next((e for e in UNITS if name.endswith(e)), None)
+    assert (ending is None) == (name in NONE), f"{name}: a suffix that is not understood"
+    assert v.attrs["units"] == (UNITS[ending] if ending else "1"), (name, v.attrs)
+assert d["wind_speed_m_s"].attrs["long_name"] == "wind speed"
+of = lambda name: d[name].sel(season=["winter", "spring", "summer"]).values[:, 0].tolist()
+nan = float("nan")
+for name, expected in (("wind_speed_m_s", [0, nan, 5]), ("relative_humidity_percent", [0, 70, 70]), ("pressure_pa", [101300, 101300, 99000]),
+                       ("visibility_m", [nan, 23000, 23000]), ("sun_irradiance_w_m2", [0, 700, 700]),
+                       ("sea_temperature_k", [0, 285, 285])):
+    np.testing.assert_equal(of(name), expected, name)
+assert "ground_temperature_k" not in d
+)",
+                   path("units.nc")),
+            0);
+}
+
+TEST_F(Export, NetcdfHasTheResponsesOfTheBands) {
+  FakeStoreReader db = fake_database();
+  schema::ResolvedSweep& sweep = db.sweeps["box ship"].resolved;
+  for (const auto& [um, value] : {std::pair{3.0, 0.0}, {3.25, 0.5}, {4.5, 1.0}, {5.0, 0.8}}) {
+    schema::SpectralPoint& p = *sweep.mutable_sweep()->mutable_band(0)->add_response();
+    p.set_lambda_um(um);
+    p.set_value(value);
+  }
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("response.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, numpy as np, xarray as xr
+d = xr.open_dataset(sys.argv[1])
+mwir, lwir = d.sel(band="mwir"), d.sel(band="lwir")
+np.testing.assert_allclose(mwir["response"].values, [0, 0.6, 0.8, 1, 0.8] + 4 * [np.nan], rtol=1e-12)
+assert (lwir["response"].values == 1).all()
+assert mwir["response_lambda_um"].values.tolist() == [3, 3.25, 4.5, 5]
+assert mwir["response_at_point"].values.tolist() == [0, 0.5, 1, 0.8]
+assert lwir["response_lambda_um"].values.tolist()[:2] == [8, 12] and lwir["response_at_point"].values.tolist()[:2] == [1, 1]
+# Of a spectrum that is 1 everywhere the weights are the response's integral.
+area = np.trapz([0, 0.5, 1, 0.8], [3, 3.25, 4.5, 5])
+assert abs(float(mwir["in_band_weight_um"].sum()) - area) < 1e-9, (mwir["in_band_weight_um"].values, area)
+comment = d["in_band_weight_um"].attrs["comment"]
+assert "is not stored" in comment and "contrast_intensity_w_sr" in comment
+)",
+                   path("response.nc")),
+            0);
+}
+
+TEST_F(Export, NetcdfOfSeveralSweepsHasAGroupForEach) {
+  FakeStoreReader db = fake_database();
+  const FakeStoreReader other = fake_database();
+  db.sweeps["a/b"] = db.sweeps["box ship"];
+  for (StoredSignature s : other.signatures) {
+    if (s.season != "summer") continue;
+    s.sweep = "a/b";
+    s.intensity_w_sr *= 2;
+    db.signatures.push_back(s);
+  }
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("two.nc")).ok());
+  ASSERT_TRUE(export_file(db, {.query = {.sweep = "box ship"}}, "netcdf", path("one.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, netCDF4, numpy as np, xarray as xr
+path = sys.argv[1]
+with netCDF4.Dataset(path) as file:
+    assert sorted(file.groups) == ["a_b", "box ship"] and not file.variables and file.Conventions == "CF-1.10"
+one = xr.open_dataset(path.replace("two", "one"))
+same = xr.open_dataset(path, group="box ship")
+xr.testing.assert_identical(one, same)
+other = xr.open_dataset(path, group="a_b")
+assert other.attrs["title"].endswith("sweep a/b") and other.sizes["season"] == 1
+assert np.array_equal(other["intensity_w_sr"].sel(season="summer").values[:, 0], 2 * one["intensity_w_sr"].sel(season="summer").values[:, 0])
+)",
+                   path("two.nc")),
+            0);
+}
+
+// Chosen by date: of one season by its dates, of several after the season.
+TEST_F(Export, NetcdfIsChosenByDate) {
+  FakeStoreReader db = fake_database();
+  ASSERT_TRUE(export_file(db, {}, "netcdf", path("all.nc")).ok());
+  ASSERT_TRUE(export_file(db, {.query = {.season = "summer"}}, "netcdf", path("summer.nc")).ok());
+  EXPECT_EQ(python(R"(
+import sys, numpy as np, xarray as xr
+summer = xr.open_dataset(sys.argv[1])
+assert summer["intensity_w_sr"].dims == ("viewpoint", "season", "time", "band")
+assert "_FillValue" not in summer["time"].encoding, summer["time"].encoding
+chosen = summer.sel(season="summer", band="lwir", time="2025-06-21T01:30")
+assert chosen["intensity_w_sr"].dims == ("viewpoint",) or chosen.sizes["time"] == 1
+assert summer["time_of_day"].values.tolist() == ["01:30:00Z"] and "time_of_day" in summer["intensity_w_sr"].coords
+d = xr.open_dataset(sys.argv[1].replace("summer", "all"))
+same = d.sel(season="summer", band="lwir").swap_dims(time_of_day="time").sel(time="2025-06-21T01:30")
+assert np.array_equal(np.ravel(same["intensity_w_sr"]), np.ravel(chosen["intensity_w_sr"]))
+)",
+                   path("summer.nc")),
+            0);
+}
+
+// Times of day that seasons share are an axis; a season with several dates has instants.
 TEST_F(Export, NetcdfOfSeasonsWithSeveralDates) {
   FakeStoreReader db = fake_database();
   for (auto& s : db.signatures)
@@ -144,11 +278,14 @@ TEST_F(Export, NetcdfOfSeasonsWithSeveralDates) {
   EXPECT_EQ(python(R"(
 import sys, numpy as np, xarray as xr
 d = xr.open_dataset(sys.argv[1])
-assert d.sizes["season"] == 2 and d.sizes["time_of_day"] == 3, d.sizes
+assert d.sizes["season"] == 2 and d.sizes["time"] == 3, d.sizes
+assert str(d["time"].values[1])[:19] == "2025-06-22T01:30:00" and (np.diff(d["time"].values) > np.timedelta64(0)).all()
 i = d["intensity_w_sr"].sel(band="lwir").isel(viewpoint=0)
 assert np.isnan(i.values).sum() == 3
-assert not np.isnan(i.sel(season="summer", time_of_day="2025-06-22T01:30:00Z"))
-assert np.isnat(d["time"].sel(season="winter", time_of_day="2025-06-22T01:30:00Z").values)
+day = np.datetime64("2025-06-22T01:30:00")
+assert not np.isnan(i.sel(season="summer", time=day))
+assert np.isnan(i.sel(season="winter", time=day)) and np.isnan(d["sun_zenith_deg"].sel(season="winter", time=day))
+assert i.sel(time="2025-06-22").sizes["time"] == 1
 )",
                    path("dates.nc")),
             0);
