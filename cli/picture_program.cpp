@@ -16,6 +16,8 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "coordinator/client/child_process.h"
 #include "coordinator/client/local_farm.h"
@@ -24,6 +26,11 @@
 #include "view/atomic_file.h"
 
 namespace irsig {
+namespace {
+
+constexpr std::string_view kDamaged = "damaged: ";  // worker/picture_main.cpp
+
+}  // namespace
 
 absl::StatusOr<std::string> paint_png(const std::string& exr, const std::string& scale,
                                       const NextExr& others) {
@@ -45,8 +52,12 @@ absl::StatusOr<std::string> paint_png(const std::string& exr, const std::string&
   auto painter = ChildProcess::start({beside_this_executable("irsig-picture"), out, scale, at},
                                      folder->path() + "/log", SIGKILL);
   if (!painter.ok()) return painter.status();
-  if (!painter->wait(600) || !painter->succeeded())
-    return absl::InternalError(fmt::format("irsig-picture: {}", painter->last_words()));
+  if (!painter->wait(600) || !painter->succeeded()) {
+    const std::string words = painter->last_words();
+    if (const std::size_t why = words.find(kDamaged); why != std::string::npos)
+      return absl::DataLossError(words.substr(why + kDamaged.size()));
+    return absl::InternalError(fmt::format("irsig-picture: {}", words));
+  }
   std::ifstream file(out, std::ios::binary);
   return std::string(std::istreambuf_iterator<char>(file), {});
 }
@@ -125,10 +136,18 @@ class PicturePainters::Painter {
     said.pop_back();
     if (said != "ok") return absl::InternalError("irsig-picture: " + said);
     std::ifstream file(path_ + ".out");
-    PictureFacts facts{};
-    while (file >> facts.hottest_w_m2_sr >> facts.shown_px >> facts.left_px >> facts.top_px >>
-           facts.width_px >> facts.height_px)
-      out.push_back(facts);
+    for (std::string line; std::getline(file, line);) {
+      PictureFacts facts{};
+      if (line.starts_with(kDamaged)) {
+        facts.damage = line.substr(kDamaged.size());
+      } else {
+        std::istringstream numbers(line);
+        numbers >> facts.hottest_w_m2_sr >> facts.shown_px >> facts.left_px >> facts.top_px >>
+            facts.width_px >> facts.height_px;
+        if (!numbers) return absl::InternalError("irsig-picture: no facts of an image: " + line);
+      }
+      out.push_back(std::move(facts));
+    }
     return absl::OkStatus();
   }
 

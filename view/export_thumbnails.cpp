@@ -140,11 +140,15 @@ class ThumbnailFolder {
     if (absl::Status s = find_parts(); !s.ok()) return s;
     const auto lock = begin();
     if (!lock.ok()) return lock.status();
-    if (absl::Status s = find_scale(); !s.ok()) return s;
-    if (absl::Status s = paint_all(); !s.ok()) return s;
+    absl::Status done = find_scale();
+    if (done.ok()) done = paint_all();
+    if (!done.ok()) {
+      if (never_) remove_partial();
+      return done;
+    }
     std::error_code error;
     if (journal_.images == 0) {
-      fs::remove_all(partial_, error);
+      remove_partial();
       return absl::NotFoundError(
           "none of the signatures was computed with an image (output.thumbnail_px = 0)");
     }
@@ -157,6 +161,20 @@ class ThumbnailFolder {
  private:
   [[nodiscard]] std::string journal_path() const { return partial_ + "/progress"; }
   [[nodiscard]] std::string labels_path() const { return partial_ + "/labels.csv"; }
+
+  // Of a row whose picture cannot be: the same call would end there again, and another is refused.
+  absl::Status never(absl::Status why) {
+    never_ = true;
+    return why;
+  }
+
+  // What this wrote; a folder that holds more stays.
+  void remove_partial() const {
+    std::error_code error;
+    fs::remove_all(partial_ + "/images", error);
+    for (const std::string& path : {labels_path(), journal_path(), partial_})
+      fs::remove(path, error);
+  }
 
   // In the order of sweeps and of their lists.
   absl::Status find_parts() {
@@ -233,18 +251,19 @@ class ThumbnailFolder {
     return image.signature.projected_area_m2 / (pixel_m * pixel_m);
   }
 
-  absl::StatusOr<PictureAsked> picture(const Image& image) const {
+  absl::StatusOr<PictureAsked> picture(const Image& image) {
     PictureAsked out{image.thumbnail.exr(), "", 0, 0, {}};
     if (!asked_.background) return out;
     const StoredSignature& s = image.signature;
     if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
-      return absl::FailedPreconditionError(fmt::format(
-          "row {} was computed without contrast, background and path: run the sweep again", s.row));
+      return never(absl::FailedPreconditionError(fmt::format(
+          "row {} was computed without contrast, background and path: run the sweep again",
+          s.row)));
     if (!std::isnan(s.plume_w_sr))
-      return absl::InvalidArgumentError(
+      return never(absl::InvalidArgumentError(
           fmt::format("row {} has hot gas, which lets part of the background through: its picture "
                       "cannot be put before it",
-                      s.row));
+                      s.row)));
     // So that the target's pixels add up to its apparent intensity.
     const double arrives_w_sr =
         s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
@@ -253,11 +272,21 @@ class ThumbnailFolder {
     return out;
   }
 
-  absl::StatusOr<std::vector<PictureFacts>> painted(const std::vector<PictureAsked>& pictures) {
+  // Of the images' rows.
+  absl::StatusOr<std::vector<PictureFacts>> painted(const std::vector<Image>& images,
+                                                    const std::vector<PictureAsked>& pictures) {
     auto facts = paint_(pictures);
-    if (facts.ok() && facts->size() != pictures.size())
+    if (!facts.ok()) return facts.status();
+    if (facts->size() != pictures.size())
       return absl::InternalError(
           fmt::format("{} of {} images were painted", facts->size(), pictures.size()));
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      if ((*facts)[i].damage.empty()) continue;
+      const StoredSignature& s = images[i].signature;
+      return never(absl::DataLossError(fmt::format(
+          "the stored image of row {}{} ({}.png) is damaged: {}", s.row,
+          place_.size() > 1 ? " of sweep " + s.sweep : "", name_of(s), (*facts)[i].damage)));
+    }
     return facts;
   }
 
@@ -276,7 +305,7 @@ class ThumbnailFolder {
         if (!one.ok()) return one.status();
         pictures.push_back(*std::move(one));
       }
-      const auto facts = painted(pictures);
+      const auto facts = painted(*some, pictures);
       if (!facts.ok()) return facts.status();
       for (std::size_t i = 0; i < some->size(); ++i) {
         const StoredSignature& s = (*some)[i].signature;
@@ -331,12 +360,12 @@ class ThumbnailFolder {
     if (scale_.kind == Scale::Kind::kOwn) {
       std::vector<PictureAsked> looks = pictures;
       for (PictureAsked& look : looks) look.png.clear();
-      const auto facts = painted(looks);
+      const auto facts = painted(some, looks);
       if (!facts.ok()) return facts.status();
       for (std::size_t i = 0; i < pictures.size(); ++i)
         pictures[i].white_w_m2_sr = (*facts)[i].hottest_w_m2_sr;
     }
-    const auto facts = painted(pictures);
+    const auto facts = painted(some, pictures);
     if (!facts.ok()) return facts.status();
     std::ostringstream lines;
     if (absl::Status s = write_labels(some, pictures, *facts, lines); !s.ok()) return s;
@@ -437,6 +466,7 @@ class ThumbnailFolder {
   std::vector<std::string> parts_;
   std::map<std::string, std::size_t> place_;  // of sweeps
   Journal journal_;
+  bool never_ = false;  // whether going on would end where this call does
 };
 
 }  // namespace

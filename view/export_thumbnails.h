@@ -26,6 +26,7 @@ struct PictureAsked {
 struct PictureFacts {
   double hottest_w_m2_sr;                                        // of what is painted
   std::uint32_t shown_px, left_px, top_px, width_px, height_px;  // of the target
+  std::string damage = {};  // why it cannot be read; empty: it can, and else nothing is known of it
 };
 // Of each; given by who has a program that reads EXR.
 using PaintPictures =
@@ -45,7 +46,9 @@ struct ThumbnailsAsked {
 // (the columns are in docs/export.md), and images/ with its pictures. The folder appears when it is
 // complete. Until then it is FOLDER.partial, which the same call goes on with after an end of any
 // kind; INVALID_ARGUMENT if that one is of another question, or the folder is there. Rows without
-// an image are left out. NOT_FOUND: none has one. The number of images.
+// an image are left out. NOT_FOUND: none has one. What going on cannot mend leaves no folder:
+// DATA_LOSS, an image is damaged; INVALID_ARGUMENT and FAILED_PRECONDITION, rows that cannot be put
+// before a background. The number of images.
 [[nodiscard]] absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader,
                                                               const ThumbnailsAsked& asked,
                                                               const std::string& folder,

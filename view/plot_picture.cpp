@@ -99,8 +99,11 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   const auto thumbnail = stored_thumbnail(reader, *rows);
   if (!thumbnail.ok()) return thumbnail.status();
   const auto stored = read(thumbnail->exr());
-  if (!stored.ok()) return stored.status();
   const StoredSignature& s = rows->front().signature;
+  if (absl::IsDataLoss(stored.status()))
+    return absl::DataLossError(fmt::format("the stored image of row {} is damaged: {}", s.row,
+                                           std::string(stored.status().message())));
+  if (!stored.ok()) return stored.status();
   const std::uint32_t longest = std::max(stored->width_px, stored->height_px);
   if (long_side_px && *long_side_px > longest)
     return absl::InvalidArgumentError(

@@ -9,6 +9,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
 #include "view/atomic_file.h"
+#include "view/png.h"
 #include "view/progress.h"
 
 namespace irsig {
@@ -94,9 +95,21 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
     if (absl::Status status = check_scale(scale); !status.ok()) return status;
   const auto thumbnail = stored_thumbnail(reader, rows);
   if (!thumbnail.ok()) return thumbnail.status();
+  const auto damaged = [&](std::string_view what) {
+    return absl::DataLossError(
+        fmt::format("the stored image of row {} is damaged: {}", rows.front().signature.row, what));
+  };
+  const NextExr none = [] { return std::string(); };
+  if (!png || !scale.empty())  // what no checksum guards is tried
+    if (const auto tried = paint ? paint(thumbnail->exr(), "0,1", none) : ""; !tried.ok())
+      return absl::IsDataLoss(tried.status()) ? damaged(std::string(tried.status().message()))
+                                              : tried.status();
   if (!png) return replace_file(path, thumbnail->exr());
-  if (scale.empty()) return replace_file(path, thumbnail->png());
-  NextExr others = [] { return std::string(); };
+  if (scale.empty()) {
+    const std::string defect = png_defect(thumbnail->png());
+    return defect.empty() ? replace_file(path, thumbnail->png()) : damaged(defect);
+  }
+  NextExr others = none;
   if (scale == "common") {
     auto all = images_like(reader, rows.front().signature);
     if (!all.ok()) return all.status();

@@ -16,7 +16,8 @@
 // and so many bytes of EXR; SEEN: 1, if the image is to be as seen_from() makes it (image.h) of the
 // four numbers behind it. It is painted from BLACK to WHITE as the file PNG; "-": it is only looked
 // at. OUT has a line of each: "HOTTEST SHOWN LEFT TOP WIDTH HEIGHT": the hottest pixel of what is
-// painted, and where the target is. A program of its own, because OpenImageIO is slow to load.
+// painted, and where the target is; or "damaged: " and why it cannot be read, as the program says
+// of FOLDER/picture.exr. A program of its own, because OpenImageIO is slow to load.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -38,6 +39,12 @@ absl::StatusOr<irsig::RadianceImage> read(const fs::path& path) {
   return irsig::decode_exr(std::string(std::istreambuf_iterator<char>(file), {}));
 }
 
+std::string one_line(const absl::Status& status) {
+  std::string text(status.message());
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
 absl::Status written(const std::string& out, std::ofstream& file) {
   file.close();
   return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + out);
@@ -53,13 +60,17 @@ absl::Status write_pixels(const std::string& out, const irsig::RadianceImage& im
 
 absl::Status paint(const std::string& out, const std::string& scale_text, const fs::path& folder) {
   const auto picture = read(folder / "picture.exr");
-  if (!picture.ok()) return picture.status();
+  if (!picture.ok()) return absl::DataLossError("damaged: " + one_line(picture.status()));
   if (scale_text == "pixels") return write_pixels(out, *picture);
   irsig::GreyScale scale{0, 0};
   if (scale_text == "common") {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       const auto image = read(entry.path());
-      if (!image.ok()) return image.status();
+      if (!image.ok())
+        return absl::DataLossError(
+            "of the images that share the scale one cannot be read (irsig "
+            "export --thumbnails says which): " +
+            one_line(image.status()));
       for (const float radiance : image->radiance_w_m2_sr)
         scale.white_w_m2_sr = std::max(scale.white_w_m2_sr, radiance);
     }
@@ -101,9 +112,10 @@ absl::Status paint_many(const std::string& out_path, const std::string& in_path)
     in.read(exr.data(), static_cast<std::streamsize>(exr.size()));
     if (!in) return absl::InvalidArgumentError(in_path + " ends within an image");
     auto image = irsig::decode_exr(exr);
-    if (!image.ok())
-      return absl::Status(image.status().code(),
-                          request->png + ": " + std::string(image.status().message()));
+    if (!image.ok()) {
+      out << "damaged: " << one_line(image.status()) << '\n';
+      continue;
+    }
     irsig::ImageContent content = irsig::content_of(*image);
     if (request->seen != 0) {
       *image = irsig::seen_from(*image, request->from);
@@ -135,9 +147,7 @@ absl::Status serve(const std::string& said_path, const std::string& asked_path) 
     const std::vector<std::string> files = absl::StrSplit(line, '\t');
     absl::Status done = files.size() == 2 ? paint_many(files[0], files[1])
                                           : absl::InvalidArgumentError("no two files: " + line);
-    std::string text = done.ok() ? "ok" : std::string(done.message());
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    said << text << std::endl;
+    said << (done.ok() ? "ok" : one_line(done)) << std::endl;
   }
   return absl::OkStatus();
 }

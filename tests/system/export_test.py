@@ -2,7 +2,7 @@
 
 usage: export_test.py <irsig> <irsig-picture> <repository>
 """
-import csv, io, os, pathlib, signal, struct, subprocess, sys, tempfile, time, unittest, zlib
+import csv, io, os, pathlib, shutil, signal, sqlite3, struct, subprocess, sys, tempfile, time, unittest, zlib
 
 IRSIG, PICTURE, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
 
@@ -245,6 +245,73 @@ class Export(unittest.TestCase):
             f.write("torn")
         irsig("export", self.db, *question)
         self.assertEqual((folder / "labels.csv").read_text(), (whole / "labels.csv").read_text())
+
+    def damaged(self, *statements):
+        copy = self.path / "damaged.sigdb"
+        shutil.copy(self.db, copy)
+        connection = sqlite3.connect(copy)
+        for statement in statements:
+            self.assertGreater(connection.execute(statement).rowcount, 0)
+        connection.commit()
+        connection.close()
+        return copy
+
+    def test_damaged_images_are_named_and_leave_nothing(self):
+        """Once "irsig-picture: -: image: Failed OpenEXR read", of no row, and a folder that could not be gone on with; and a
+        damaged PNG written with exit code 0."""
+        of_row = ("WHERE signature_id = (SELECT signature_id FROM signature_view WHERE sweep = 'quickstart' AND row = 7)")
+        db = self.damaged(f"UPDATE thumbnail SET png = substr(png, 1, 100), exr = substr(exr, 1, length(exr) - 100) {of_row}")
+        row, one = ("--sweep", "quickstart", "--row", 7), self.path / "one.png"
+        before = sorted(os.listdir(self.path))
+        for options in ((), ("--thumbnail-scale", "own"), ("--thumbnail-scale", "0,9"), ("--background",), ("--exr",)):
+            said = irsig("export", db, "--thumbnails", "--out", self.path / "d", *options, expect=1).stderr
+            self.assertIn("the stored image of row 7 of sweep quickstart (images/1-0000007.png) is damaged", said)
+        self.assertIn("row 7 (images/0000007.png)", irsig("export", db, "--thumbnails", "--sweep", "quickstart", "--out", self.path / "d", expect=1).stderr)
+        self.assertIn("the stored image of row 7 is damaged", irsig("query", db, *row, "--thumbnail", one, expect=1).stderr)
+        self.assertIn("the stored image of row 7 is damaged", irsig("query", db, *row, "--thumbnail", self.path / "one.exr", expect=1).stderr)
+        self.assertIn("of row 7 is damaged", irsig("query", db, *row, "--thumbnail", one, "--thumbnail-scale", "0,9", expect=1).stderr)
+        self.assertIn("the stored image of row 7 is damaged", irsig("plot", db, "--kind", "picture", *row, "--out", self.path / "one.svg", expect=1).stderr)
+        same_band = ("--sweep", "quickstart", "--row", 9, "--thumbnail", one, "--thumbnail-scale", "common")
+        self.assertIn("of the images that share the scale one cannot be read", irsig("query", db, *same_band, expect=1).stderr)
+        self.assertEqual(sorted(os.listdir(self.path)), before)
+        irsig("export", db, "--thumbnails", "--sweep", "other", "--out", self.path / "d")
+        shutil.rmtree(self.path / "d")
+
+    def test_gas_has_no_picture_before_a_background(self):
+        db = self.damaged("UPDATE signature SET plume_w_sr = 1, plume_stderr_w_sr = 0.1 WHERE signature_id > 9")
+        # A folder of that name that holds something else stays.
+        for there in ((), ("mine.txt",)):
+            partial = self.path / "gas.partial"
+            for name in there:
+                partial.mkdir()
+                (partial / name).touch()
+            for options in ((), ("--thumbnail-scale", "own"), ("--thumbnail-scale", "0,9", "--exr")):
+                said = irsig("export", db, "--thumbnails", "--background", "--out", self.path / "gas", *options, expect=2).stderr
+                self.assertIn("has hot gas", said)
+                self.assertFalse((self.path / "gas").exists())
+                self.assertEqual(os.listdir(partial) if partial.exists() else [], list(there))
+        shutil.rmtree(partial)
+
+    def test_a_cube_of_each_sweep_and_of_dates(self):
+        import numpy
+        import xarray
+        file = self.export("both.nc")
+        for sweep in ("quickstart", "other"):
+            with xarray.open_dataset(self.export("one.nc", "--sweep", sweep)) as one, xarray.open_dataset(file, group=sweep) as same:
+                xarray.testing.assert_identical(one, same)
+        dated = self.export("summer.nc", "--sweep", "other", "--season", "summer", "--band", "mwir")
+        with xarray.open_dataset(dated) as d, xarray.open_dataset(file, group="other") as whole:
+            day = d.sel(season="summer", band="mwir", time="2025-06-21T01:30")
+            same = whole.sel(season="summer", band="mwir").swap_dims(time_of_day="time").sel(time="2025-06-21T01:30")
+            self.assertEqual(day["intensity_w_sr"].values.ravel().tolist(), same["intensity_w_sr"].values.ravel().tolist())
+            self.assertTrue(numpy.isfinite(day["intensity_w_sr"].values).all())
+            again = self.path / "again.nc"
+            day.to_netcdf(again)
+        with xarray.open_dataset(again) as copy:
+            self.assertEqual(copy["lambda_um"].attrs["bounds"], "lambda_bounds_um")
+            self.assertEqual(copy["contrast_intensity_w_sr"].values.tolist(), day["contrast_intensity_w_sr"].values.tolist())
+        for f in (file, dated):
+            self.assertIn("no signature matches", irsig("export", self.db, "--out", f, "--max-relative-error", "1e-12", expect=2).stderr)
 
     def test_bad_input(self):
         before = sorted(os.listdir(self.path))

@@ -256,7 +256,8 @@ TEST(Quantity, UnitsComeFromTheSuffix) {
 TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   FakeStoreReader db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_thumbnail_test.png";
-  db.thumbnails[db.signatures[4].signature_id].set_png("png bytes");
+  const std::string png = *encode_png({2, 1, {0.0f, 1.0f}});
+  db.thumbnails[db.signatures[4].signature_id].set_png(png);
   auto one = run_query(db, {.row = 5});
   auto many = run_query(db, {.season = "winter"});
   ASSERT_TRUE(one.ok() && many.ok());
@@ -264,7 +265,7 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   std::ifstream in(path);
   std::stringstream bytes;
   bytes << in.rdbuf();
-  EXPECT_EQ(bytes.str(), "png bytes");
+  EXPECT_EQ(bytes.str(), png);
   std::remove(path.c_str());
   EXPECT_EQ(write_thumbnail(db, *one, "a.jpg").code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(write_thumbnail(db, *many, path).message()),
@@ -272,6 +273,41 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   auto without = run_query(db, {.row = 6});
   EXPECT_EQ(write_thumbnail(db, *without, path).code(), absl::StatusCode::kNotFound);
   EXPECT_FALSE(std::ifstream(path).good());
+}
+
+// Once written as it was, with exit code 0.
+TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
+  FakeStoreReader db = fake_database();
+  const std::string path = ::testing::TempDir() + "irsig_damaged_test";
+  const auto one = run_query(db, {.row = 5});
+  ASSERT_TRUE(one.ok());
+  const PaintPng paint = [](const std::string& exr, const std::string&,
+                            const NextExr&) -> absl::StatusOr<std::string> {
+    const auto image = decode_exr(exr);
+    if (!image.ok()) return absl::DataLossError(image.status().message());
+    return encode_png(*image);
+  };
+  const RadianceImage image{2, 2, {0.0f, 1.0f, 2.0f, 3.0f}};
+  schema::Thumbnail& stored = db.thumbnails[db.signatures[4].signature_id];
+  const auto refused = [&](const std::string& ending, const std::string& scale) {
+    const absl::Status status = write_thumbnail(db, *one, path + ending, scale, paint);
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("stored image of row 5 is damaged"));
+    EXPECT_FALSE(std::ifstream(path + ending).good());
+  };
+  stored.set_exr(*encode_exr(image));
+  std::string png = *encode_png(image);
+  png[png.size() / 2] = static_cast<char>(png[png.size() / 2] ^ 1);
+  for (const std::string& bytes : {std::string(), std::string("png"), png, png.substr(0, 40)}) {
+    stored.set_png(bytes);
+    refused(".png", "");
+  }
+  stored.set_png(*encode_png(image));
+  stored.set_exr(stored.exr().substr(0, stored.exr().size() - 20));
+  refused(".exr", "");
+  refused(".png", "0,2");
+  EXPECT_TRUE(write_thumbnail(db, *one, path + ".png", "", paint).ok());
+  std::remove((path + ".png").c_str());
 }
 
 TEST(Query, OfOneRangeAmongSeveral) {
