@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "core/accuracy/spectral_modes.h"
 #include "view/measured_row.h"
@@ -34,6 +35,17 @@ struct Neighbours {
 };
 Neighbours beside(std::size_t bin, std::size_t bins) {
   return {bin == 0 ? 0 : bin - 1, std::min(bin + 1, bins - 1)};
+}
+
+// From where to where a response is not 0; it is somewhere.
+std::pair<double, double> support_um(const ResponseTable& response) {
+  double first = std::numeric_limits<double>::infinity(), last = -first;
+  for (std::size_t i = 0; i + 1 < response.size(); ++i) {
+    if (response[i].value == 0 && response[i + 1].value == 0) continue;
+    first = std::min(first, response[i].lambda_um);
+    last = std::max(last, response[i + 1].lambda_um);
+  }
+  return {first, last};
 }
 
 using Values = google::protobuf::RepeatedField<float>;
@@ -170,14 +182,20 @@ absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
   if (!weights.ok())
     return absl::InvalidArgumentError(
         fmt::format("band {}: {}", row.signature.band, std::string(weights.status().message())));
+  const double step_um =
+      (lambda_um.back() - lambda_um.front()) / static_cast<double>(lambda_um.size() - 1);
+  if (const auto [from, to] = support_um(response); to - from < step_um - kSlackUm)
+    return absl::InvalidArgumentError(
+        fmt::format("band {}: {:g} to {:g} um is narrower than the stored step of {:g} um, means "
+                    "over which are all that is stored; ask for step_um = {:g} in the "
+                    "[[band]] of the sweep",
+                    row.signature.band, from, to, step_um, (to - from) / 2));
   const double share = largest_ratio(response, stored);
   if (std::isinf(share))
     return absl::InvalidArgumentError(
         fmt::format("band {}: its own response is 0 where the other one is not, so that nothing is "
                     "known of errors there",
                     row.signature.band));
-  const double step_um =
-      (lambda_um.back() - lambda_um.front()) / static_cast<double>(lambda_um.size() - 1);
   const auto source =
       sum_of(s.spectral_intensity_w_sr_um(), s.spectral_intensity_stderr_w_sr_um(),
              s.spectral_intensity_modes(), source_of(row.signature), share, *weights, step_um);

@@ -43,9 +43,10 @@ struct InBand {
 };
 
 // Of rows as run_query gives them. stored: the response of the band that the row was computed with
-// (empty: 1). INVALID_ARGUMENT: as band_weights(); a response where the band's own is 0, since
-// nothing is known of errors there. FAILED_PRECONDITION: a row without apparent and contrast
-// spectra (format version 2 or older).
+// (empty: 1). INVALID_ARGUMENT: as band_weights(); a response that is narrower than the stored
+// step, of which a bin's mean says nothing; one where the band's own is 0, since nothing is known
+// of errors there. FAILED_PRECONDITION: a row without apparent and contrast spectra (format version
+// 2 or older).
 [[nodiscard]] absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
                                              const ResponseTable& response,
                                              const ResponseTable& stored);

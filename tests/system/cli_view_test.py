@@ -156,6 +156,21 @@ class Views(unittest.TestCase):
         # Bin means by the trapezoid rule: h^2/12 of the curvature, < 0.5 % at 0.25 um.
         self.assertAlmostEqual(trapezoid / float(lines[0]["intensity_w_sr"]), 1, delta=0.005)
 
+    def test_windows_are_no_narrower_than_what_is_stored(self):
+        """Once a window of 0.01 um of bins of 0.25 um was answered: 0.15 +- 2.7 W/sr."""
+        for window, step in (("3,3.01", "0.005"), ("3.3,3.5", "0.1"), ("4.9,5", "0.05"), ("3.0,3.2499", "0.12495")):
+            said = irsig("query", self.db, "--band", "mwir", "--window", window, expect=2).stderr
+            self.assertIn("--window: band mwir: ", said)
+            self.assertIn("is narrower than the stored step of 0.25 um", said)
+            self.assertIn(f"ask for step_um = {step} in the [[band]] of the sweep", said)
+        narrow = self.path / "narrow.csv"
+        narrow.write_text("wavelength_um,response\n3.5,0\n3.6,1\n3.65,0\n4,0\n")
+        said = irsig("query", self.db, "--band", "mwir", "--response", narrow, expect=2).stderr
+        self.assertIn("3.5 to 3.65 um is narrower than the stored step of 0.25 um", said)
+        # As wide as a bin, wherever its limits lie.
+        for window in ("3,3.25", "3.1,3.35", "4.75,5", "3.125,3.375", "3.07,4.93"):
+            self.assertEqual(len(self.rows("--band", "mwir", "--window", window)), 80)
+
     def test_json_and_table(self):
         rows = json.loads(irsig("query", self.db, "--format", "json", "--causes").stdout)
         self.assertEqual(len(rows), 160)
