@@ -21,7 +21,7 @@ import urllib.parse
 import numpy
 
 APPLICATION_ID = 0x49525347  # "IRSG"
-FORMATS = range(1, 19)  # that this file knows
+FORMATS = range(1, 20)  # that this file knows
 
 _AXES = {"viewpoint": ("aspect_azimuth_deg", "aspect_elevation_deg", "range_m"),
          "condition": ("season", "time_utc"),
@@ -99,10 +99,11 @@ class Database:
     def query(self, *, sweep=None, season=None, time_utc=None, band=None, aspect=None, range_m=None) -> "Rows":
         """Stored signatures. Names are exact; a list of them means any of these.
 
-        aspect   (azimuth, elevation) [deg]: of the viewpoint nearest to it (great circle); its distance is Rows.distance_deg
+        aspect   (azimuth, elevation) [deg]: of the viewpoint nearest to it (great circle); its distance is Rows.distance_deg;
+                 azimuth -360 to 360, elevation -90 to 90
         range_m  of the viewpoints at this range only
 
-        Error: a name that the database does not have; nothing stored for it.
+        Error: a name that the database does not have; no such direction; nothing stored for it.
         """
         if sweep is None and len(self.sweeps) > 1:
             raise Error(f"there are several sweeps, expected sweep= one of {', '.join(self.sweeps)}")
@@ -122,7 +123,7 @@ class Database:
             values.append(float(range_m))
         distance = None
         if aspect is not None:
-            nearest, distance = self._nearest(*aspect, where, values)
+            nearest, distance = self._nearest(*_aspect(aspect), where, values)
             where.append("aspect_azimuth_deg = ? AND aspect_elevation_deg = ?")
             values += nearest
         rows = self.sql(f"SELECT * FROM signature_view WHERE {' AND '.join(where)} ORDER BY sweep, row", *values)
@@ -144,6 +145,16 @@ class Database:
         """Computed temperatures: of each part, season and time mean_k, coldest_k, hottest_k, error_k."""
         return self.sql("SELECT season, time_utc, part, mean_k, coldest_k, hottest_k, error_k FROM computed_temperature_view "
                         "WHERE superseded = 0 ORDER BY season, time_utc, part_index")
+
+
+def _aspect(asked) -> tuple[float, float]:
+    try:
+        azimuth_deg, elevation_deg = (float(angle) for angle in asked)
+    except (TypeError, ValueError):
+        raise Error(f"aspect: {asked!r}, expected two numbers: azimuth and elevation in degrees") from None
+    if not -360 <= azimuth_deg <= 360 or not -90 <= elevation_deg <= 90:
+        raise Error(f"aspect: ({azimuth_deg:g}, {elevation_deg:g}), expected an azimuth from -360 to 360 and an elevation from -90 to 90 deg")
+    return azimuth_deg, elevation_deg
 
 
 def _direction(azimuth_deg, elevation_deg):
@@ -180,6 +191,16 @@ class Rows:
     def _ids(self):
         return [row["signature_id"] for row in self._rows]
 
+    def _damaged(self, at: int, what: str) -> Error:
+        row = self._rows[at]
+        return Error(f"row {row['row']} of {row['sweep']}: {what}: the database is damaged")
+
+    def _numbers(self, at: int, blob, kind: str, what: str) -> numpy.ndarray:
+        """A blob of the row at this place."""
+        if not isinstance(blob, (bytes, type(None))) or len(blob or b"") % numpy.dtype(kind).itemsize:
+            raise self._damaged(at, f"{what} are no list of numbers")
+        return numpy.frombuffer(blob or b"", kind)
+
     def spectra(self, name: str = "spectral_intensity_w_sr_um") -> list[tuple[numpy.ndarray, numpy.ndarray]]:
         """(wavelengths [um], values) of each row: means over bins; empty where the row has none.
 
@@ -189,15 +210,14 @@ class Rows:
         if name not in columns:
             raise Error(f'there is no spectrum "{name}", expected one of {", ".join(columns)}')
         out = []
-        for row in self._ids():
+        for at, row in enumerate(self._ids()):
             blobs = self._database._sql.execute(
                 f"SELECT b.lambda_um, s.{name} FROM signature JOIN band b USING (band_id) LEFT JOIN spectrum s "
                 "USING (signature_id) WHERE signature_id = ?", (row,)).fetchone()
-            values = numpy.frombuffer(blobs[1] or b"", "<f4").astype(float)
-            lambda_um = numpy.frombuffer(blobs[0] or b"", "<f8")
+            values = self._numbers(at, blobs[1], "<f4", f"its {name}").astype(float)
+            lambda_um = self._numbers(at, blobs[0], "<f8", "its band's wavelengths")
             if len(values) not in (0, len(lambda_um)):
-                raise Error(f"the spectrum of signature {row} has {len(values)} values at {len(lambda_um)} wavelengths: "
-                            "the database is damaged")
+                raise self._damaged(at, f"its {name} has {len(values)} values at {len(lambda_um)} wavelengths")
             out.append((lambda_um if len(values) else lambda_um[:0], values))
         return out
 
@@ -214,16 +234,16 @@ class Rows:
             raise Error(f'there are no modes of "{name}", expected one of '
                         + ", ".join(k.removesuffix("_modes") + "_w_sr_um" for k in known))
         out = []
-        for row, (_, stderr) in zip(self._ids(), self.spectra(name.removesuffix("_w_sr_um") + "_stderr_w_sr_um")):
+        stderrs = self.spectra(name.removesuffix("_w_sr_um") + "_stderr_w_sr_um")
+        for at, (row, (_, stderr)) in enumerate(zip(self._ids(), stderrs)):
             blob = self._database._sql.execute(f"SELECT {column} FROM spectral_modes WHERE signature_id = ?", (row,)).fetchone() \
                 if known else None
-            shares = numpy.frombuffer(blob[0] if blob else b"", "<i2")
+            shares = self._numbers(at, blob[0] if blob else b"", "<i2", f"its {column}")
             if len(stderr) == 0:  # the row has no spectrum, and so nothing to weigh
                 out.append(numpy.zeros((0, 0)))
                 continue
             if len(shares) % len(stderr):
-                raise Error(f"the modes of signature {row} are {len(shares)} values at {len(stderr)} wavelengths: "
-                            "the database is damaged")
+                raise self._damaged(at, f"its {column} are {len(shares)} values at {len(stderr)} wavelengths")
             out.append(shares.reshape(-1, len(stderr)) / 32767 * stderr)
         return out
 
@@ -246,9 +266,9 @@ class Rows:
     def to_xarray(self, spectra=("spectral_intensity_w_sr_um", "spectral_intensity_stderr_w_sr_um")):
         """xarray.Dataset of season x time_of_day x band x viewpoint, NaN where nothing is stored.
 
-        .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"; date and time where a season has several dates),
-        the instants are the coordinate time_utc(season, time_of_day); aspect and range are coordinates of `viewpoint`. Spectra have
-        the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out. With
+        .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"), the instants are the coordinate
+        time_utc(season, time_of_day). Of one season alone, and where a season has several dates, the dimension is `time` instead, of
+        instants, and .sel(time="2025-06-21T01:30") works. aspect and range are coordinates of `viewpoint`. Spectra have the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out. With
         spectra also `spectral_intensity_modes_w_sr_um` and those of the apparent and contrast spectrum, of rows that have them,
         over mode and bin: how errors go together (`Rows.modes`).
         """
@@ -263,14 +283,20 @@ class Rows:
         views = [tuple(row[name] for name in _AXES["viewpoint"]) for row in self._rows]
         times = [row["time_utc"] for row in self._rows]
         clock = [time.partition("T")[2] for time in times]
-        if len(set(zip(self["season"], clock))) < len(set(zip(self["season"], times))):
+        dated = len(set(self["season"])) == 1 or len(set(zip(self["season"], clock))) < len(set(zip(self["season"], times)))
+        if dated:
             clock = times
         keys = list(zip(self["season"], clock, self["band"], views))
         axes = [places(row[0] for row in keys), places(sorted(clock)), places(row[2] for row in keys), places(views)]
         at = tuple(numpy.array([axis[row[i]] for row in keys]) for i, axis in enumerate(axes))
-        dims = ("season", "time_of_day", "band", "viewpoint")
+        dims = ("season", "time" if dated else "time_of_day", "band", "viewpoint")
         shape = tuple(len(axis) for axis in axes)
-        out = xarray.Dataset(coords={name: list(axis) for name, axis in zip(dims[:3], axes)})
+        labels = [list(axis) for axis in axes[:3]]
+        if dated:
+            labels[1] = [numpy.datetime64(time.rstrip("Z"), "ns") for time in axes[1]]
+        out = xarray.Dataset(coords=dict(zip(dims, labels)))
+        if dated:
+            out.coords["time_of_day"] = ("time", [time.partition("T")[2] for time in axes[1]])
         instants = numpy.full(shape[:2], numpy.datetime64("NaT", "ns"))
         instants[at[:2]] = [numpy.datetime64(time.rstrip("Z"), "ns") for time in times]
         out.coords["time_utc"] = (dims[:2], instants)

@@ -72,6 +72,20 @@ class Python(unittest.TestCase):
                 self.assertEqual(list(spectrum.lambda_um.values), list(spectra[i][0]))
                 self.assertEqual(list(spectrum.values), list(spectra[i][1]))
 
+    def test_a_cube_of_one_season_is_chosen_by_date(self):
+        exported = self.path / "summer.nc"
+        run("export", self.file, "--season", "summer", "--out", exported)
+        import numpy
+        import xarray
+        with irsig.open(self.file) as db, xarray.open_dataset(exported) as theirs:
+            cube = db.query(season="summer").to_xarray()
+            self.assertEqual(cube.intensity_w_sr.dims, ("season", "time", "band", "viewpoint"))
+            self.assertTrue((cube.time.values == theirs.time.values).all())
+            self.assertEqual(list(cube.time_of_day.values), list(theirs.time_of_day.values))
+            chosen = cube.sel(time="2025-06-21T01:30", season="summer", band="lwir")
+            same = db.query().to_xarray().sel(season="summer", band="lwir")
+            self.assertTrue(numpy.array_equal(numpy.ravel(chosen.intensity_w_sr), numpy.ravel(same.intensity_w_sr)))
+
     def test_spectra_add_up_to_what_is_in_the_band(self):
         with irsig.open(self.file) as db:
             rows = db.query(band="lwir")
@@ -105,6 +119,12 @@ class Python(unittest.TestCase):
         text.write_text("no database")
         empty = self.path / "empty.sigdb"
         sqlite3.connect(empty).execute("CREATE TABLE t (x)").connection.commit()
+        files = {}
+        for name, statement in (("modes", "UPDATE spectral_modes SET spectral_intensity_modes = x'000000'"),
+                                ("mode length", "UPDATE spectral_modes SET spectral_intensity_modes = x'0000'"),
+                                ("bytes", "UPDATE spectrum SET spectral_intensity_w_sr_um = x'00000000ff'")):
+            files[name] = self.path / f"{name}.sigdb"
+            shutil.move(self.change(statement + " WHERE signature_id = (SELECT signature_id FROM signature_view WHERE row = 3)"), files[name])
         damaged = self.change("UPDATE spectrum SET spectral_intensity_w_sr_um = x'00000000' WHERE signature_id = 1")
         newer = self.path / "newer.sigdb"
         shutil.copy(self.file, newer)
@@ -118,6 +138,16 @@ class Python(unittest.TestCase):
                     (lambda: irsig.open(empty), "this is no signature database"),
                     (lambda: irsig.open(newer), "its format is 999"),
                     (lambda: irsig.open(damaged).query().spectra(), "1 values at"),
+                    (lambda: irsig.open(files["modes"]).query().modes(), "row 3 of quickstart: its spectral_intensity_modes are no list"),
+                    (lambda: irsig.open(files["modes"]).query().to_xarray(), "row 3 of quickstart"),
+                    (lambda: irsig.open(files["mode length"]).query().modes(), "row 3 of quickstart: its spectral_intensity_modes are 1 values at"),
+                    (lambda: irsig.open(files["bytes"]).query().spectra(), "row 3 of quickstart: its spectral_intensity_w_sr_um are no list"),
+                    (lambda: db.query(aspect=(float("nan"), 3)), "aspect: .nan, 3., expected an azimuth from -360 to 360"),
+                    (lambda: db.query(aspect=(90, 95)), "aspect: .90, 95., expected an azimuth .* elevation from -90 to 90"),
+                    (lambda: db.query(aspect=(90, float("inf"))), "aspect: .90, inf."),
+                    (lambda: db.query(aspect=(400, 0)), "aspect: .400, 0."),
+                    (lambda: db.query(aspect=90), "aspect: 90, expected two numbers"),
+                    (lambda: db.query(aspect=("north", 3)), "expected two numbers"),
                     (lambda: db.query(season="autumn"), 'there is no "autumn", expected spring'),
                     (lambda: db.query(range_m=1), "nothing is stored for this"),
                     (lambda: db.query()["intensity"], 'there is no quantity "intensity"'),
