@@ -500,6 +500,9 @@ absl::StatusOr<std::shared_ptr<const std::string>> Farm::asset(const std::string
 }
 
 absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
+  // Before anything is written: what a refused request has written stays.
+  if (submission.priority)
+    if (auto status = check_priority(*submission.priority); !status.ok()) return status;
   const auto added = store_.add_sweep(submission.sweep, submission.sweep_sha256, submission.jobs,
                                       submission.assets);
   if (!added.ok()) return added.status();

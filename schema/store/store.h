@@ -63,6 +63,7 @@ struct SweepProgress {
 };
 // Of a sweep: -kMostPriority to kMostPriority.
 inline constexpr int kMostPriority = 1000;
+[[nodiscard]] absl::Status check_priority(int priority);
 
 // What a pilot said, before anything was run, that a sweep would take. CPU times are those of the
 // jobs; wall time is that of so many workers, their start included.

@@ -230,9 +230,7 @@ class SqliteWriter final : public StoreWriter {
 
   absl::Status set_priority(const std::string& sweep_sha256, int priority) override {
     IRSIG_STORE_TRY(require_transaction());
-    if (std::abs(priority) > kMostPriority)
-      return absl::InvalidArgumentError(absl::StrCat("a priority of ", priority, ", expected -",
-                                                     kMostPriority, " to ", kMostPriority));
+    IRSIG_STORE_TRY(check_priority(priority));
     IRSIG_STORE_TRY(database_.run(sql::set_priority, sweep_sha256, priority));
     if (database_.changes() == 0)
       return absl::NotFoundError(absl::StrCat("no sweep ", sweep_sha256, " in this database"));
@@ -312,6 +310,12 @@ class SqliteWriter final : public StoreWriter {
 };
 
 }  // namespace
+
+absl::Status check_priority(int priority) {
+  if (priority >= -kMostPriority && priority <= kMostPriority) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("a priority of ", priority, ", expected -",
+                                                 kMostPriority, " to ", kMostPriority));
+}
 
 absl::StatusOr<std::unique_ptr<StoreWriter>> StoreWriter::open(const std::string& path) {
   absl::StatusOr<WritableDatabase> opened = open_for_writing(path);

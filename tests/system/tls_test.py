@@ -150,9 +150,9 @@ class Tls(unittest.TestCase):
         for worker in workers:
             self.addCleanup(lambda w=worker: (w.kill(), w.wait()))
         rows = self.wait_for(["--workers", "--csv", reach], lambda out: out.count(",idle,") == 2).splitlines()
-        self.assertEqual(rows[0], "worker,state,job_s,memory_bytes,reason,job_key,determinism_class")
+        self.assertEqual(rows[0], "worker,host,state,job_s,memory_bytes,reason,job_key,determinism_class")
         self.assertEqual(sorted(row.split(",")[0] for row in rows[1:]), ["first", "second"])
-        self.assertGreater(float(rows[1].split(",")[3]), 1e8)
+        self.assertGreater(float(rows[1].split(",")[4]), 1e8)
 
     def test_two_workers_compute_the_same_bits(self):
         (self.path / "views.toml").write_text(VIEWS)

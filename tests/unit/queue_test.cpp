@@ -462,6 +462,7 @@ TEST_F(FarmTest, JobsOfTheHighestPriorityComeFirst) {
     ASSERT_TRUE(ask([&] { return farm_->submit(*submission); }).ok());
   };
   const auto a = worker("a");
+  sweep_ = frigate_sweep(2);  // as all of them, but for the name
   const auto sweep_of = [&](const schema::LeaseReply& lease) {
     const auto now = farm_status();
     for (const auto& sweep : now.sweep())

@@ -19,6 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/store.h"
 #include "tests/fault/synthetic_ledger.h"
+#include "tests/fault/synthetic_pictures.h"
 #include "tests/unit/test_folder.h"
 
 namespace irsig {
@@ -152,9 +153,10 @@ inline void fill_inputs(const schema::ResolvedSweep& sweep, schema::SignatureRow
   row.set_contrast_input_uncertainty_w_sr(next += 0.25);
 }
 
+// png_bytes, exr_bytes: so many instead of pictures.
 inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const schema::JobSpec& job,
-                                     int wavelengths = 5, std::size_t png_bytes = 40,
-                                     std::size_t exr_bytes = 200) {
+                                     int wavelengths = 5, std::size_t png_bytes = 0,
+                                     std::size_t exr_bytes = 0) {
   schema::JobResult result;
   result.set_job_key(job.job_key());
   const std::size_t hash = std::hash<std::string>()(job.job_key());
@@ -203,9 +205,10 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       thumbnail.set_width_px(16);
       thumbnail.set_height_px(9);
       thumbnail.set_pixel_rad(1e-4);
-      thumbnail.set_png(std::string(png_bytes, static_cast<char>(hash)) + absl::StrCat(c, ",", b));
-      thumbnail.set_exr(std::string(exr_bytes, static_cast<char>(hash + 1)) +
-                        absl::StrCat(c, ",", b));
+      std::mt19937_64 random(hash + 1000 * c + b);
+      thumbnail.set_png(png_bytes > 0 ? noise(random, png_bytes) : synthetic_png(16, 9, random));
+      thumbnail.set_exr(exr_bytes > 0 ? noise(random, exr_bytes)
+                                      : synthetic_exr(16, 9, 200, random));
     }
   }
   result.set_samples(1000 + hash % 7);
@@ -352,7 +355,9 @@ inline std::string without_what_came_after(int version) {
       "DROP VIEW computed_temperature_view; DROP VIEW sweep_view; DROP TABLE computed_temperature;"
       "DROP TABLE heat_job; DROP TABLE spectral_modes; DROP TABLE input_contribution;"
       "DROP TABLE result_aside; ALTER TABLE provenance DROP COLUMN content_sha256;"
-      "ALTER TABLE sweep DROP COLUMN uncertain_inputs;"
+      "ALTER TABLE sweep DROP COLUMN uncertain_inputs; DROP INDEX sweep_by_priority;"
+      "ALTER TABLE sweep DROP COLUMN priority; ALTER TABLE sweep DROP COLUMN physics_version;"
+      "DROP INDEX job_given_up;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
       "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
