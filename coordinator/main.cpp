@@ -36,9 +36,14 @@ int report(const absl::Status& status) {
              : 1;
 }
 
-// A thousand connections come to 470 MB with it, 540 MB without: threads share two pools instead of
-// leaving free memory in one of their own each.
-void keep_memory_flat() { mallopt(M_ARENA_MAX, 2); }
+// A thousand connections come to 400 MB with it, 580 MB without: what came of a result goes back to
+// the system as soon as that is stored, instead of staying where something small lies behind it, in
+// one of two pools and not in one of each thread. It costs a fifth of the rows that can be stored
+// in a second.
+void keep_memory_flat() {
+  mallopt(M_ARENA_MAX, 2);
+  mallopt(M_MMAP_THRESHOLD, 64 << 10);
+}
 
 }  // namespace
 
