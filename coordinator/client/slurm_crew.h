@@ -18,7 +18,8 @@ struct SlurmPlan {
 };
 
 // Workers as a job array: Slurm places them, and starts anew those whose node it loses or takes
-// away; those that a time limit ends, or that die, are handed in again as long as there is work.
+// away; when a time limit has ended them, or all have died, they are handed in again as long as
+// there is work.
 class SlurmCrew : public WorkerCrew {
  public:
   // command: of a worker, but for its name; folder: of its script and logs, which all nodes see.
