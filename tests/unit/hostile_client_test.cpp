@@ -292,9 +292,7 @@ TEST_F(HostileClient, ResultsThatCannotBeAreRefusedAndTheJobIsGivenAgain) {
        }},
       {"exr is no OpenEXR file", [&](auto& r) { row(r)->mutable_thumbnail()->set_exr("text"); }},
       {"exr is of another size",
-       [&](auto& r) {
-         row(r)->mutable_thumbnail()->set_exr(synthetic_exr(300, 30, 100, random));
-       }},
+       [&](auto& r) { row(r)->mutable_thumbnail()->set_exr(synthetic_exr(300, 30, 100, random)); }},
       {"exr has 1000",
        [&](auto& r) {
          row(r)->mutable_thumbnail()->set_exr(synthetic_exr(128, 40, 1000000, random));
