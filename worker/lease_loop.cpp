@@ -16,8 +16,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
-#include "coordinator/client/farm_client.h"
 #include "coordinator/client/farm_log.h"
+#include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/handshake.h"
 
 namespace irsig {
@@ -34,12 +34,6 @@ constexpr std::uint64_t kMostSpoolBytes = 4'000'000'000;
 constexpr std::chrono::seconds kSpoolEvery(5);  // an idle worker looks for what others have left
 constexpr int kTimesDamaged = 3;
 constexpr double kFirstRetry_s = 0.1, kLastRetry_s = 2;
-
-void set_deadline(grpc::ClientContext& context, double seconds) {
-  context.set_deadline(
-      std::chrono::system_clock::now() +
-      std::chrono::duration_cast<std::chrono::system_clock::duration>(Seconds(seconds)));
-}
 
 // Thread-safe: tells the coordinator at regular intervals that this worker lives.
 class Heart {
@@ -211,9 +205,7 @@ class LeaseLoop {
       }
       // While nobody waits for a channel gRPC does not drive its attempts to connect: calls that
       // fail at once, with pauses between them, would never see a TLS handshake through.
-      (void)channel_->WaitForConnected(
-          std::chrono::system_clock::now() +
-          std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(pause_s)));
+      (void)channel_->WaitForConnected(deadline(pause_s));
       std::this_thread::sleep_for(Seconds(kFirstRetry_s));
       pause_s = std::min(kLastRetry_s, 2 * pause_s);
     }

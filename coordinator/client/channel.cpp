@@ -13,6 +13,12 @@ void silence_grpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
 
+std::chrono::system_clock::time_point deadline(double seconds) {
+  return std::chrono::system_clock::now() +
+         std::chrono::duration_cast<std::chrono::system_clock::duration>(
+             std::chrono::duration<double>(seconds));
+}
+
 std::shared_ptr<grpc::Channel> connect(const Address& address) {
   silence_grpc();
   grpc::ChannelArguments arguments;

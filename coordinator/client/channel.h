@@ -1,8 +1,10 @@
 #pragma once
 
 #include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
 
+#include <chrono>
 #include <memory>
 
 #include "absl/status/status.h"
@@ -36,6 +38,12 @@ inline constexpr std::uint64_t kMaxAssetBytes = 1'000'000'000;
 // A channel of its own (never shared with another one of this process) that reconnects within 2 s
 // of the moment at which somebody listens again.
 [[nodiscard]] std::shared_ptr<grpc::Channel> connect(const Address& address);
+
+// That a call on it ends so many seconds from now.
+[[nodiscard]] std::chrono::system_clock::time_point deadline(double seconds);
+inline void set_deadline(grpc::ClientContext& context, double seconds) {
+  context.set_deadline(deadline(seconds));
+}
 
 // gRPC reports on standard error what our own messages say better ("address already in use", three
 // lines); GRPC_VERBOSITY in the environment brings its lines back.

@@ -2,24 +2,16 @@
 
 #include <grpcpp/client_context.h>
 
-#include <algorithm>
-#include <chrono>
-
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
+#include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/handshake.h"
-#include "jobs/expand.h"
+#include "schema/farm.grpc.pb.h"
 
 namespace irsig {
 namespace {
 
 constexpr double kStoringAViewpoint_s = 1e-3;  // 0.07 ms, and busy machines and disks
-
-std::chrono::system_clock::time_point after(double seconds) {
-  return std::chrono::system_clock::now() +
-         std::chrono::duration_cast<std::chrono::system_clock::duration>(
-             std::chrono::duration<double>(seconds));
-}
 
 std::unique_ptr<schema::Farm::Stub> stub_for(const Address& coordinator) {
   return schema::Farm::NewStub(connect(coordinator));
@@ -32,18 +24,19 @@ absl::Status named(const absl::Status& status, const Address& coordinator) {
       absl::StrCat("no coordinator answers at ", coordinator.text, " (", status.message(), ")"));
 }
 
-absl::StatusOr<std::string> fetch_asset(schema::Farm::StubInterface& farm,
-                                        const std::string& sha256, double patience_s) {
+// A question and its answer.
+template <class Request, class Reply>
+absl::StatusOr<Reply> ask(const Address& coordinator,
+                          grpc::Status (schema::Farm::Stub::*call)(grpc::ClientContext*,
+                                                                   const Request&, Reply*),
+                          const Request& request, double patience_s) {
+  const auto farm = stub_for(coordinator);
   grpc::ClientContext context;
-  context.set_deadline(after(patience_s));
-  schema::FetchAssetRequest request;
-  request.set_sha256(sha256);
-  const auto stream = farm.FetchAsset(&context, request);
-  std::string bytes;
-  schema::AssetChunk chunk;
-  while (stream->Read(&chunk)) bytes += chunk.piece();
-  if (const auto status = to_absl(stream->Finish()); !status.ok()) return status;
-  return bytes;
+  set_deadline(context, patience_s);
+  Reply reply;
+  const auto status = to_absl(((*farm).*call)(&context, request, &reply));
+  if (!status.ok()) return named(status, coordinator);
+  return reply;
 }
 
 absl::StatusOr<std::string> sha256_of_sweep(const Address& coordinator,
@@ -73,11 +66,11 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
                                            const schema::Prediction* prediction,
                                            std::optional<int> priority, double patience_s) {
   const auto channel = connect(coordinator);
-  if (!channel->WaitForConnected(after(patience_s)))
+  if (!channel->WaitForConnected(deadline(patience_s)))
     return named(absl::UnavailableError("no connection"), coordinator);
   const auto farm = schema::Farm::NewStub(channel);
   grpc::ClientContext context;
-  context.set_deadline(after(patience_s + kStoringAViewpoint_s * sweep.viewpoint_size()));
+  set_deadline(context, patience_s + kStoringAViewpoint_s * sweep.viewpoint_size());
   context.set_wait_for_ready(true);
   schema::SubmitReply reply;
   const auto stream = farm->Submit(&context, &reply);
@@ -113,43 +106,27 @@ absl::StatusOr<schema::SubmitReply> submit(const Address& coordinator,
 }
 
 absl::StatusOr<schema::StatusReply> farm_status(const Address& coordinator, double patience_s) {
-  const auto farm = stub_for(coordinator);
-  grpc::ClientContext context;
-  context.set_deadline(after(patience_s));
-  schema::StatusReply reply;
-  const auto status = to_absl(farm->Status(&context, schema::StatusRequest(), &reply));
-  if (!status.ok()) return named(status, coordinator);
-  return reply;
+  return ask(coordinator, &schema::Farm::Stub::Status, schema::StatusRequest(), patience_s);
 }
 
 absl::StatusOr<schema::CancelReply> cancel(const Address& coordinator,
                                            std::string_view sweep_name_or_sha256,
                                            double patience_s) {
-  const auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
+  auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
   if (!sha256.ok()) return sha256.status();
-  const auto farm = stub_for(coordinator);
-  grpc::ClientContext context;
-  context.set_deadline(after(patience_s));
   schema::CancelRequest request;
-  request.set_sweep_sha256(*sha256);
-  schema::CancelReply reply;
-  const auto status = to_absl(farm->Cancel(&context, request, &reply));
-  if (!status.ok()) return named(status, coordinator);
-  return reply;
+  request.set_sweep_sha256(*std::move(sha256));
+  return ask(coordinator, &schema::Farm::Stub::Cancel, request, patience_s);
 }
 
 absl::Status prioritize(const Address& coordinator, std::string_view sweep_name_or_sha256,
                         int priority, double patience_s) {
-  const auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
+  auto sha256 = sha256_of_sweep(coordinator, sweep_name_or_sha256, patience_s);
   if (!sha256.ok()) return sha256.status();
-  const auto farm = stub_for(coordinator);
-  grpc::ClientContext context;
-  context.set_deadline(after(patience_s));
   schema::PrioritizeRequest request;
-  request.set_sweep_sha256(*sha256);
+  request.set_sweep_sha256(*std::move(sha256));
   request.set_priority(priority);
-  schema::PrioritizeReply reply;
-  return named(to_absl(farm->Prioritize(&context, request, &reply)), coordinator);
+  return ask(coordinator, &schema::Farm::Stub::Prioritize, request, patience_s).status();
 }
 
 absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
@@ -159,28 +136,6 @@ absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
   auto sweep = fetch_sweep(*farm, sweep_sha256, patience_s);
   if (!sweep.ok()) return named(sweep.status(), coordinator);
   return sweep;
-}
-
-absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
-                                                  const std::string& sweep_sha256,
-                                                  double patience_s) {
-  const auto bytes = fetch_asset(farm, sweep_sha256, patience_s);
-  if (!bytes.ok()) return bytes.status();
-  // The hash is that of the canonical encoding, which does not depend on how protobuf writes it.
-  schema::ResolvedSweep sweep;
-  if (!sweep.ParseFromString(*bytes) || sha256_hex(canonical_encoding(sweep)) != sweep_sha256) {
-    return absl::DataLossError(absl::StrCat("the sweep ", sweep_sha256, " arrived damaged"));
-  }
-  return sweep;
-}
-
-absl::StatusOr<std::string> fetch_file(schema::Farm::StubInterface& farm, const std::string& sha256,
-                                       double patience_s) {
-  auto bytes = fetch_asset(farm, sha256, patience_s);
-  if (bytes.ok() && sha256_hex(*bytes) != sha256) {
-    return absl::DataLossError(absl::StrCat("the file ", sha256, " arrived damaged"));
-  }
-  return bytes;
 }
 
 }  // namespace irsig

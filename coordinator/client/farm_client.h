@@ -8,7 +8,6 @@
 #include "absl/status/statusor.h"
 #include "coordinator/client/address.h"
 #include "schema/assets.h"
-#include "schema/farm.grpc.pb.h"
 #include "schema/farm.pb.h"
 
 namespace irsig {
@@ -42,12 +41,5 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<schema::ResolvedSweep> stored_sweep(const Address& coordinator,
                                                                  const std::string& sweep_sha256,
                                                                  double patience_s = 30);
-
-// For workers, on a channel that they keep: fetched in pieces, and DATA_LOSS unless the hash fits.
-[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
-                                                                const std::string& sweep_sha256,
-                                                                double patience_s);
-[[nodiscard]] absl::StatusOr<std::string> fetch_file(schema::Farm::StubInterface& farm,
-                                                     const std::string& sha256, double patience_s);
 
 }  // namespace irsig

@@ -14,10 +14,12 @@
 #include "coordinator/client/address.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/progress_text.h"
 #include "coordinator/client/time_budget.h"
 #include "coordinator/farm_server.h"
 #include "jobs/expand.h"
+#include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 
 namespace irsig {

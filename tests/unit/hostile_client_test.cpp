@@ -17,9 +17,11 @@
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
+#include "coordinator/client/fetch_asset.h"
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm_server.h"
 #include "jobs/expand.h"
+#include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 #include "tests/fault/synthetic_pictures.h"
 

@@ -17,6 +17,7 @@
 #include "coordinator/client/channel.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/farm_server.h"
+#include "schema/farm.grpc.pb.h"
 #include "spdlog/sinks/ostream_sink.h"
 #include "spdlog/spdlog.h"
 #include "tests/fault/synthetic_farm.h"

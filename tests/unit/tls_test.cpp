@@ -16,6 +16,7 @@
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/handshake.h"
 #include "coordinator/farm_server.h"
+#include "schema/farm.grpc.pb.h"
 #include "tests/fault/synthetic_farm.h"
 #include "worker/lease_loop.h"
 

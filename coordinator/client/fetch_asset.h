@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "schema/farm.grpc.pb.h"
+
+namespace irsig {
+
+// What a coordinator holds under a hash, on a channel that the caller keeps: fetched in pieces.
+// NOT_FOUND: it holds nothing of that hash. DATA_LOSS: what came has another one.
+[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> fetch_sweep(schema::Farm::StubInterface& farm,
+                                                                const std::string& sweep_sha256,
+                                                                double patience_s);
+[[nodiscard]] absl::StatusOr<std::string> fetch_file(schema::Farm::StubInterface& farm,
+                                                     const std::string& sha256, double patience_s);
+
+}  // namespace irsig
