@@ -20,29 +20,10 @@ constexpr double kIdleWait_s = 0.2;
 constexpr std::size_t kLossesToQuarantine = 3;
 // A fencing token that is no lease of the queue: of a job that is computed for the second time.
 constexpr std::uint64_t kDuplicate = std::uint64_t{1} << 63;
-constexpr int kMostWorkersTold = 1000;
 constexpr std::size_t kMostOfOtherClassTold = 20;
-
-StoredPrediction as_stored(const schema::Prediction& message, const std::string& sweep_sha256) {
-  return {.sweep_sha256 = sweep_sha256,
-          .made_unix_s = message.made_unix_s(),
-          .determinism_class = message.determinism_class(),
-          .workers = message.workers(),
-          .pilot_viewpoints = message.pilot_viewpoints(),
-          .pilot_cpu_s = message.pilot_cpu_s(),
-          .jobs = message.jobs(),
-          .cpu_s = message.cpu_s(),
-          .wall_s = message.wall_s(),
-          .job_cpu_quartile1_s = message.job_cpu_quartile1_s(),
-          .job_cpu_median_s = message.job_cpu_median_s(),
-          .job_cpu_quartile3_s = message.job_cpu_quartile3_s(),
-          .database_bytes = message.database_bytes()};
-}
-
 constexpr std::size_t kMostSessions = 10000;
 constexpr std::size_t kMostSweepsInMind = 100;
 constexpr std::size_t kMostVersionsInMind = 20;
-constexpr std::size_t kMostHeldBytes = 256 << 20;  // of assets, between their calls
 
 bool has_key(const std::vector<schema::JobSpec>& jobs, const std::string& job_key) {
   return std::any_of(jobs.begin(), jobs.end(),
@@ -50,28 +31,6 @@ bool has_key(const std::vector<schema::JobSpec>& jobs, const std::string& job_ke
 }
 
 }  // namespace
-
-absl::StatusOr<Submission> make_submission(schema::ResolvedSweep sweep,
-                                           std::uint32_t physics_version,
-                                           std::vector<Asset> assets) {
-  if (physics_version == 0) {
-    return absl::InvalidArgumentError("a sweep is submitted with its physics_version");
-  }
-  if (auto status = check_resolved(sweep); !status.ok()) return status;
-  for (const auto& asset : assets) {
-    if ((asset.file ? asset.file->sha256() : sha256_hex(asset.bytes)) != asset.sha256) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("the asset ", asset.sha256, " arrived damaged: its hash is another one"));
-    }
-  }
-  Submission out;
-  out.sweep_sha256 = sha256_hex(canonical_encoding(sweep));
-  out.physics_version = physics_version;
-  out.jobs = expand_jobs(sweep, static_cast<int>(physics_version));
-  out.assets = std::move(assets);
-  out.sweep = std::move(sweep);
-  return out;
-}
 
 Farm::Farm(StoreWriter& store, const FarmRules& rules, Clock clock, Clock unix_clock,
            std::string coordinator_id)
@@ -485,123 +444,6 @@ absl::Status Farm::release_what_nobody_holds() {
     if (auto status = store_.release(token, "a request failed"); !status.ok()) return status;
   }
   return absl::OkStatus();
-}
-
-absl::StatusOr<std::shared_ptr<const std::string>> Farm::asset(const std::string& sha256) {
-  if (const auto found = assets_.find(sha256); found != assets_.end()) return found->second;
-  auto bytes = store_.asset(sha256);
-  if (!bytes.ok()) return bytes.status();
-  std::size_t held = bytes->size();
-  for (const auto& [other, there] : assets_) held += there->size();
-  if (held > kMostHeldBytes) assets_.clear();  // those under way are held by their calls
-  auto kept = std::make_shared<const std::string>(*std::move(bytes));
-  assets_.emplace(sha256, kept);
-  return kept;
-}
-
-absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
-  // Before anything is written: what a refused request has written stays.
-  if (submission.priority)
-    if (auto status = check_priority(*submission.priority); !status.ok()) return status;
-  const auto added = store_.add_sweep(submission.sweep, submission.sweep_sha256, submission.jobs,
-                                      submission.assets);
-  if (!added.ok()) return added.status();
-  if (submission.prediction) {
-    if (auto status =
-            store_.store_prediction(as_stored(*submission.prediction, submission.sweep_sha256));
-        !status.ok())
-      return status;
-  }
-  if (auto status = store_.set_physics_version(submission.sweep_sha256, submission.physics_version);
-      !status.ok())
-    return status;
-  if (submission.priority)
-    if (auto status = store_.set_priority(submission.sweep_sha256, *submission.priority);
-        !status.ok())
-      return status;
-  all_settled_.reset();
-  sweeps_.erase(submission.sweep_sha256);
-  remember(submission.sweep_sha256, submission.sweep).physics_version = submission.physics_version;
-  schema::SubmitReply reply;
-  reply.set_sweep_sha256(submission.sweep_sha256);
-  reply.set_jobs(added->jobs);
-  reply.set_jobs_to_compute(added->to_compute);
-  log_line(LogLevel::info, {.sweep = submission.sweep.sweep().name()},
-           "{} jobs, {} to compute (sha256 {})", added->jobs, added->to_compute,
-           submission.sweep_sha256);
-  return reply;
-}
-
-absl::StatusOr<schema::StatusReply> Farm::status() {
-  const auto sweeps = store_.progress();
-  if (!sweeps.ok()) return sweeps.status();
-  schema::StatusReply reply;
-  for (const auto& sweep : *sweeps) {
-    auto* out = reply.add_sweep();
-    out->set_name(sweep.name);
-    out->set_sweep_sha256(sweep.sweep_sha256);
-    out->set_jobs(sweep.jobs);
-    out->set_done(sweep.done);
-    out->set_leased(sweep.leased);
-    out->set_quarantined(sweep.quarantined);
-    out->set_cancelled(sweep.cancelled);
-    out->set_rays(sweep.rays);
-    out->set_worst_relative_error(sweep.worst_relative_error);
-    for (const auto& failure : sweep.failures) out->add_failure(failure);
-    out->set_heat_jobs(sweep.heat_jobs);
-    out->set_heat_done(sweep.heat_done);
-    out->set_priority(sweep.priority);
-    if (const auto rate = rates_.find(sweep.sweep_sha256); rate != rates_.end())
-      out->set_done_per_s(rate->second.per_s(clock_()));
-  }
-  reply.set_workers(static_cast<std::uint32_t>(sessions_.size()));
-  for (const auto& [name, reason] : aside_) {
-    if (reply.worker_size() >= kMostWorkersTold) break;
-    auto* out = reply.add_worker();
-    out->set_name(name);
-    out->set_state(schema::WorkerStatus::STATE_SET_ASIDE);
-    out->set_reason(reason);
-  }
-  for (const auto& [id, session] : sessions_) {
-    if (session.state == SessionState::kAside || reply.worker_size() >= kMostWorkersTold) continue;
-    auto* out = reply.add_worker();
-    out->set_name(session.worker_name);
-    out->set_host(session.host);
-    out->set_determinism_class(session.determinism_class);
-    out->set_memory_bytes(session.memory_bytes);
-    out->set_state(schema::WorkerStatus::STATE_IDLE);
-    if (session.state != SessionState::kComputing) continue;
-    out->set_state(schema::WorkerStatus::STATE_COMPUTING);
-    out->set_job_key(session.job.job_key);
-    out->set_job_s(clock_() - session.leased_at_s);
-  }
-  for (const std::string& line : differing_) reply.add_warning(line);
-  for (const std::string& line : recent_failures_) reply.add_recent_failure(line);
-  for (const auto& [name, its_class] : of_other_class_)
-    reply.add_warning(absl::StrCat("worker ", name, " computes nothing: it is of the determinism ",
-                                   "class \"", its_class, "\", the database of another one"));
-  reply.set_audited(double_check_.audited());
-  const auto aside = store_.results_aside();
-  if (!aside.ok()) return aside.status();
-  reply.set_differing(*aside);
-  return reply;
-}
-
-absl::StatusOr<schema::CancelReply> Farm::cancel(const std::string& sweep_sha256) {
-  const auto cancelled = store_.cancel(sweep_sha256);
-  if (!cancelled.ok()) return cancelled.status();
-  all_settled_.reset();
-  schema::CancelReply reply;
-  reply.set_cancelled(*cancelled);
-  return reply;
-}
-
-absl::StatusOr<schema::PrioritizeReply> Farm::prioritize(const schema::PrioritizeRequest& request) {
-  if (auto status = store_.set_priority(request.sweep_sha256(), request.priority()); !status.ok())
-    return status;
-  log_line(LogLevel::info, {}, "priority {} (sha256 {})", request.priority(),
-           request.sweep_sha256());
-  return schema::PrioritizeReply();
 }
 
 }  // namespace irsig
