@@ -98,6 +98,14 @@ class MessageMutator {
         const auto value = static_cast<float>(number());
         return list ? r.AddFloat(&message, &field, value) : r.SetFloat(&message, &field, value);
       }
+      case Field::CPPTYPE_INT32: {
+        const auto value = static_cast<std::int32_t>(whole);
+        return list ? r.AddInt32(&message, &field, value) : r.SetInt32(&message, &field, value);
+      }
+      case Field::CPPTYPE_INT64: {
+        const auto value = static_cast<std::int64_t>(whole);
+        return list ? r.AddInt64(&message, &field, value) : r.SetInt64(&message, &field, value);
+      }
       case Field::CPPTYPE_UINT32: {
         const auto value = static_cast<std::uint32_t>(whole);
         return list ? r.AddUInt32(&message, &field, value) : r.SetUInt32(&message, &field, value);
