@@ -3,8 +3,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/farm.h"
+#include "core/base/printable.h"
 #include "jobs/check_resolved.h"
 #include "jobs/expand.h"
+#include "jobs/size_bounds.h"
 
 namespace irsig {
 namespace {
@@ -26,6 +28,35 @@ StoredPrediction as_stored(const schema::Prediction& message, const std::string&
           .job_cpu_median_s = message.job_cpu_median_s(),
           .job_cpu_quartile3_s = message.job_cpu_quartile3_s(),
           .database_bytes = message.database_bytes()};
+}
+
+// What no pilot says.
+absl::Status check_prediction(const schema::Prediction& p) {
+  const auto wrong = [](const char* field, const char* expected) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the prediction's ", field, ", expected ", expected));
+  };
+  if (p.determinism_class().size() > kLongestName || !is_one_line(p.determinism_class()))
+    return wrong("determinism_class", "a line of text");
+  constexpr std::uint64_t kMostOfAnything = 1'000'000'000'000'000;
+  for (const auto& [field, count] : {std::pair<const char*, std::uint64_t>{"workers", p.workers()},
+                                     {"pilot_viewpoints", p.pilot_viewpoints()},
+                                     {"jobs", p.jobs()},
+                                     {"database_bytes", p.database_bytes()}})
+    if (count == 0 || count > kMostOfAnything) return wrong(field, "1 to 1e15");
+  for (const auto& [field, time_s] :
+       {std::pair<const char*, double>{"made_unix_s", p.made_unix_s()},
+        {"pilot_cpu_s", p.pilot_cpu_s()},
+        {"cpu_s", p.cpu_s()},
+        {"wall_s", p.wall_s()},
+        {"job_cpu_quartile1_s", p.job_cpu_quartile1_s()},
+        {"job_cpu_median_s", p.job_cpu_median_s()},
+        {"job_cpu_quartile3_s", p.job_cpu_quartile3_s()}})
+    if (!(time_s >= 0 && time_s < 1e15)) return wrong(field, "0 to 1e15");
+  if (p.job_cpu_quartile1_s() > p.job_cpu_median_s() ||
+      p.job_cpu_median_s() > p.job_cpu_quartile3_s())
+    return wrong("quartiles", "them in their order");
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -68,6 +99,8 @@ absl::StatusOr<schema::SubmitReply> Farm::submit(const Submission& submission) {
   // Before anything is written: what a refused request has written stays.
   if (submission.priority)
     if (auto status = check_priority(*submission.priority); !status.ok()) return status;
+  if (submission.prediction)
+    if (auto status = check_prediction(*submission.prediction); !status.ok()) return status;
   const auto added = store_.add_sweep(submission.sweep, submission.sweep_sha256, submission.jobs,
                                       submission.assets);
   if (!added.ok()) return added.status();

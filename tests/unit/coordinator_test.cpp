@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <thread>
+#include <vector>
 
 #include "coordinator/client/address.h"
 #include "coordinator/client/channel.h"
@@ -422,6 +424,54 @@ TEST_F(ServerTest, PrioritiesByNameByHashAndWithASubmission) {
   }
   EXPECT_EQ(priority(), 3);
   EXPECT_EQ(farm_status(address)->sweep(0).jobs(), 2U);  // a refused submission changes nothing
+}
+
+TEST_F(ServerTest, APredictionThatNoPilotMakesIsRefusedWithItsSubmission) {
+  auto server = start(socket());
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto address = *parse_address(socket());
+  schema::Prediction good;
+  good.set_made_unix_s(1.7e9);
+  good.set_determinism_class("c");
+  good.set_workers(2);
+  good.set_pilot_viewpoints(3);
+  good.set_pilot_cpu_s(1);
+  good.set_jobs(2);
+  good.set_cpu_s(4);
+  good.set_wall_s(2);
+  good.set_job_cpu_quartile1_s(1);
+  good.set_job_cpu_median_s(2);
+  good.set_job_cpu_quartile3_s(3);
+  good.set_database_bytes(1000);
+  const auto& reflection = *schema::Prediction::GetReflection();
+  const auto& type = *schema::Prediction::descriptor();
+  using Field = google::protobuf::FieldDescriptor;
+  std::vector<schema::Prediction> wrong;
+  for (int i = 0; i < type.field_count(); ++i) {
+    const Field& field = *type.field(i);
+    if (field.cpp_type() == Field::CPPTYPE_DOUBLE) {
+      for (const double value :
+           {-1.0, std::nan(""), std::numeric_limits<double>::infinity(), 1e300})
+        reflection.SetDouble(&wrong.emplace_back(good), &field, value);
+    } else if (field.cpp_type() == Field::CPPTYPE_UINT64) {
+      for (const std::uint64_t value :
+           {std::uint64_t{0}, std::numeric_limits<std::uint64_t>::max()})
+        reflection.SetUInt64(&wrong.emplace_back(good), &field, value);
+    } else {
+      for (const char* value : {"a\nb", "\x1b]0;owned\x07"})
+        reflection.SetString(&wrong.emplace_back(good), &field, value);
+    }
+  }
+  wrong.emplace_back(good).set_job_cpu_median_s(3.5);
+  wrong.emplace_back(good).set_job_cpu_quartile1_s(2.5);
+  EXPECT_EQ(wrong.size(), 7U * 4 + 4 * 2 + 2 + 2);
+  for (const schema::Prediction& prediction : wrong)
+    EXPECT_TRUE(
+        absl::IsInvalidArgument(submit(address, frigate_sweep(2), {}, 1, &prediction).status()))
+        << prediction.ShortDebugString();
+  EXPECT_EQ(farm_status(address)->sweep_size(), 0);
+  EXPECT_TRUE(submit(address, frigate_sweep(2), {}, 1, &good).ok());
+  EXPECT_EQ(farm_status(address)->sweep_size(), 1);
 }
 
 TEST_F(ServerTest, AWorkerOutlivesARestartOfTheCoordinator) {
