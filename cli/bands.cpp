@@ -217,6 +217,11 @@ struct BandsCommand {
       return absl::Status(search.status().code(),
                           fmt::format("{}: {}", detector.empty() ? "--nei" : detector,
                                       std::string(search.status().message())));
+    if (auto s = search->check(*of); !s.ok()) return s;
+    if (of->merit == Merit::kRange && !ranges_out.empty())
+      return absl::InvalidArgumentError(
+          "--ranges is the merit at each range, and --merit range is of all of them: --detection "
+          "has how far each row is seen");
     if (min_width_um && *min_width_um < search->step_um() - 1e-9)
       return absl::InvalidArgumentError(
           fmt::format("--min-width-um {:g}: narrower than the stored step of {:g} um; ask for "
@@ -364,10 +369,12 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->type_name("W/M2");
   seen_by->require_option(1);
   command
-      ->add_option("--merit", o->merit,
-                   "What is best: mean, percentile (the SNR that all but --percentile % of the "
-                   "population exceed), worst, above (the share with --threshold or more)")
-      ->check(CLI::IsMember({"mean", "percentile", "worst", "above"}))
+      ->add_option(
+          "--merit", o->merit,
+          "What is best: mean, percentile (the SNR that all but --percentile % of the "
+          "population exceed), worst, above (the share with --threshold or more), range (up "
+          "to where all but --percentile % have --threshold or more, between --range-m)")
+      ->check(CLI::IsMember({"mean", "percentile", "worst", "above", "range"}))
       ->capture_default_str();
   command->add_option("--percentile", o->percentile, "  [%]")
       ->type_name("P")

@@ -11,14 +11,15 @@
 namespace irsig {
 namespace {
 
-// A page waits for an answer: a second for a thousand.
-constexpr std::size_t kMostRows = 5000;
+// A page waits for an answer: a second for a thousand, or for a hundred that are moved.
+constexpr std::size_t kMostRows = 5000, kMostMoved = 400;
 constexpr std::size_t kCompared = 10;
 
 struct Answer {
   BandSearch search;
   BandSearch::Found found;
   schema::Accuracy accuracy;  // of the sweep
+  std::size_t matching;       // rows, of which those of the search are some
 };
 
 std::string detector_file(const PageSources& sources, const Question& q) {
@@ -34,14 +35,12 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
   if (!reader.ok()) return reader.status();
   Query query = selection_query(q.a, q.quantity);
   if (q.bands.all_conditions) query.season = query.time = "";
-  const auto rows = run_query(**reader, query);
-  if (!rows.ok()) return rows.status();
-  if (rows->empty()) return absl::NotFoundError("nothing is stored (yet) of this band");
-  if (rows->size() > kMostRows)
-    return absl::FailedPreconditionError(
-        fmt::format("{} rows are too many for a page: {}", rows->size(),
-                    bands_command(sources.database[q.a.database], q, detector_file(sources, q))));
-  auto population = band_population(**reader, *rows, nullptr, {}, AspectWeight::kSolidAngle);
+  if (q.range_m) query.range_m = {*q.range_m};
+  const auto some =
+      run_query_of_some(**reader, query, q.range_m ? kMostMoved : kMostRows, sources.extent_of);
+  if (!some.ok()) return some.status();
+  if (some->rows.empty()) return absl::NotFoundError("nothing is stored (yet) of this band");
+  auto population = band_population(**reader, some->rows, nullptr, {}, AspectWeight::kSolidAngle);
   if (!population.ok()) return population.status();
   const Detector detector = q.bands.detector ? sources.detector[*q.bands.detector].detector
                                              : Detector{{}, ConstantNoise{q.bands.nei_w_m2}};
@@ -50,7 +49,8 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
   const auto sweep = (*reader)->sweep(q.a.sweep);
   if (!sweep.ok()) return sweep.status();
   auto found = search->search(q.bands.merit, search->step_um(), kCompared);
-  return Answer{*std::move(search), std::move(found), sweep->resolved.sweep().accuracy()};
+  return Answer{*std::move(search), std::move(found), sweep->resolved.sweep().accuracy(),
+                some->matching};
 }
 
 std::string windows(const BandSearch& search, const std::vector<Candidate>& map) {
@@ -100,9 +100,15 @@ absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Questio
   out.text("detector", q.bands.detector ? sources.detector[*q.bands.detector].name
                                         : fmt::format("NEI {:g} W/m2", q.bands.nei_w_m2));
   out.count("rows", made->search.population().row.size());
+  if (q.range_m) out.number("range_m", *q.range_m);
   out.json("window", windows(made->search, made->found.map));
   out.json("best", best(made->search, choice));
-  out.texts("notes", notes_on(choice, made->search.population(), made->accuracy));
+  const BandPopulation& population = made->search.population();
+  std::vector<std::string> notes = notes_on(choice, population, made->accuracy);
+  if (population.row.size() < made->matching)
+    notes.push_back(fmt::format("{} of {} rows, drawn at random: the command takes all",
+                                population.row.size(), made->matching));
+  out.texts("notes", notes);
   out.text("command", bands_command(sources.database[q.a.database], q, detector_file(sources, q)));
   return json_reply(out.finish());
 }

@@ -22,7 +22,7 @@ namespace irsig {
 [[nodiscard]] absl::StatusOr<PageReply> answer_compare(const PageSources& sources,
                                                        const Question& q);
 
-// Of all windows of a band. FAILED_PRECONDITION: too many rows for a page.
+// Of all windows of a band; of as many rows as a page can wait for.
 [[nodiscard]] absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_csv(const PageSources& sources, const Question& q);
 [[nodiscard]] absl::StatusOr<std::string> bands_svg(const PageSources& sources, const Question& q);

@@ -70,6 +70,7 @@ std::string bands_command(const std::string& database, const Question& question,
   std::string out = "irsig bands " + database_word(database) + option("sweep", s.sweep);
   if (!b.all_conditions) out += option("season", s.season) + option("time", s.time);
   out += option("band", s.band) + option("at-range-m", s.at_range_m);
+  if (question.range_m) out += option("range-m", *question.range_m);
   out += detector.empty() ? option("nei", b.nei_w_m2) : option("detector", detector);
   out += option("merit", std::string(name_of(b.merit.merit)));
   if (b.merit.merit == Merit::kPercentile) out += option("percentile", b.merit.percentile);

@@ -113,7 +113,8 @@ BandQuestion take_bands(Taker& take) {
   out.merit.percentile = positive("percentile", 100, out.merit.percentile);
   out.merit.threshold = positive("threshold", 1e30, out.merit.threshold);
   if (const auto name = take.text("merit", false)) {
-    if (const auto merit = merit_named(*name))
+    // A page shows one range.
+    if (const auto merit = merit_named(*name); merit && *merit != Merit::kRange)
       out.merit.merit = *merit;
     else
       take.fail("merit", *name, "expected mean, percentile, worst or above");
@@ -145,12 +146,12 @@ absl::StatusOr<Question> parse_question(const Parameters& parameters, Needs need
     out.a = take_selection(take, "", databases);
   if (needs == Needs::kSelection) out.elevation_deg = take.number("elevation_deg", false);
   if (needs == Needs::kBands) out.bands = take_bands(take);
+  if (needs == Needs::kBands || needs == Needs::kRow) out.range_m = take.range("range_m", false);
   if (needs == Needs::kBoth) out.b = take_selection(take, "b_", databases);
   if (needs == Needs::kRow) {
     out.a.database = take_database(take, "", databases);
     out.a.sweep = take.text("sweep", true).value_or("");
     out.row = take.count("row", true);
-    out.range_m = take.range("range_m", false);
   }
   if (absl::Status status = take.finish(); !status.ok()) return status;
   return out;

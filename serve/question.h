@@ -47,7 +47,7 @@ enum class Needs {
   kNothing,    // no parameters
   kSelection,  // of a; elevation_deg allowed
   kBoth,       // of a and b
-  kBands,      // of a; what BandQuestion holds allowed
+  kBands,      // of a; what BandQuestion holds and range_m allowed
   kRow,        // database, sweep, row; range_m allowed
 };
 

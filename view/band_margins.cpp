@@ -104,10 +104,10 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
           opposite[i] = of_row(c, i, error * -1.0);
           if (kind == kAll && !of_angles) nothing[i] = of_row(c, i, error, 0);
         }
-        drawn[kind][w].push_back(merit_of(merit, weight_, of_rows));
+        drawn[kind][w].push_back(merit_of_rows(merit, of_rows));
         added[w][kind] +=
-            (0.5 * (drawn[kind][w].back() + merit_of(merit, weight_, opposite)) - c.merit) / kDraws;
-        if (kind == kAll) alone[w] += merit_of(merit, weight_, nothing) / kDraws;
+            (0.5 * (drawn[kind][w].back() + merit_of_rows(merit, opposite)) - c.merit) / kDraws;
+        if (kind == kAll) alone[w] += merit_of_rows(merit, nothing) / kDraws;
       }
     }
   }

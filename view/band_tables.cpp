@@ -32,6 +32,9 @@ std::string merit_name(const MeritOf& merit) {
       return "worst SNR";
     case Merit::kAbove:
       return fmt::format("share with SNR >= {:g}", merit.threshold);
+    case Merit::kRange:
+      return fmt::format("range [m] up to which all but {:g} % have SNR >= {:g}", merit.percentile,
+                         merit.threshold);
   }
   return "";
 }

@@ -47,7 +47,7 @@ double ratio_snr(double a1, double a2, double b1, double b2) {
 
 // How much dearer than a mean: a logarithm of rows, an arc.
 double cost_of(const MeritOf& merit, Pairing pairing) {
-  return (merit.merit == Merit::kPercentile ? 20.0 : 1.0) *
+  return (merit.merit == Merit::kPercentile || merit.merit == Merit::kRange ? 20.0 : 1.0) *
          (pairing == Pairing::kRatio ? 20.0 : 1.0);
 }
 
@@ -60,7 +60,14 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
   out.pairing_ = pairing;
   out.filter_.assign(filters.begin(), filters.end());
   const std::vector<BandCase>& row = out.population_.row;
-  for (const BandCase& r : row) out.weight_.push_back(r.weight);
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    out.weight_.push_back(row[i].weight);
+    if (row[i].place >= out.place_.size()) out.place_.resize(row[i].place + 1, {i, 0, {}});
+    Place& place = out.place_[row[i].place];
+    place.weight += row[i].weight;
+    place.row.emplace_back(row[i].range_m, i);
+  }
+  for (Place& place : out.place_) std::sort(place.row.begin(), place.row.end());
   if (pairing == Pairing::kRatio && !row.front().against)
     return absl::InvalidArgumentError(
         "a ratio of two windows tells two targets apart: give the other one");
@@ -246,8 +253,7 @@ Candidate BandSearch::candidate(const MeritOf& merit, Passband one,
                                 std::optional<Passband> other) const {
   Candidate out{one, other};
   if (other && pairing_ == Pairing::kDifference) out.gain = gain(one, *other);
-  std::vector<double> of_rows = snr(out);
-  out.merit = merit_of(merit, weight_, of_rows);
+  out.merit = merit_of_rows(merit, snr(out));
   return out;
 }
 
@@ -326,7 +332,7 @@ void BandSearch::search_pairs(const MeritOf& merit, double least_width_um, std::
       } else {
         for (std::size_t i = 0; i < rows; ++i) s[i] = of_row(c, i, {});
       }
-      c.merit = merit_of(merit, weight_, s);
+      c.merit = merit_of_rows(merit, s);
       ++out.judged;
       for (const std::size_t part : {w, u})
         if (!of_window[part].other || better(c, of_window[part])) of_window[part] = c;
@@ -409,36 +415,47 @@ double BandSearch::mean_stderr(Passband p) const {
   return std::sqrt(variance);
 }
 
+double BandSearch::range_reached(const Place& place, double threshold,
+                                 std::span<const double> snr) {
+  for (auto at = place.row.rbegin(); at != place.row.rend(); ++at) {
+    const double here = snr[at->second];
+    if (!(here >= threshold)) continue;
+    if (at == place.row.rbegin()) return std::numeric_limits<double>::infinity();
+    const auto beyond = std::prev(at);
+    const double below = std::max(snr[beyond->second], 1e-300);
+    const double share = std::log(here / threshold) / std::log(here / below);
+    return at->first * std::pow(beyond->first / at->first, share);
+  }
+  return 0;
+}
+
+double BandSearch::merit_of_rows(const MeritOf& merit, std::span<const double> snr) const {
+  if (merit.merit != Merit::kRange) return merit_of(merit, weight_, snr);
+  std::vector<double> weight, range_m;
+  for (const Place& place : place_) {
+    weight.push_back(place.weight);
+    range_m.push_back(std::min(range_reached(place, merit.threshold, snr), place.row.back().first));
+  }
+  return merit_of(merit, weight, range_m);
+}
+
+absl::Status BandSearch::check(const MeritOf& merit) const {
+  if (merit.merit != Merit::kRange) return absl::OkStatus();
+  for (const Place& place : place_)
+    if (place.row.size() < 2)
+      return absl::InvalidArgumentError(fmt::format(
+          "the merit \"range\" is how far rows are seen, between two ranges or more, and these are "
+          "at {:g} m alone: ask for several (--range-m)",
+          place.row.front().first));
+  return absl::OkStatus();
+}
+
 std::vector<BandSearch::Detection> BandSearch::detection(const Candidate& c,
                                                          double threshold) const {
-  struct Place {
-    std::size_t row;
-    double weight;
-    std::map<double, double> by_range;  // s
-  };
-  std::map<std::size_t, Place> of_place;
-  for (std::size_t i = 0; i < population_.row.size(); ++i) {
-    Place& of = of_place.try_emplace(population_.row[i].place, Place{i, 0, {}}).first->second;
-    of.weight += weight_[i];
-    of.by_range[population_.row[i].range_m] = of_row(c, i, {});
-  }
+  const std::vector<double> of_rows = snr(c);
   std::vector<Detection> out;
-  for (const auto& [place, of] : of_place) {
-    double range = 0;
-    for (auto at = of.by_range.rbegin(); at != of.by_range.rend(); ++at) {
-      if (!(at->second >= threshold)) continue;
-      if (at == of.by_range.rbegin()) {
-        range = std::numeric_limits<double>::infinity();
-        break;
-      }
-      const auto beyond = std::prev(at);
-      const double below = std::max(beyond->second, 1e-300);
-      const double share = std::log(at->second / threshold) / std::log(at->second / below);
-      range = at->first * std::pow(beyond->first / at->first, share);
-      break;
-    }
-    out.push_back({of.row, of.weight, range});
-  }
+  for (const Place& place : place_)
+    out.push_back({place.first_row, place.weight, range_reached(place, threshold, of_rows)});
   return out;
 }
 

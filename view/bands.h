@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -78,6 +79,9 @@ class BandSearch {
                                          Pairing pairing = Pairing::kNone,
                                          std::span<const NamedFilter> filters = {});
 
+  // INVALID_ARGUMENT: a merit that this population has not, a range of rows at one range alone.
+  [[nodiscard]] absl::Status check(const MeritOf& merit) const;
+
   // Limits of windows: those of the stored bins, and of the band.
   [[nodiscard]] std::span<const double> edges_um() const {
     return std::span(limit_um_).first(edges_);
@@ -123,7 +127,8 @@ class BandSearch {
                                      std::span<const Candidate> candidates) const;
 
   // The range at which a row's s falls to the threshold, between the ranges of the population, on a
-  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.
+  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere (of
+  // Merit::kRange the farthest: at least so far).
   struct Detection {
     std::size_t row;  // the first of its place
     double weight;    // of all rows of the place
@@ -152,6 +157,15 @@ class BandSearch {
   static double of(const ByLimit& by_limit, Passband p, std::size_t row) {
     return by_limit[p.last][row] - by_limit[p.first][row];
   }
+  // The same row at all its ranges, the nearest first.
+  struct Place {
+    std::size_t first_row;
+    double weight;
+    std::vector<std::pair<double, std::size_t>> row;  // range, row
+  };
+  [[nodiscard]] static double range_reached(const Place& place, double threshold,
+                                            std::span<const double> snr);
+  [[nodiscard]] double merit_of_rows(const MeritOf& merit, std::span<const double> snr) const;
   // signals: 1, or 0 of the errors alone.
   [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
                               double signals = 1) const;
@@ -162,6 +176,7 @@ class BandSearch {
 
   BandPopulation population_;
   std::vector<double> weight_;  // [row]
+  std::vector<Place> place_;
   DetectorIntegrals detector_;
   Detector whole_;
   Pairing pairing_ = Pairing::kNone;

@@ -11,7 +11,8 @@ namespace {
 constexpr std::pair<std::string_view, Merit> kMerits[] = {{"mean", Merit::kMean},
                                                           {"percentile", Merit::kPercentile},
                                                           {"worst", Merit::kWorst},
-                                                          {"above", Merit::kAbove}};
+                                                          {"above", Merit::kAbove},
+                                                          {"range", Merit::kRange}};
 }  // namespace
 
 std::optional<Merit> merit_named(std::string_view name) {
@@ -41,7 +42,8 @@ double merit_of(const MeritOf& merit, std::span<const double> weight, std::span<
         if (snr[i] >= merit.threshold) sum += weight[i];
       return sum;
     }
-    case Merit::kPercentile: {
+    case Merit::kPercentile:
+    case Merit::kRange: {
       std::vector<std::size_t> order(snr.size());
       std::iota(order.begin(), order.end(), std::size_t{0});
       std::sort(order.begin(), order.end(),

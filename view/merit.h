@@ -11,9 +11,10 @@ enum class Merit {
   kMean,
   kPercentile,  // what all but `percentile` % of the population exceed
   kWorst,
-  kAbove  // the share of the population with s >= threshold
+  kAbove,  // the share of the population with s >= threshold
+  kRange   // up to where all but `percentile` % of the population have s >= threshold [m]
 };
-// "mean", "percentile", "worst", "above"; nullopt: none of these.
+// "mean", "percentile", "worst", "above", "range"; nullopt: none of these.
 [[nodiscard]] std::optional<Merit> merit_named(std::string_view name);
 [[nodiscard]] std::string_view name_of(Merit merit);
 struct MeritOf {
@@ -21,7 +22,7 @@ struct MeritOf {
   double percentile = 10, threshold = 5;
 };
 
-// Of rows with these weights, which sum to 1.
+// Of rows with these weights, which sum to 1. kRange: of ranges that are reached, in place of s.
 [[nodiscard]] double merit_of(const MeritOf& merit, std::span<const double> weight,
                               std::span<const double> snr);
 

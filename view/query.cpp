@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <set>
 #include <utility>
 
@@ -262,13 +263,36 @@ class GivenRows final : public QueryRows {
   std::size_t count_;
 };
 
+// NOT_FOUND if there is nothing of that name.
+absl::StatusOr<std::vector<std::int64_t>> matching_ids(StoreReader& reader, const Query& query) {
+  const auto filter = filter_of(query);
+  if (!filter.ok()) return filter.status();
+  auto ids = reader.find_ids(*filter);
+  if (ids.ok() && ids->empty())
+    if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) return status;
+  return ids;
+}
+
+absl::StatusOr<std::vector<QueryRow>> all_of(QueryRows& rows, const Query& query) {
+  std::optional<LoopProgress> progress;
+  if (!query.range_m.empty()) progress.emplace("rows moved", rows.count());
+  std::vector<QueryRow> all;
+  for (;;) {
+    auto some = rows.next();
+    if (!some.ok()) return some.status();
+    if (some->empty()) return all;
+    if (progress) progress->step(some->size());
+    std::move(some->begin(), some->end(), std::back_inserter(all));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<QueryRows>> QueryRows::open(StoreReader& reader, const Query& query,
                                                            const ExtentOf& extent_of) {
-  const auto filter = filter_of(query);
-  if (!filter.ok()) return filter.status();
   if (query.interpolate) {
+    const auto filter = filter_of(query);
+    if (!filter.ok()) return filter.status();
     auto found = reader.find(*filter);
     if (!found.ok()) return found.status();
     std::vector<QueryRow> rows;
@@ -282,10 +306,8 @@ absl::StatusOr<std::unique_ptr<QueryRows>> QueryRows::open(StoreReader& reader, 
     }
     return std::make_unique<GivenRows>(std::move(rows));
   }
-  auto ids = reader.find_ids(*filter);
+  auto ids = matching_ids(reader, query);
   if (!ids.ok()) return ids.status();
-  if (ids->empty())
-    if (absl::Status status = explain_nothing(reader, *filter); !status.ok()) return status;
   return std::make_unique<StoredRows>(reader, query, extent_of, *std::move(ids));
 }
 
@@ -293,16 +315,20 @@ absl::StatusOr<std::vector<QueryRow>> run_query(StoreReader& reader, const Query
                                                 const ExtentOf& extent_of) {
   const auto rows = QueryRows::open(reader, query, extent_of);
   if (!rows.ok()) return rows.status();
-  std::optional<LoopProgress> progress;
-  if (!query.range_m.empty()) progress.emplace("rows moved", (*rows)->count());
-  std::vector<QueryRow> all;
-  for (;;) {
-    auto some = (*rows)->next();
-    if (!some.ok()) return some.status();
-    if (some->empty()) return all;
-    if (progress) progress->step(some->size());
-    std::move(some->begin(), some->end(), std::back_inserter(all));
-  }
+  return all_of(**rows, query);
+}
+
+absl::StatusOr<SomeRows> run_query_of_some(StoreReader& reader, const Query& query,
+                                           std::size_t at_most, const ExtentOf& extent_of) {
+  constexpr std::uint64_t kSeed = 20240229;
+  const auto ids = matching_ids(reader, query);
+  if (!ids.ok()) return ids.status();
+  std::vector<std::int64_t> drawn;  // in the order of the ids
+  std::sample(ids->begin(), ids->end(), std::back_inserter(drawn), at_most, std::mt19937_64(kSeed));
+  StoredRows some(reader, query, extent_of, std::move(drawn));
+  auto rows = all_of(some, query);
+  if (!rows.ok()) return rows.status();
+  return SomeRows{*std::move(rows), ids->size()};
 }
 
 }  // namespace irsig

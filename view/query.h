@@ -74,6 +74,15 @@ struct QueryRow {
                                                               const Query& query,
                                                               const ExtentOf& extent_of = {});
 
+// At most so many of them, as if drawn at random; the same ones each time.
+struct SomeRows {
+  std::vector<QueryRow> rows;  // each at all of query.range_m
+  std::size_t matching;        // stored rows
+};
+[[nodiscard]] absl::StatusOr<SomeRows> run_query_of_some(StoreReader& reader, const Query& query,
+                                                         std::size_t at_most,
+                                                         const ExtentOf& extent_of = {});
+
 class RangeChanger;
 
 // The same rows some at a time, for who goes through many: memory does not grow with their number.

@@ -1,7 +1,7 @@
 // Which window of a band a detector sees the target best in: its form, the map of all windows, the best of them.
 import { scaleOf } from "./colors.js";
 import { html, svg, table } from "./draw.js";
-import { brief, tickLabels, ticks } from "./numbers.js";
+import { brief, rangeText, tickLabels, ticks } from "./numbers.js";
 import { readOut } from "./readout.js";
 
 export const BAND_FIELDS = ["bands", "detector", "nei_w_m2", "merit", "percentile", "threshold", "over"];
@@ -11,7 +11,7 @@ const SIZE = 420, LEFT = 52, TOP = 10, SIDE = 340;
 // What of the state the server is asked with.
 export function bandParameters(state) {
   const merit = state.merit || "mean";
-  return { detector: state.detector, nei_w_m2: state.detector === "" ? state.nei_w_m2 : "", merit, over: state.over,
+  return { range_m: state.range_m, detector: state.detector, nei_w_m2: state.detector === "" ? state.nei_w_m2 : "", merit, over: state.over,
     percentile: merit === "percentile" ? state.percentile : "", threshold: merit === "above" ? state.threshold : "" };
 }
 
@@ -77,7 +77,7 @@ export function drawBands(answer, readout) {
 
 export function bestWindows(answer) {
   const { best } = answer;
-  return [table(`The best of ${answer.window.merit.length} windows over ${answer.rows} rows, ${answer.detector}`, ["Window [µm]", answer.title, "error", "is the best", "as good as the first"],
+  return [table(`The best of ${answer.window.merit.length} windows over ${answer.rows} rows${answer.range_m ? ` seen from ${rangeText(answer.range_m)}` : ""}, ${answer.detector}`, ["Window [µm]", answer.title, "error", "is the best", "as good as the first"],
     best.merit.map((m, k) => [`${brief(best.lambda_min_um[k])} to ${brief(best.lambda_max_um[k])}`, html("span", { "data-merit": m }, brief(m)), brief(best.total_error[k], 2),
       `${brief(100 * best.best[k], 3)} %`, `${brief(100 * best.as_good[k], 3)} %`])),
     ...answer.notes.map((note) => html("p", { class: "note" }, note))];

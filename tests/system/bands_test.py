@@ -435,6 +435,23 @@ class Bands(unittest.TestCase):
             self.assertAlmostEqual(float(row["merit"]), expected, delta=1e-3 * expected)
         self.irsig("bands", self.db, *options, "--ranges", self.path / "ranges.svg")
         self.assertIn("3.05 to 4.95 um", (self.path / "ranges.svg").read_text())
+        # As a merit: up to where all but so many are seen, and no farther than the farthest range.
+        (row,) = self.table(self.db, *options, "--merit", "range", "--percentile", "30")
+        expected = numpy.sqrt(irradiance / 5)[math.ceil(0.3 * len(view)) - 1]
+        self.assertAlmostEqual(float(row["merit"]), expected, delta=2e-3 * expected)
+        self.assertLess(abs(float(row["total_error"])), 0.2 * expected)
+        (row,) = self.table(self.db, *options[:-1], "1e-9", "--merit", "range")
+        self.assertEqual(float(row["merit"]), 300000)
+        (row,) = self.table(self.db, *options[:-1], "1e15", "--merit", "range")
+        self.assertEqual(float(row["merit"]), 0)
+        options = ("--band", "mwir", "--detector", self.photons, "--range-m", "4000,300000", "--merit", "range")
+        best = self.table(self.db, *options, "--top", "3")
+        self.assertEqual(len(best), 3)
+        for found in best:
+            (again,) = self.table(self.db, *options, "--window", f"{found['lambda_min_um']},{found['lambda_max_um']}")
+            self.assertEqual(again["merit"], found["merit"])
+        (other,) = self.table(self.db, *options, "--window", "4.5,5")
+        self.assertLess(float(other["merit"]), float(best[0]["merit"]))
 
     def test_files(self):
         best = self.path / "best.csv"
@@ -478,6 +495,8 @@ class Bands(unittest.TestCase):
         refused(self.nei, "outside of what is stored", "--band", "mwir", "--window", "2.5,4")
         refused(self.nei, "wider than what is stored", "--band", "mwir", "--min-width-um", "3")
         refused(self.nei, "lengths of the target", "--band", "mwir", "--range-m", "500")
+        refused(self.nei, "at 5000 m alone: ask for several (--range-m)", "--band", "mwir", "--merit", "range")
+        refused(self.nei, "--ranges is the merit at each range", "--band", "mwir", "--merit", "range", "--range-m", "6000,8000", "--ranges", "ranges.csv")
         refused(self.nei, "give the other one", "--band", "mwir", "--pairs", "ratio")
         refused(self.nei, "expected two or more", "--band", "mwir", "--pairs", "difference", "--window", "3.1,3.9")
         refused(self.nei, "not with --window", "--band", "mwir", "--window", "3.1,3.9", "--map", "map.svg")

@@ -214,7 +214,7 @@ class Serve(unittest.TestCase):
         self.addCleanup(server.end)
         self.assertEqual(server.json("/api/contents")["detector"], ["InSb, f/2"])
         one = self.selection()
-        for asked in ({}, {"nei_w_m2": 1e-7, "merit": "worst"}, {"detector": 0, "merit": "percentile", "percentile": 30, "over": "conditions"},
+        for asked in ({}, {"range_m": 20000}, {"nei_w_m2": 1e-7, "merit": "worst"}, {"detector": 0, "merit": "percentile", "percentile": 30, "over": "conditions"},
                       {"merit": "above", "threshold": 100}):
             shown = server.json("/api/bands", **one, **asked)
             rows = table(printed(shown["command"]))
@@ -227,7 +227,7 @@ class Serve(unittest.TestCase):
                              [(float(r["lambda_min_um"]), float(r["lambda_max_um"]), float(r["merit"])) for r in whole])
             self.assertEqual(max(window["merit"]), shown["best"]["merit"][0])
         self.assertTrue(server.request("/file/bands.svg?" + urllib.parse.urlencode(one))[2].startswith(b"<svg"))
-        for wrong, said in (({"detector": 1}, "this page has 1"), ({"merit": "best"}, "expected mean, percentile"), ({"percentile": 0}, "percentile"),
+        for wrong, said in (({"detector": 1}, "this page has 1"), ({"merit": "best"}, "expected mean, percentile"), ({"merit": "range"}, "expected mean, percentile"), ({"range_m": 10}, "lengths of the target"), ({"percentile": 0}, "percentile"),
                             ({"nei_w_m2": "nan"}, "nei_w_m2"), ({"over": "all"}, "over"), ({"row": 3}, "no such parameter")):
             self.assertIn(said, server.json("/api/bands", code=400, **one, **wrong)["error"])
         # What the detector sees nothing of.

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -58,6 +59,32 @@ TEST(Query, FiltersBySeasonBandAndTimeOfAnyOffset) {
   ASSERT_TRUE(same.ok()) << same.status();
   ASSERT_EQ(same->size(), 191U);
   EXPECT_EQ((*same)[7].signature.row, (*rows)[7].signature.row);
+}
+
+TEST(Query, SomeOfItsRowsAreSpreadOverAll) {
+  FakeStoreReader db = fake_database();
+  const Query query{.season = "summer", .band = "lwir"};
+  const auto all = run_query(db, query);
+  ASSERT_TRUE(all.ok());
+  const auto rows_of = [&](std::size_t at_most) {
+    const auto some = run_query_of_some(db, query, at_most);
+    EXPECT_TRUE(some.ok()) << some.status();
+    EXPECT_EQ(some->matching, 191U);
+    std::vector<std::uint64_t> out;
+    for (const QueryRow& row : some->rows) out.push_back(row.signature.row);
+    return out;
+  };
+  EXPECT_EQ(rows_of(191).size(), 191U);
+  EXPECT_EQ(rows_of(5000).size(), 191U);
+  const std::vector<std::uint64_t> some = rows_of(60);
+  ASSERT_EQ(some.size(), 60U);
+  EXPECT_EQ(rows_of(60), some);
+  EXPECT_TRUE(std::is_sorted(some.begin(), some.end()));
+  // As many of the first half as of the second, but for chance.
+  const auto first = std::count_if(
+      some.begin(), some.end(), [&](std::uint64_t row) { return row < (*all)[95].signature.row; });
+  EXPECT_NEAR(static_cast<double>(first), 30, 12);
+  EXPECT_TRUE(absl::IsNotFound(run_query_of_some(db, {.season = "autumn"}, 60).status()));
 }
 
 TEST(Query, NearestAndWithin) {
