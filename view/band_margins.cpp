@@ -7,6 +7,7 @@
 #include <random>
 
 #include "view/bands.h"
+#include "view/on_all_cores.h"
 
 namespace irsig {
 namespace {
@@ -18,17 +19,17 @@ double squared(double x) { return x * x; }
 
 }  // namespace
 
-WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
-  std::vector<Candidate> candidate(asked.begin(), asked.end());
-  std::stable_sort(candidate.begin(), candidate.end(), better);
-  WindowChoice out;
-  if (candidate.empty()) return out;
-
+struct BandSearch::Draws {
   enum Kind { kSamples, kNumerical, kAll, kKinds };
-  const std::size_t count = candidate.size(), rows = population_.row.size();
-  // [kind][candidate][draw]
-  std::vector<std::vector<std::vector<double>>> drawn(kKinds,
-                                                      std::vector<std::vector<double>>(count));
+  std::array<std::vector<double>, kKinds> merit;  // [kind][draw]
+  // What errors of both signs add to the merit; what all of them make by themselves.
+  std::array<double, kKinds> added{};
+  double alone = 0;
+};
+
+// The same numbers are drawn for every candidate.
+BandSearch::Draws BandSearch::draw_errors(const MeritOf& merit, const Candidate& c) const {
+  const std::size_t rows = population_.row.size(), parts = c.other ? 2 : 1;
   const bool two = population_.row.front().against.has_value();
   const bool of_angles = pairing_ == Pairing::kRatio;  // which have no direction without signals
   std::size_t views = 0, modes = 0;
@@ -37,6 +38,7 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     modes = std::max(modes, target_.mode[i].size());
     if (two) modes = std::max(modes, against_.mode[i].size());
   }
+  const std::size_t numbers = modes + 2;  // that are drawn for a view
   std::mt19937_64 random(kSeed);
   // Of a library's distributions the numbers are its own; these are the same everywhere.
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
@@ -51,36 +53,65 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   };
   const auto draw_target = [&] {
     Drawn d;
-    for (std::size_t k = 0; k < views * (modes + 2); ++k) d.z.push_back(normal());
+    d.z.reserve(views * numbers);
+    for (std::size_t k = 0; k < views * numbers; ++k) d.z.push_back(normal());
     d.bound_level = 2 * uniform() - 1;
     d.bound_slope = std::sqrt(3.0) * (2 * uniform() - 1);
     d.model_level = normal();
     d.model_slope = std::sqrt(3.0) * normal();
     return d;
   };
-  const auto error_of = [&](const Drawn& d, const Cumulated& c, const TargetContrast& t,
-                            std::size_t i, Passband p, Kind kind) {
-    const BandCase& row = population_.row[i];
-    const double* z = d.z.data() + row.view * (modes + 2);
-    double error = z[modes] * of(c.rest, p, i);
-    for (std::size_t k = 0; k < c.mode[i].size(); ++k)
-      error += z[k] * (c.mode[i][k][p.last] - c.mode[i][k][p.first]);
-    if (kind == kSamples) return error;
-    const double half = std::sqrt(0.5), shape = of(c.shape, p, i), slope = of(c.slope, p, i);
-    const double per_w_sr =
-        c.whole_shape[i] > 0 ? ratio_ / squared(row.range_m) / c.whole_shape[i] : 0;
-    error +=
-        per_w_sr * (t.bias_bound_w_sr * half * (d.bound_level * shape + d.bound_slope * slope) +
-                    t.unseen_stderr_w_sr * z[modes + 1] * shape);
-    if (kind == kNumerical) return error;
-    return error +
-           per_w_sr * t.model_error_w_sr * half * (d.model_level * shape + d.model_slope * slope);
+  // A target's errors in one passband, by row.
+  struct PartErrors {
+    std::vector<double> mode;                        // [row][mode]
+    std::vector<double> rest, unseen, bound, model;  // [row]
+    std::vector<double> bound_slope, model_slope;    // [row]
   };
-  // What errors of both signs add to the merit, of the numerical ones and of all; what all of them
-  // make by themselves.
-  std::vector<std::array<double, kKinds>> added(count, std::array<double, kKinds>{});
-  std::vector<double> alone(count, 0.0);
-  std::vector<double> of_rows(rows), opposite(rows), nothing(rows);
+  const auto errors_in = [&](const Cumulated& of_target, auto&& target_of, Passband p) {
+    PartErrors out;
+    const double half = std::sqrt(0.5);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const TargetContrast& t = target_of(population_.row[i]);
+      for (std::size_t k = 0; k < modes; ++k)
+        out.mode.push_back(k < of_target.mode[i].size()
+                               ? of_target.mode[i][k][p.last] - of_target.mode[i][k][p.first]
+                               : 0);
+      const double shape = of(of_target.shape, p, i), slope = of(of_target.slope, p, i);
+      const double whole = of_target.whole_shape[i] * squared(population_.row[i].range_m);
+      const double per_w_sr = whole > 0 ? ratio_ / whole : 0;
+      out.rest.push_back(of(of_target.rest, p, i));
+      out.unseen.push_back(per_w_sr * t.unseen_stderr_w_sr * shape);
+      out.bound.push_back(per_w_sr * t.bias_bound_w_sr * half * shape);
+      out.bound_slope.push_back(per_w_sr * t.bias_bound_w_sr * half * slope);
+      out.model.push_back(per_w_sr * t.model_error_w_sr * half * shape);
+      out.model_slope.push_back(per_w_sr * t.model_error_w_sr * half * slope);
+    }
+    return out;
+  };
+  std::array<PartErrors, 2> target, against;
+  for (std::size_t k = 0; k < parts; ++k) {
+    const Passband p = k == 0 ? c.one : *c.other;
+    target[k] = errors_in(
+        target_, [](const BandCase& r) -> const TargetContrast& { return r.target; }, p);
+    if (two)
+      against[k] = errors_in(
+          against_, [](const BandCase& r) -> const TargetContrast& { return *r.against; }, p);
+  }
+  // By kind, each with those before it.
+  const auto error_of = [&](const Drawn& d, const PartErrors& e, std::size_t i) {
+    const double* z = d.z.data() + population_.row[i].view * numbers;
+    const double* mode = e.mode.data() + i * modes;
+    double samples = z[modes] * e.rest[i];
+    for (std::size_t k = 0; k < modes; ++k) samples += z[k] * mode[k];
+    const double numerical = samples + d.bound_level * e.bound[i] +
+                             d.bound_slope * e.bound_slope[i] + z[modes + 1] * e.unseen[i];
+    return std::array{samples, numerical,
+                      numerical + d.model_level * e.model[i] + d.model_slope * e.model_slope[i]};
+  };
+  Draws out;
+  std::array<std::vector<double>, Draws::kKinds> of_rows, opposite;
+  for (auto* values : {&of_rows, &opposite}) values->fill(std::vector<double>(rows));
+  std::vector<double> nothing(rows);
   for (int draw = 0; draw < kDraws; ++draw) {
     const Drawn of_target = draw_target();
     Drawn of_against;
@@ -89,28 +120,49 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
       of_against.bound_level = -of_target.bound_level;
       of_against.bound_slope = -of_target.bound_slope;
     }
-    for (std::size_t w = 0; w < count; ++w) {
-      const Candidate& c = candidate[w];
-      for (const Kind kind : {kSamples, kNumerical, kAll}) {
-        for (std::size_t i = 0; i < rows; ++i) {
-          const BandCase& row = population_.row[i];
-          Errors error;
-          for (std::size_t k = 0; k < (c.other ? 2U : 1U); ++k) {
-            const Passband p = k == 0 ? c.one : *c.other;
-            error.target[k] = error_of(of_target, target_, row.target, i, p, kind);
-            if (two) error.against[k] = error_of(of_against, against_, *row.against, i, p, kind);
-          }
-          of_rows[i] = of_row(c, i, error);
-          opposite[i] = of_row(c, i, error * -1.0);
-          if (kind == kAll && !of_angles) nothing[i] = of_row(c, i, error, 0);
+    for (std::size_t i = 0; i < rows; ++i) {
+      std::array<Errors, Draws::kKinds> error;
+      for (std::size_t k = 0; k < parts; ++k) {
+        const auto own = error_of(of_target, target[k], i);
+        const auto other = two ? error_of(of_against, against[k], i) : decltype(own){};
+        for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
+          error[kind].target[k] = own[kind];
+          error[kind].against[k] = other[kind];
         }
-        drawn[kind][w].push_back(merit_of_rows(merit, of_rows));
-        added[w][kind] +=
-            (0.5 * (drawn[kind][w].back() + merit_of_rows(merit, opposite)) - c.merit) / kDraws;
-        if (kind == kAll) alone[w] += merit_of_rows(merit, nothing) / kDraws;
       }
+      for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
+        of_rows[kind][i] = of_row(c, i, error[kind]);
+        opposite[kind][i] = of_row(c, i, error[kind] * -1.0);
+      }
+      if (!of_angles) nothing[i] = of_row(c, i, error[Draws::kAll], 0);
     }
+    for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
+      out.merit[kind].push_back(merit_of_rows(merit, of_rows[kind]));
+      out.added[kind] +=
+          (0.5 * (out.merit[kind].back() + merit_of_rows(merit, opposite[kind])) - c.merit) /
+          kDraws;
+    }
+    out.alone += merit_of_rows(merit, nothing) / kDraws;
   }
+  return out;
+}
+
+WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate> asked) const {
+  std::vector<Candidate> candidate(asked.begin(), asked.end());
+  std::stable_sort(candidate.begin(), candidate.end(), better);
+  WindowChoice out;
+  if (candidate.empty()) return out;
+  constexpr auto kSamples = Draws::kSamples, kNumerical = Draws::kNumerical, kAll = Draws::kAll;
+  using Kind = Draws::Kind;
+  const std::size_t count = candidate.size();
+  std::vector<Draws> draws(count);
+  on_all_cores(count, [&](std::size_t w) {
+    draws[w] = draw_errors(merit, candidate[w]);
+    return absl::OkStatus();
+  }).IgnoreError();
+  const auto drawn = [&](Kind kind, std::size_t w) -> const std::vector<double>& {
+    return draws[w].merit[kind];
+  };
   const auto scatter = [&](const std::vector<double>& values) {
     double mean = 0, sum = 0;
     // Of equal values exactly that: a mean of differences.
@@ -120,16 +172,16 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     return std::sqrt(sum);
   };
   const auto one_sigma = [&](std::size_t w, Kind kind) {
-    return std::hypot(scatter(drawn[kind][w]), added[w][kind]);
+    return std::hypot(scatter(drawn(kind, w)), draws[w].added[kind]);
   };
   for (std::size_t w = 0; w < count; ++w) {
     CandidateMerit& m = out.candidate.emplace_back(
         CandidateMerit{candidate[w], one_sigma(w, kSamples), one_sigma(w, kNumerical),
-                       one_sigma(w, kAll), 0, 0, 0, 0, alone[w]});
+                       one_sigma(w, kAll), 0, 0, 0, 0, draws[w].alone});
     const auto as_good = [&](Kind kind) {
       int count_as_good = 0;
       for (std::size_t d = 0; d < kDraws; ++d)
-        if (drawn[kind][w][d] >= drawn[kind][0][d]) ++count_as_good;
+        if (drawn(kind, w)[d] >= drawn(kind, 0)[d]) ++count_as_good;
       return static_cast<double>(count_as_good) / kDraws;
     };
     m.as_good_numerical = as_good(kNumerical);
@@ -137,10 +189,10 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   }
   for (std::size_t d = 0; d < kDraws; ++d)
     for (const Kind kind : {kNumerical, kAll}) {
-      double most = drawn[kind][0][d];
-      for (std::size_t w = 1; w < count; ++w) most = std::max(most, drawn[kind][w][d]);
+      double most = drawn(kind, 0)[d];
+      for (std::size_t w = 1; w < count; ++w) most = std::max(most, drawn(kind, w)[d]);
       // Those that are equally good share it.
-      const auto is_best = [&](std::size_t w) { return drawn[kind][w][d] >= most; };
+      const auto is_best = [&](std::size_t w) { return drawn(kind, w)[d] >= most; };
       int equal = 0;
       for (std::size_t w = 0; w < count; ++w) equal += is_best(w) ? 1 : 0;
       for (std::size_t w = 0; w < count; ++w)
@@ -155,7 +207,7 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   const auto difference_of = [&](Kind kind) {
     std::vector<double> difference;
     for (std::size_t d = 0; d < kDraws; ++d)
-      difference.push_back(drawn[kind][0][d] - drawn[kind][1][d]);
+      difference.push_back(drawn(kind, 0)[d] - drawn(kind, 1)[d]);
     return scatter(difference);
   };
   const double apart = 0.5 * (candidate[0].merit - candidate[1].merit);

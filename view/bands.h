@@ -169,6 +169,8 @@ class BandSearch {
   // signals: 1, or 0 of the errors alone.
   [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
                               double signals = 1) const;
+  struct Draws;
+  [[nodiscard]] Draws draw_errors(const MeritOf& merit, const Candidate& c) const;
   [[nodiscard]] double gain(Passband one, Passband other) const;
   void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
                     Found& out) const;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "core/accuracy/spectral_modes.h"
 #include "view/measured_row.h"
@@ -121,30 +120,6 @@ Moved moved(const Held& held, const Seen& from, const Seen& to, double spread) {
           target_bound + behind_bound};
 }
 
-// How far reflected sky and sea may be off in one bin: their directions' way from one range to the
-// other, against that of the mean.
-double spread_of(const SightLine& from, const SightLine& to, const Sp& spectrum, std::size_t k) {
-  double bound = 0;
-  for (const auto& [cause, from_side, to_side] :
-       {std::tuple{SightLine::kSky, &from.sky, &to.sky}, {SightLine::kSea, &from.sea, &to.sea}}) {
-    const double before = from.bin.arriving[cause][k], after = to.bin.arriving[cause][k];
-    const double value = std::abs(cause_at(spectrum, cause, k));
-    if (value == 0) continue;
-    if (!(before > 0)) {
-      bound += value * after;
-      continue;
-    }
-    const double mean = after / before;
-    double farthest = 0;
-    for (std::size_t at = k; at < from_side->size(); at += from.bin.width.size()) {
-      const double share = (*from_side)[at];
-      if (share > 0) farthest = std::max(farthest, std::abs((*to_side)[at] / share - mean));
-    }
-    bound += value * before * farthest;
-  }
-  return bound;
-}
-
 // The modes of a spectrum's errors after each bin's have been multiplied and others added, which
 // may go with them: these are part of what the modes leave over.
 absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view modes,
@@ -206,7 +181,8 @@ double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& t
 }  // namespace
 
 absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const SightLine& from,
-                                   const SightLine& to, double perspective) {
+                                   const SightLine& to, const ReflectedSpread& spread_of_unit,
+                                   double perspective) {
   const std::size_t bins = from.bin.width.size();
   if (!std::isnan(row.plume_w_sr))
     return absl::InvalidArgumentError(fmt::format(
@@ -235,7 +211,10 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
               {}};
     for (std::size_t c = 0; c < kCauses; ++c)
       held.cause_stderr[c] = (spectrum.*kCauseColumns[c].value_stderr)().Get(i);
-    const double of_bin = spread_of(from, to, spectrum, k);
+    double of_bin = 0;
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
+      of_bin +=
+          std::abs(cause_at(spectrum, SightLine::kReflected[side], k)) * spread_of_unit[side][k];
     spread += of_bin * from.band.width[k];
     const Seen here = seen(from.bin, behind->from_bin, spectrum, k, k + 1),
                there = seen(to.bin, behind->to_bin, spectrum, k, k + 1);

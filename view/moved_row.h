@@ -3,6 +3,7 @@
 #include "absl/status/statusor.h"
 #include "schema/result.pb.h"
 #include "schema/store/store.h"
+#include "view/arriving_reflected.h"
 #include "view/sight_line.h"
 
 namespace irsig {
@@ -14,12 +15,13 @@ struct MovedRow {
 };
 
 // A stored row as it would be seen from another range: the formula and the errors of
-// range_change.h. perspective: relative bound. from, to: the row's lines of sight at both ranges;
-// without a known background by direction (homogeneous air) the stored background is taken along.
-// FAILED_PRECONDITION: the stored range lets too little of the background through for that.
+// range_change.h. perspective: relative bound. from, to: the row's lines of sight at both ranges,
+// spread: of these (arriving_reflected.h); without a known background by direction (homogeneous
+// air) the stored background is taken along. FAILED_PRECONDITION: the stored range lets too little
+// of the background through for that.
 [[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
                                                  const schema::Spectrum& spectrum,
                                                  const SightLine& from, const SightLine& to,
-                                                 double perspective);
+                                                 const ReflectedSpread& spread, double perspective);
 
 }  // namespace irsig

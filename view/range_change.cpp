@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <thread>
+#include <set>
 #include <tuple>
+#include <utility>
 
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/environment/air.h"
 #include "core/geo/viewpoint.h"
+#include "view/arriving_reflected.h"
 #include "view/moved_row.h"
+#include "view/on_all_cores.h"
 #include "view/sight_line.h"
 
 namespace irsig {
@@ -72,10 +73,11 @@ class BandAir {
     return static_cast<std::uint32_t>(at - conditions.begin());
   }
 
-  // All conditions asked for, from one aspect and range.
+  // All conditions asked for, from one aspect and range. around: as Environment::view has it; what
+  // is reflected is not known without it.
   [[nodiscard]] absl::StatusOr<std::vector<SightLine>> lines(
       double aspect_azimuth_deg, double aspect_elevation_deg, double range_m,
-      const std::vector<std::uint32_t>& conditions) const {
+      const std::vector<std::uint32_t>& conditions, bool around) const {
     std::vector<SightLine> out;
     if (environment_ == nullptr) {
       const auto air = air_from_message(sweep_.resolved.sweep().air());
@@ -92,12 +94,14 @@ class BandAir {
     Environment::Line line =
         environment_->line({aspect_azimuth_deg, aspect_elevation_deg, range_m});
     line.behind = BehindNodes({static_cast<float>(-towards.z)}, std::atan2(-towards.y, -towards.x));
-    const auto views = environment_->view(line, conditions);
+    const auto views = environment_->view(line, conditions, around);
     if (!views.ok()) return views.status();
     for (const ViewEnvironment& view : *views)
-      out.push_back(sight_line(view, environment_->nodes(), grid_));
+      out.push_back(sight_line(view, around ? environment_->nodes() : DirectionNodes(), grid_));
     return out;
   }
+  // Whether lines take their time from what is around the target.
+  [[nodiscard]] bool has_around() const { return environment_ != nullptr; }
 
  private:
   static absl::Status outdated(const StoredSignature& s) {
@@ -155,46 +159,57 @@ double perspective_bound(double from_range_m, double to_range_m, double reach_m)
 struct RangeChanger::Air {
   BandAir air;
   TargetExtent extent;
+  ArrivingTable arriving;  // of what is around the target
 
   // Rows of one viewpoint and band with their spectra; out: [row][range].
-  absl::Status move_view(const std::vector<double>& ranges_m,
-                         const std::vector<const QueryRow*>& rows,
-                         const std::vector<schema::Spectrum>& spectra,
-                         const std::vector<QueryRow*>& out) const;
+  struct View {
+    std::vector<const QueryRow*> rows;
+    std::vector<schema::Spectrum> spectra;
+    std::vector<QueryRow*> out;
+    std::vector<std::uint32_t> condition;  // [row]
+    [[nodiscard]] const StoredSignature& any() const { return rows.front()->signature; }
+    [[nodiscard]] std::vector<std::uint32_t> conditions() const {
+      const std::set<std::uint32_t> all(condition.begin(), condition.end());
+      return {all.begin(), all.end()};
+    }
+  };
+  [[nodiscard]] absl::Status move(const View& view, const std::vector<double>& ranges_m) const;
 };
 
-absl::Status RangeChanger::Air::move_view(const std::vector<double>& ranges_m,
-                                          const std::vector<const QueryRow*>& rows,
-                                          const std::vector<schema::Spectrum>& spectra,
-                                          const std::vector<QueryRow*>& out) const {
-  std::vector<std::uint32_t> conditions, condition_of_row;
-  for (const QueryRow* row : rows) {
-    const auto condition = air.condition_of(row->signature);
-    if (!condition.ok()) return condition.status();
-    condition_of_row.push_back(*condition);
-    if (std::find(conditions.begin(), conditions.end(), *condition) == conditions.end())
-      conditions.push_back(*condition);
-  }
-  const StoredSignature& any = rows.front()->signature;
-  if (absl::Status s = check_lengths(any.range_m, "the stored range", any.sweep, extent); !s.ok())
-    return s;
-  const auto at = [&](double m) {
-    return air.lines(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions);
+absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>& ranges_m) const {
+  const std::vector<std::uint32_t> conditions = view.conditions();
+  const StoredSignature& any = view.any();
+  const auto at = [&](double m, bool around) {
+    return air.lines(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions, around);
   };
-  const auto from = at(any.range_m);
+  auto from = at(any.range_m, false);
   if (!from.ok()) return from.status();
   for (std::size_t r = 0; r < ranges_m.size(); ++r) {
-    const auto to = at(ranges_m[r]);
+    auto to = at(ranges_m[r], false);
     if (!to.ok()) return to.status();
-    for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<ReflectedSpread> spread(conditions.size());
+    bool known = air.has_around();
+    for (std::size_t c = 0; known && c < conditions.size(); ++c) {
+      auto found = arriving.complete(any.aspect_elevation_deg, any.range_m, ranges_m[r],
+                                     conditions[c], (*from)[c], (*to)[c]);
+      known = found.has_value();
+      if (known) spread[c] = *std::move(found);
+    }
+    if (!known) {
+      if (from = at(any.range_m, true); !from.ok()) return from.status();
+      if (to = at(ranges_m[r], true); !to.ok()) return to.status();
+      for (std::size_t c = 0; c < conditions.size(); ++c)
+        spread[c] = spread_of((*from)[c], (*to)[c]);
+    }
+    for (std::size_t i = 0; i < view.rows.size(); ++i) {
       const auto c = static_cast<std::size_t>(
-          std::find(conditions.begin(), conditions.end(), condition_of_row[i]) -
-          conditions.begin());
-      auto moved = moved_row(rows[i]->signature, spectra[i], (*from)[c], (*to)[c],
-                             perspective_bound(any.range_m, ranges_m[r], extent.reach_m));
+          std::find(conditions.begin(), conditions.end(), view.condition[i]) - conditions.begin());
+      auto moved =
+          moved_row(view.rows[i]->signature, view.spectra[i], (*from)[c], (*to)[c], spread[c],
+                    perspective_bound(any.range_m, ranges_m[r], extent.reach_m));
       if (!moved.ok()) return moved.status();
       moved->signature.range_m = ranges_m[r];
-      *out[i * ranges_m.size() + r] = {
+      *view.out[i * ranges_m.size() + r] = {
           std::move(moved->signature), std::nullopt,
           RangeChange{any.range_m, moved->range_bound_w_sr,
                       std::make_shared<const schema::Spectrum>(std::move(moved->spectrum))}};
@@ -203,34 +218,11 @@ absl::Status RangeChanger::Air::move_view(const std::vector<double>& ranges_m,
   return absl::OkStatus();
 }
 
-namespace {
-
-// Calls work(i) for i < count on as many threads as there are cores, each i once; the first failure
-// in the order of i.
-absl::Status on_all_cores(std::size_t count, const std::function<absl::Status(std::size_t)>& work) {
-  std::vector<absl::Status> status(count);
-  std::atomic<std::size_t> next = 0;
-  const auto loop = [&] {
-    for (std::size_t i = next++; i < count; i = next++) status[i] = work(i);
-  };
-  {
-    std::vector<std::jthread> others;
-    const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
-    for (std::size_t t = 1; t < std::min(cores, count); ++t) others.emplace_back(loop);
-    loop();
-  }
-  for (absl::Status& s : status)
-    if (!s.ok()) return std::move(s);
-  return absl::OkStatus();
-}
-
-}  // namespace
-
 RangeChanger::RangeChanger(StoreReader& reader, std::vector<double> ranges_m, ExtentOf extent_of)
     : reader_(reader), ranges_m_(std::move(ranges_m)), extent_of_(std::move(extent_of)) {}
 RangeChanger::~RangeChanger() = default;
 
-absl::StatusOr<const RangeChanger::Air*> RangeChanger::air_of(const StoredSignature& any) {
+absl::StatusOr<RangeChanger::Air*> RangeChanger::air_of(const StoredSignature& any) {
   const std::pair key(any.sweep, any.band);
   if (const auto known = air_.find(key); known != air_.end()) return known->second.get();
   auto stored = reader_.sweep(any.sweep);
@@ -241,7 +233,7 @@ absl::StatusOr<const RangeChanger::Air*> RangeChanger::air_of(const StoredSignat
     if (absl::Status s = check_lengths(range_m, "range", any.sweep, *extent); !s.ok()) return s;
   auto air = BandAir::make(*std::move(stored), any);
   if (!air.ok()) return air.status();
-  return (air_[key] = std::make_unique<const Air>(Air{*std::move(air), *extent})).get();
+  return (air_[key] = std::make_unique<Air>(Air{*std::move(air), *extent, {}})).get();
 }
 
 absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<QueryRow>& rows) {
@@ -256,20 +248,14 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
   if (!extent_of_)
     return absl::InvalidArgumentError("rows at another range need the target's extent");
   std::vector<StoredSignature> signatures;
-  struct View {
-    const Air* air = nullptr;
-    std::vector<const QueryRow*> rows;
-    std::vector<schema::Spectrum> spectra;
-    std::vector<QueryRow*> out;
-  };
-  std::map<ViewKey, View> views;
+  std::map<ViewKey, Air::View> views;
   std::vector<QueryRow> out(rows.size() * ranges_m_.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const QueryRow& row = rows[i];
     if (row.interpolation)
       return absl::InvalidArgumentError("an interpolated row cannot be moved to another range");
     signatures.push_back(row.signature);
-    View& view = views[key_of(row.signature)];
+    Air::View& view = views[key_of(row.signature)];
     view.rows.push_back(&row);
     for (std::size_t r = 0; r < ranges_m_.size(); ++r)
       view.out.push_back(&out[i * ranges_m_.size() + r]);
@@ -277,25 +263,44 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
   if (absl::Status s = check_computed(signatures, SignatureQuantity::kContrastIntensity); !s.ok())
     return s;
   // What is read is read by this thread alone.
-  std::vector<const View*> list;
+  std::vector<std::pair<Air*, const Air::View*>> list;
   for (auto& [key, view] : views) {
-    const auto air = air_of(view.rows.front()->signature);
+    const auto air = air_of(view.any());
     if (!air.ok()) return air.status();
-    view.air = *air;
+    if (absl::Status s =
+            check_lengths(view.any().range_m, "the stored range", view.any().sweep, (*air)->extent);
+        !s.ok())
+      return s;
     for (const QueryRow* row : view.rows) {
+      const auto condition = (*air)->air.condition_of(row->signature);
+      if (!condition.ok()) return condition.status();
+      view.condition.push_back(*condition);
       auto spectrum = reader_.spectrum(row->signature.signature_id);
       if (!spectrum.ok()) return spectrum.status();
       view.spectra.push_back(*std::move(spectrum));
     }
-    list.push_back(&view);
+    list.emplace_back(*air, &view);
   }
-  if (absl::Status s = on_all_cores(list.size(),
-                                    [&](std::size_t i) {
-                                      const View& v = *list[i];
-                                      return v.air->move_view(ranges_m_, v.rows, v.spectra, v.out);
-                                    });
-      !s.ok())
-    return s;
+  if (ranges_m_.empty()) return out;
+  std::vector<std::pair<const Air*, ArrivingTable::Task>> tasks;
+  for (const auto& [air, view] : list)
+    if (air->air.has_around())
+      for (auto& task : air->arriving.lacking(view->any().aspect_elevation_deg, view->any().range_m,
+                                              ranges_m_, view->conditions()))
+        tasks.emplace_back(air, std::move(task));
+  absl::Status status = on_all_cores(tasks.size(), [&](std::size_t i) {
+    const BandAir& air = tasks[i].first->air;
+    ArrivingTable::compute(tasks[i].second, [&](double elevation_deg, double range_m,
+                                                const std::vector<std::uint32_t>& conditions) {
+      return air.lines(0, elevation_deg, range_m, conditions, true);
+    });
+    return absl::OkStatus();
+  });
+  if (status.ok())
+    status = on_all_cores(list.size(), [&](std::size_t i) {
+      return list[i].first->move(*list[i].second, ranges_m_);
+    });
+  if (!status.ok()) return status;
   return out;
 }
 

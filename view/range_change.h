@@ -32,7 +32,8 @@ namespace irsig {
 //
 // Standard errors are upper bounds: the causes' errors are taken as fully correlated. To the
 // numerical error are added: the perspective bound; for reflected sky and sea, how far the
-// directions differ in what of them arrives; what the formula without s misses at the stored range,
+// directions differ in what of them arrives, and by how much that may be off between elevations
+// (arriving_reflected.h); what the formula without s misses at the stored range,
 // as far as the transmittance changes. Not covered: parts of the target that come into view or go
 // out of it, and lobes narrower than the target is seen from either range.
 //
@@ -56,11 +57,11 @@ class RangeChanger {
 
  private:
   struct Air;
-  absl::StatusOr<const Air*> air_of(const StoredSignature& any);
+  absl::StatusOr<Air*> air_of(const StoredSignature& any);
   StoreReader& reader_;
   std::vector<double> ranges_m_;
   ExtentOf extent_of_;
-  std::map<std::pair<std::string, std::string>, std::unique_ptr<const Air>> air_;  // sweep, band
+  std::map<std::pair<std::string, std::string>, std::unique_ptr<Air>> air_;  // sweep, band
 };
 
 }  // namespace irsig

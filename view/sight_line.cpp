@@ -54,8 +54,8 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     // Means over the side's solid angle, on the band's nodes.
     LightAround::Sum mean;
   };
-  std::array<Side, 2> sides{Side{true, 0, nodes.sky(), &out.sky, {}},
-                            Side{false, nodes.sky(), nodes.lower(), &out.sea, {}}};
+  std::array<Side, 2> sides{Side{true, 0, nodes.sky(), &out.directions[0], {}},
+                            Side{false, nodes.sky(), nodes.lower(), &out.directions[1], {}}};
   const std::size_t bins = grid.lambda_um.size(), n = grid.node_um.size();
   const LightAround::Binned light = e.around.binned(0, grid.bin_weight, grid.bin_first);
   for (Side& side : sides) {

@@ -14,8 +14,8 @@ namespace irsig {
 struct SightLine {
   // In the order of the stored spectra: emitted, sun, sky, sea and parts reflected.
   static constexpr std::size_t kCauses = 5;
-  static constexpr std::size_t kSky = 2, kSea = 3;
-  using Values = std::vector<double>;  // [stored wavelength]
+  static constexpr std::array<std::size_t, 2> kReflected = {2, 3};  // from around: sky, sea
+  using Values = std::vector<double>;                               // [stored wavelength]
 
   // Integrals over each bin. With the weights of a bin's mean: means; with those of the in-band
   // integral: what the bin adds to it, so that sums over bins are in-band.
@@ -27,9 +27,9 @@ struct SightLine {
   };
   Integrals bin, band;
 
-  // Share of the mean radiance of each direction of sky and sea that arrives, [direction][bin];
-  // negative: no radiance comes from there.
-  Values sky, sea;
+  // Share of the mean radiance of each direction of sky and sea that arrives,
+  // [side][direction x bin]; negative: no radiance comes from there.
+  std::array<Values, 2> directions;
 };
 
 // environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and

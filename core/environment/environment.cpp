@@ -335,7 +335,7 @@ absl::StatusOr<Environment::Look> Environment::look(const Line& line) const {
 }
 
 absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
-    const Line& line, std::span<const std::uint32_t> conditions) const {
+    const Line& line, std::span<const std::uint32_t> conditions, bool around) const {
   // A line that another condition's weather does not cover is none of this view's business.
   auto parts = std::unique_ptr<Look::Parts>(new Look::Parts{*parts_, line, {}, {}});
   for (const std::uint32_t c : conditions) {
@@ -345,10 +345,11 @@ absl::StatusOr<std::vector<ViewEnvironment>> Environment::view(
     if (const absl::Status s = parts->add(parts_->condition[c].spec.weather); !s.ok()) return s;
   }
   Look look(std::move(parts));
-  const EffectSet everything = EffectSet::everything(parts_->condition.size(), 1);
+  EffectSet wanted = EffectSet::everything(parts_->condition.size(), 1);
+  wanted.sky = wanted.lower = around;
   std::vector<ViewEnvironment> out;
   for (const std::uint32_t c : conditions) {
-    absl::StatusOr<ViewEnvironment> seen = look.see(c, everything, true);
+    absl::StatusOr<ViewEnvironment> seen = look.see(c, wanted, true);
     if (!seen.ok()) return seen.status();
     out.push_back(*std::move(seen));
   }

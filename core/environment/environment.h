@@ -169,10 +169,12 @@ class Environment {
   // z of each weather's, in their order.
   [[nodiscard]] std::vector<float> horizons_z(const Line& line) const;
 
+  // around: with the light of sky and surface that a target reflects, which takes most of the time;
+  // else ViewEnvironment::around is of two dark nodes.
   // INVALID_ARGUMENT: a sensor below the surface, or hidden by the Earth; a line that the imported
   // paths do not cover.
   [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(
-      const Line& line, std::span<const std::uint32_t> conditions) const;
+      const Line& line, std::span<const std::uint32_t> conditions, bool around = true) const;
 
   // A line of sight, to be asked for bounds first and for light then; what they share is computed
   // once. Not for several threads. The environment outlives it.

@@ -66,7 +66,7 @@ TEST(ImportApart, AFileThatCrashesTheLibraryIsRefused) {
 
 // Each node is twice the child of the one before: 2^39 of them from 1.2 kB.
 TEST(ImportApart, AFileThatAsksForGigabytesIsRefused) {
-#if defined(__SANITIZE_THREAD__)
+#if defined(IRSIG_SANITIZE_THREAD)
   GTEST_SKIP() << "built with the thread sanitizer, the importer has no limit of memory";
 #endif
   std::string nodes;

@@ -335,7 +335,8 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
   };
   const SightLine from = line(0.8, 0.9, 0.7), to = line(0.3, 0.6, 0.4);
   // Solid angles: half the sphere's height each.
-  EXPECT_NEAR(from.bin.arriving[SightLine::kSky][0], (0.5 * 2 * 0.8 + 0.5 * 0.9) / 1.5, 1e-6);
+  EXPECT_NEAR(from.bin.arriving[SightLine::kReflected[0]][0], (0.5 * 2 * 0.8 + 0.5 * 0.9) / 1.5,
+              1e-6);
   for (const bool mirrors_low : {false, true}) {
     StoredSignature row{};
     row.projected_area_m2 = 1;
@@ -353,7 +354,7 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     }
     row.apparent_intensity_w_sr = 0.5 * before;
     row.intensity_w_sr = 0.5 * sky;
-    const auto moved = moved_row(row, spectrum, from, to, 0);
+    const auto moved = moved_row(row, spectrum, from, to, spread_of(from, to), 0);
     ASSERT_TRUE(moved.ok()) << moved.status();
     EXPECT_NEAR(moved->signature.apparent_intensity_w_sr, 0.5 * after, moved->range_bound_w_sr);
     EXPECT_GT(moved->range_bound_w_sr, 0.01 * after);
