@@ -45,7 +45,7 @@ double ratio_snr(double a1, double a2, double b1, double b2) {
   return std::abs(std::atan2(a1 * b2 - a2 * b1, a1 * b1 + a2 * b2)) * a * b / std::hypot(a, b);
 }
 
-// How much dearer than a mean: a logarithm of rows, an arc.
+// How much dearer than a mean: a selection of rows, an arc.
 double cost_of(const MeritOf& merit, Pairing pairing) {
   return (merit.merit == Merit::kPercentile || merit.merit == Merit::kRange ? 20.0 : 1.0) *
          (pairing == Pairing::kRatio ? 20.0 : 1.0);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -44,16 +43,24 @@ double merit_of(const MeritOf& merit, std::span<const double> weight, std::span<
     }
     case Merit::kPercentile:
     case Merit::kRange: {
-      std::vector<std::size_t> order(snr.size());
-      std::iota(order.begin(), order.end(), std::size_t{0});
-      std::sort(order.begin(), order.end(),
-                [&](std::size_t a, std::size_t b) { return snr[a] < snr[b]; });
-      double sum = 0;
-      for (const std::size_t i : order) {
-        sum += weight[i];
-        if (sum >= 0.01 * merit.percentile * (1 - 1e-12)) return snr[i];
+      // The first, in their order, up to which the weights reach the share: by halves.
+      std::vector<std::pair<double, double>> of(snr.size());
+      for (std::size_t i = 0; i < snr.size(); ++i) of[i] = {snr[i], weight[i]};
+      const double share = 0.01 * merit.percentile * (1 - 1e-12);
+      auto first = of.begin(), last = of.end();
+      for (double before = 0; last - first > 1;) {
+        const auto middle = first + (last - first) / 2;
+        std::nth_element(first, middle, last);
+        double sum = before;
+        for (auto at = first; at != middle; ++at) sum += at->second;
+        if (sum >= share) {
+          last = middle;
+        } else {
+          before = sum;
+          first = middle;
+        }
       }
-      return snr[order.back()];
+      return first->first;
     }
   }
   return 0;

@@ -213,6 +213,11 @@ class PageTest(PageCase):
             printed = check()
             page.choose("[name=nei_w_m2]", "1e-7")
             self.assertAlmostEqual(check()["merit"] / printed["merit"], 0.01, delta=1e-8)
+            near = check()["merit"]
+            page.choose("[name=range_m]", "10000")
+            self.assertIn("seen from 10 km", page.text("#bands caption"))
+            self.assertLess(check()["merit"], 0.3 * near)
+            page.choose("[name=range_m]", "")
             page.choose("[name=detector]", "0")
             self.assertIn("outside the stored band", page.text("#bands > .words"))
             self.assertTrue(page.run("document.querySelector('#bands .body').hidden"))
