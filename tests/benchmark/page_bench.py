@@ -39,6 +39,7 @@ def main():
 
     asked = {
         "/": dict, "/www/main.js": dict, "/api/contents": dict, "/api/progress": dict, "/api/map": selection, "/api/row": row, "/api/spectrum": row,
+        "/api/bands": selection, "/api/bands at 20 km": lambda: {**selection(), "range_m": 20000},
         "/api/cut": lambda: {**selection(), "elevation_deg": chosen.randint(2, 80)},
         "/api/compare": lambda: {**selection(), **{f"b_{k}": v for k, v in selection().items()}},
     }
@@ -47,7 +48,7 @@ def main():
         for _ in range(REPEATS):
             target = urllib.parse.urlencode(parameters())
             start = time.perf_counter()
-            status, _, body = server.request(f"{path}?{target}")
+            status, _, body = server.request(f"{path.split()[0]}?{target}")
             assert status == 200, body
             took_ms.append(1e3 * (time.perf_counter() - start))
         took_ms.sort()
