@@ -70,10 +70,11 @@ ReflectedSpread spread_of(const SightLine& from, const SightLine& to) {
 
 namespace {
 
-Values over(Values values, const Values& transmittance) {
+ArrivingTable::Node::Values over(const Values& values, const Values& transmittance) {
+  ArrivingTable::Node::Values out;
   for (std::size_t k = 0; k < values.size(); ++k)
-    values[k] = transmittance[k] > 0 ? values[k] / transmittance[k] : 0;
-  return values;
+    out.push_back(transmittance[k] > 0 ? static_cast<float>(values[k] / transmittance[k]) : 0);
+  return out;
 }
 Values times(Values values, const Values& transmittance) {
   for (std::size_t k = 0; k < values.size(); ++k) values[k] *= transmittance[k];
@@ -81,20 +82,26 @@ Values times(Values values, const Values& transmittance) {
 }
 
 ArrivingTable::Node node_of(const SightLine& from, const SightLine& to) {
+  const ReflectedSpread spread = spread_of(from, to);
   ArrivingTable::Node out;
-  out.spread = spread_of(from, to);
   for (std::size_t side = 0; side < out.side.size(); ++side) {
     const std::size_t cause = SightLine::kReflected[side];
     const auto share = [&](const SightLine::Integrals& of) {
       return over(of.arriving[cause], of.transmittance);
     };
-    out.side[side] = {share(from.bin), share(from.band), share(to.bin), share(to.band)};
-    out.spread[side] = over(std::move(out.spread[side]), to.bin.transmittance);
+    out.side[side] = {share(from.bin), share(from.band), share(to.bin), share(to.band),
+                      over(spread[side], to.bin.transmittance)};
   }
   return out;
 }
 
 }  // namespace
+
+double ArrivingTable::bytes(std::size_t conditions, std::size_t ranges, std::size_t bins) {
+  constexpr std::size_t kValues = 2 * 5;  // of a bin
+  return static_cast<double>(conditions * ranges * kNodes) *
+         static_cast<double>(kValues * bins * sizeof(float));
+}
 
 std::vector<ArrivingTable::Task> ArrivingTable::lacking(
     double elevation_deg, double from_m, const std::vector<double>& to_m,
@@ -141,15 +148,17 @@ std::optional<ReflectedSpread> ArrivingTable::complete(double elevation_deg, dou
   struct Between {
     Values cubic, bent;  // bent: by how much that differs from a straight line
   };
-  const auto between = [&](Values Node::Side::*values, std::size_t side) {
-    const Values &low = node[at]->side[side].*values, &high = node[at + 1]->side[side].*values;
-    Between out{Values(low.size()), Values(low.size())};
-    for (std::size_t k = 0; k < low.size(); ++k) {
+  const auto between = [&](Node::Values Node::Side::*values, std::size_t side) {
+    const std::size_t bins = (node[at]->side[side].*values).size();
+    Between out{Values(bins), Values(bins)};
+    for (std::size_t k = 0; k < bins; ++k) {
+      const auto of = [&](std::size_t i) {
+        return static_cast<double>((node[i]->side[side].*values)[k]);
+      };
       double sum = 0;
-      for (std::size_t i = 0; i < kStencil; ++i)
-        sum += place->weight[i] * (node[i]->side[side].*values)[k];
+      for (std::size_t i = 0; i < kStencil; ++i) sum += place->weight[i] * of(i);
       out.cubic[k] = std::max(0.0, sum);
-      out.bent[k] = out.cubic[k] - (low[k] + place->fraction * (high[k] - low[k]));
+      out.bent[k] = out.cubic[k] - (of(at) + place->fraction * (of(at + 1) - of(at)));
     }
     return out;
   };
@@ -162,7 +171,8 @@ std::optional<ReflectedSpread> ArrivingTable::complete(double elevation_deg, dou
     Between before = between(&Node::Side::from_bin, side),
             after = between(&Node::Side::to_bin, side);
     for (std::size_t k = 0; k < after.bent.size(); ++k)
-      spread[side].push_back(std::max(node[at]->spread[side][k], node[at + 1]->spread[side][k]) +
+      spread[side].push_back(static_cast<double>(std::max(node[at]->side[side].spread[k],
+                                                          node[at + 1]->side[side].spread[k])) +
                              std::abs(after.bent[k] - before.bent[k]));
     spread[side] = times(std::move(spread[side]), to.bin.transmittance);
     set(from.bin, std::move(before.cubic));

@@ -33,12 +33,14 @@ class ArrivingTable {
 
   // Of both sides, at one elevation: each over the transmittance there.
   struct Node {
+    using Values = std::vector<float>;  // [bin]; rounded, 6e-8 of them
     struct Side {
-      SightLine::Values from_bin, from_band, to_bin, to_band;
+      Values from_bin, from_band, to_bin, to_band, spread;  // spread: over that of the other range
     };
     std::array<Side, 2> side;
-    ReflectedSpread spread;  // over that of the other range
   };
+  // Of all elevations, for so many conditions and ranges and stored wavelengths.
+  [[nodiscard]] static double bytes(std::size_t conditions, std::size_t ranges, std::size_t bins);
   // One elevation from one stored range: to be made by compute(), each by one thread.
   struct Task {
     std::size_t node;

@@ -203,18 +203,21 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     w.best /= kDraws;
     w.best_numerical /= kDraws;
   }
-  if (count < 2) return out;
-  const auto difference_of = [&](Kind kind) {
+  const auto variance_of_difference = [&](std::size_t w, Kind kind) {
     std::vector<double> difference;
     for (std::size_t d = 0; d < kDraws; ++d)
-      difference.push_back(drawn(kind, 0)[d] - drawn(kind, 1)[d]);
-    return scatter(difference);
+      difference.push_back(drawn(kind, 0)[d] - drawn(kind, w)[d]);
+    return squared(scatter(difference));
   };
-  const double apart = 0.5 * (candidate[0].merit - candidate[1].merit);
-  const double samples = squared(difference_of(kSamples)), all = squared(difference_of(kAll));
-  if (all <= squared(apart)) return out;
-  const double left = squared(apart) - std::max(0.0, all - samples);
-  out.samples_to_tell = left > 0 ? samples / left : std::numeric_limits<double>::infinity();
+  for (std::size_t w = 1; w < count; ++w) {
+    const double apart = squared(0.5 * (candidate[0].merit - candidate[w].merit));
+    const double samples = variance_of_difference(w, kSamples),
+                 all = variance_of_difference(w, kAll);
+    if (all <= apart) continue;
+    const double left = apart - std::max(0.0, all - samples);
+    out.candidate[w].samples_to_tell =
+        left > 0 ? samples / left : std::numeric_limits<double>::infinity();
+  }
   return out;
 }
 

@@ -101,16 +101,18 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
                                  {"best"},
                                  {"as_good_numerical", false},
                                  {"as_good"},
-                                 {"errors_alone", false}});
+                                 {"errors_alone", false},
+                                 {"samples_to_tell", false}});
   auto writer = make_table_writer(format, columns, out);
   if (!writer.ok()) return writer.status();
   std::uint64_t rank = 0;
   for (const CandidateMerit& m : choice.candidate) {
     std::vector<Cell> line = {++rank};
     add_cells(search, filters, m.of, line);
-    line.insert(line.end(), {number(m.of.merit), number(m.samples_stderr),
-                             number(m.numerical_error), number(m.total_error), m.best_numerical,
-                             m.best, m.as_good_numerical, m.as_good, number(m.errors_alone)});
+    line.insert(line.end(),
+                {number(m.of.merit), number(m.samples_stderr), number(m.numerical_error),
+                 number(m.total_error), m.best_numerical, m.best, m.as_good_numerical, m.as_good,
+                 number(m.errors_alone), number(m.samples_to_tell)});
     (*writer)->row(line);
   }
   return (*writer)->finish();
@@ -339,25 +341,25 @@ std::vector<std::string> notes_on(const WindowChoice& choice, const BandPopulati
                   "each is as good "
                   "as the first",
                   alike, choice.candidate.size(), 100 * kTold));
-  if (std::isinf(choice.samples_to_tell)) {
+  const double samples_to_tell = choice.candidate[1].samples_to_tell;
+  if (std::isinf(samples_to_tell)) {
     out.push_back(
         "no number of samples tells the first from the second: what is left are bounds, models and "
         "inputs");
-  } else if (choice.samples_to_tell > 1) {
+  } else if (samples_to_tell > 1) {
     const std::string line =
         accuracy.has_relative_error()
             ? fmt::format("relative_error = {:.2g}",
-                          accuracy.relative_error() / std::sqrt(choice.samples_to_tell))
+                          accuracy.relative_error() / std::sqrt(samples_to_tell))
         : accuracy.has_samples_per_replicate()
             ? fmt::format("samples_per_replicate = {:.0f}",
                           std::ceil(static_cast<double>(accuracy.samples_per_replicate()) *
-                                    choice.samples_to_tell))
-            : fmt::format("target_paths = {:.2g}",
-                          accuracy.target_paths() * choice.samples_to_tell);
+                                    samples_to_tell))
+            : fmt::format("target_paths = {:.2g}", accuracy.target_paths() * samples_to_tell);
     out.push_back(
         fmt::format("{:.2g} x as many samples would tell the first from the second: "
                     "[accuracy] {}",
-                    choice.samples_to_tell, line));
+                    samples_to_tell, line));
   }
   return out;
 }

@@ -57,12 +57,12 @@ struct CandidateMerit {
   // The merit that these errors alone would have, of no contrast at all: a merit that is not
   // clearly more says that nothing is known of the contrast.
   double errors_alone = 0;
+  // How many times as many samples would tell it from the first (at two sigma); 0: it is told from
+  // it, or is the first; infinite: no number of samples, what is left are bounds and models.
+  double samples_to_tell = 0;
 };
 struct WindowChoice {
   std::vector<CandidateMerit> candidate;  // compared with each other, the best first
-  // How many times as many samples would tell the first from the second (at two sigma); 0: they are
-  // told apart; infinite: no number of samples, what is left are bounds and models.
-  double samples_to_tell = 0;
 };
 
 struct NamedFilter {

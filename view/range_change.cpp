@@ -100,8 +100,13 @@ class BandAir {
       out.push_back(sight_line(view, around ? environment_->nodes() : DirectionNodes(), grid_));
     return out;
   }
-  // Whether lines take their time from what is around the target.
-  [[nodiscard]] bool has_around() const { return environment_ != nullptr; }
+  // Whether lines take their time from what is around the target, and there is room for a table.
+  [[nodiscard]] bool wants_table(std::size_t ranges) const {
+    constexpr double kMostBytes = 1e9;
+    const auto conditions = static_cast<std::size_t>(sweep_.resolved.condition_size());
+    return environment_ != nullptr &&
+           ArrivingTable::bytes(conditions, ranges, grid_.lambda_um.size()) <= kMostBytes;
+  }
 
  private:
   static absl::Status outdated(const StoredSignature& s) {
@@ -182,25 +187,26 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
   const auto at = [&](double m, bool around) {
     return air.lines(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions, around);
   };
-  auto from = at(any.range_m, false);
+  const bool tabulated = air.wants_table(ranges_m.size());
+  auto from = at(any.range_m, !tabulated);
   if (!from.ok()) return from.status();
   for (std::size_t r = 0; r < ranges_m.size(); ++r) {
-    auto to = at(ranges_m[r], false);
+    auto to = at(ranges_m[r], !tabulated);
     if (!to.ok()) return to.status();
     std::vector<ReflectedSpread> spread(conditions.size());
-    bool known = air.has_around();
+    bool known = tabulated;
     for (std::size_t c = 0; known && c < conditions.size(); ++c) {
       auto found = arriving.complete(any.aspect_elevation_deg, any.range_m, ranges_m[r],
                                      conditions[c], (*from)[c], (*to)[c]);
       known = found.has_value();
       if (known) spread[c] = *std::move(found);
     }
-    if (!known) {
+    if (tabulated && !known) {
       if (from = at(any.range_m, true); !from.ok()) return from.status();
       if (to = at(ranges_m[r], true); !to.ok()) return to.status();
-      for (std::size_t c = 0; c < conditions.size(); ++c)
-        spread[c] = spread_of((*from)[c], (*to)[c]);
     }
+    for (std::size_t c = 0; !known && c < conditions.size(); ++c)
+      spread[c] = spread_of((*from)[c], (*to)[c]);
     for (std::size_t i = 0; i < view.rows.size(); ++i) {
       const auto c = static_cast<std::size_t>(
           std::find(conditions.begin(), conditions.end(), view.condition[i]) - conditions.begin());
@@ -284,7 +290,7 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
   if (ranges_m_.empty()) return out;
   std::vector<std::pair<const Air*, ArrivingTable::Task>> tasks;
   for (const auto& [air, view] : list)
-    if (air->air.has_around())
+    if (air->air.wants_table(ranges_m_.size()))
       for (auto& task : air->arriving.lacking(view->any().aspect_elevation_deg, view->any().range_m,
                                               ranges_m_, view->conditions()))
         tasks.emplace_back(air, std::move(task));
