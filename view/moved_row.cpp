@@ -253,9 +253,10 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   const Moved m = moved(held, before, after, spread);
 
   S& s = out.signature;
-  const double target_w_sr = std::abs(m.apparent.value - row.projected_area_m2 * after.path);
+  const double path_w_sr = row.projected_area_m2 * after.path;  // of the air in front of it
+  const double target_w_sr = std::abs(m.apparent.value - path_w_sr);
   const double behind_w_sr = row.projected_area_m2 * std::abs(after.behind);
-  out.range_bound_w_sr = m.apparent_bound + perspective * target_w_sr;
+  out.range_bound_w_sr = m.apparent_bound + perspective * (target_w_sr + std::abs(path_w_sr));
   const double contrast_bound = m.contrast_bound + perspective * (target_w_sr + behind_w_sr);
   // The bias that the row had: as much of it arrives as of the target.
   const double grown = before.transmittance > 0

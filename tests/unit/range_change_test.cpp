@@ -214,12 +214,18 @@ TEST_F(RangeChanged, ErrorsGoThroughTheAirAndGrowByThePerspective) {
   const double left = s.path_transmittance / stored.path_transmittance;
   EXPECT_NEAR(s.apparent_intensity_stderr_w_sr, left * stored.apparent_intensity_stderr_w_sr, 1e-6);
   const double bound = perspective_bound(kRange, 5000, 100);
-  EXPECT_NEAR(rows->front().range_change->range_bound_w_sr,
-              bound * stored.intensity_w_sr * s.path_transmittance, 1e-3);
-  EXPECT_GT(s.apparent_numerical_error_w_sr,
-            bound * stored.intensity_w_sr * s.path_transmittance / std::sqrt(3.0));
+  // The air in front of the target is seen on as much of the sky as the target.
+  const double seen_w_sr = stored.intensity_w_sr * s.path_transmittance +
+                           stored.projected_area_m2 * s.path_radiance_w_m2_sr;
+  EXPECT_GT(stored.projected_area_m2 * s.path_radiance_w_m2_sr, 0.1 * seen_w_sr);
+  EXPECT_NEAR(rows->front().range_change->range_bound_w_sr, bound * seen_w_sr, 1e-3);
+  EXPECT_GT(s.apparent_numerical_error_w_sr, bound * seen_w_sr / std::sqrt(3.0));
   EXPECT_GT(s.numerical_error_w_sr, bound * stored.intensity_w_sr / std::sqrt(3.0));
-  EXPECT_GT(s.contrast_numerical_error_w_sr, s.apparent_numerical_error_w_sr);
+  // What stands behind it is hidden as far.
+  const double behind_w_sr =
+      stored.projected_area_m2 * (s.background_radiance_w_m2_sr - s.path_radiance_w_m2_sr);
+  EXPECT_GT(s.contrast_numerical_error_w_sr,
+            bound * (stored.intensity_w_sr * s.path_transmittance + behind_w_sr) / std::sqrt(3.0));
 }
 
 TEST_F(RangeChanged, WhatCannotBeMovedIsRefused) {
