@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <thread>
 
 #include "view/bands.h"
 #include "view/on_all_cores.h"
@@ -14,6 +15,8 @@ namespace {
 
 constexpr int kDraws = 400;
 constexpr std::uint32_t kSeed = 20240229;
+// Candidates share what is drawn: so many at most, and so many numbers held for them.
+constexpr std::size_t kTogether = 16, kHeld = 8'000'000;
 
 double squared(double x) { return x * x; }
 
@@ -27,17 +30,21 @@ struct BandSearch::Draws {
   double alone = 0;
 };
 
-// The same numbers are drawn for every candidate.
-BandSearch::Draws BandSearch::draw_errors(const MeritOf& merit, const Candidate& c) const {
-  const std::size_t rows = population_.row.size(), parts = c.other ? 2 : 1;
+std::size_t BandSearch::most_modes() const {
+  std::size_t out = 0;
+  for (const Cumulated* c : {&target_, &against_})
+    for (const auto& modes : c->mode) out = std::max(out, modes.size());
+  return out;
+}
+
+// The same numbers are drawn for every candidate, here or in another call.
+std::vector<BandSearch::Draws> BandSearch::draw_errors(
+    const MeritOf& merit, std::span<const Candidate> candidates) const {
+  const std::size_t rows = population_.row.size(), modes = most_modes();
   const bool two = population_.row.front().against.has_value();
   const bool of_angles = pairing_ == Pairing::kRatio;  // which have no direction without signals
-  std::size_t views = 0, modes = 0;
-  for (std::size_t i = 0; i < rows; ++i) {
-    views = std::max(views, population_.row[i].view + 1);
-    modes = std::max(modes, target_.mode[i].size());
-    if (two) modes = std::max(modes, against_.mode[i].size());
-  }
+  std::size_t views = 0;
+  for (const BandCase& row : population_.row) views = std::max(views, row.view + 1);
   const std::size_t numbers = modes + 2;  // that are drawn for a view
   std::mt19937_64 random(kSeed);
   // Of a library's distributions the numbers are its own; these are the same everywhere.
@@ -88,14 +95,22 @@ BandSearch::Draws BandSearch::draw_errors(const MeritOf& merit, const Candidate&
     }
     return out;
   };
-  std::array<PartErrors, 2> target, against;
-  for (std::size_t k = 0; k < parts; ++k) {
-    const Passband p = k == 0 ? c.one : *c.other;
-    target[k] = errors_in(
-        target_, [](const BandCase& r) -> const TargetContrast& { return r.target; }, p);
-    if (two)
-      against[k] = errors_in(
-          against_, [](const BandCase& r) -> const TargetContrast& { return *r.against; }, p);
+  struct OfCandidate {
+    std::size_t parts = 1;
+    std::array<PartErrors, 2> target, against;
+  };
+  std::vector<OfCandidate> errors;
+  for (const Candidate& c : candidates) {
+    OfCandidate& own = errors.emplace_back();
+    own.parts = c.other ? 2 : 1;
+    for (std::size_t k = 0; k < own.parts; ++k) {
+      const Passband p = k == 0 ? c.one : *c.other;
+      own.target[k] = errors_in(
+          target_, [](const BandCase& r) -> const TargetContrast& { return r.target; }, p);
+      if (two)
+        own.against[k] = errors_in(
+            against_, [](const BandCase& r) -> const TargetContrast& { return *r.against; }, p);
+    }
   }
   // By kind, each with those before it.
   const auto error_of = [&](const Drawn& d, const PartErrors& e, std::size_t i) {
@@ -108,23 +123,17 @@ BandSearch::Draws BandSearch::draw_errors(const MeritOf& merit, const Candidate&
     return std::array{samples, numerical,
                       numerical + d.model_level * e.model[i] + d.model_slope * e.model_slope[i]};
   };
-  Draws out;
+  std::vector<Draws> out(candidates.size());
   std::array<std::vector<double>, Draws::kKinds> of_rows, opposite;
   for (auto* values : {&of_rows, &opposite}) values->fill(std::vector<double>(rows));
   std::vector<double> nothing(rows);
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const Drawn of_target = draw_target();
-    Drawn of_against;
-    if (two) {
-      of_against = draw_target();
-      of_against.bound_level = -of_target.bound_level;
-      of_against.bound_slope = -of_target.bound_slope;
-    }
+  const auto add_draw = [&](const Drawn& of_target, const Drawn& of_against, std::size_t w) {
+    const Candidate& c = candidates[w];
     for (std::size_t i = 0; i < rows; ++i) {
       std::array<Errors, Draws::kKinds> error;
-      for (std::size_t k = 0; k < parts; ++k) {
-        const auto own = error_of(of_target, target[k], i);
-        const auto other = two ? error_of(of_against, against[k], i) : decltype(own){};
+      for (std::size_t k = 0; k < errors[w].parts; ++k) {
+        const auto own = error_of(of_target, errors[w].target[k], i);
+        const auto other = two ? error_of(of_against, errors[w].against[k], i) : decltype(own){};
         for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
           error[kind].target[k] = own[kind];
           error[kind].against[k] = other[kind];
@@ -137,12 +146,22 @@ BandSearch::Draws BandSearch::draw_errors(const MeritOf& merit, const Candidate&
       if (!of_angles) nothing[i] = of_row(c, i, error[Draws::kAll], 0);
     }
     for (std::size_t kind = 0; kind < Draws::kKinds; ++kind) {
-      out.merit[kind].push_back(merit_of_rows(merit, of_rows[kind]));
-      out.added[kind] +=
-          (0.5 * (out.merit[kind].back() + merit_of_rows(merit, opposite[kind])) - c.merit) /
+      out[w].merit[kind].push_back(merit_of_rows(merit, of_rows[kind]));
+      out[w].added[kind] +=
+          (0.5 * (out[w].merit[kind].back() + merit_of_rows(merit, opposite[kind])) - c.merit) /
           kDraws;
     }
-    out.alone += merit_of_rows(merit, nothing) / kDraws;
+    out[w].alone += merit_of_rows(merit, nothing) / kDraws;
+  };
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Drawn of_target = draw_target();
+    Drawn of_against;
+    if (two) {
+      of_against = draw_target();
+      of_against.bound_level = -of_target.bound_level;
+      of_against.bound_slope = -of_target.bound_slope;
+    }
+    for (std::size_t w = 0; w < candidates.size(); ++w) add_draw(of_target, of_against, w);
   }
   return out;
 }
@@ -155,9 +174,16 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
   constexpr auto kSamples = Draws::kSamples, kNumerical = Draws::kNumerical, kAll = Draws::kAll;
   using Kind = Draws::Kind;
   const std::size_t count = candidate.size();
+  const std::size_t cores = std::max(1U, std::thread::hardware_concurrency()),
+                    held = population_.row.size() * (most_modes() + 6);
+  const std::size_t together =
+      std::min(std::clamp<std::size_t>(kHeld / held, 1, kTogether), (count + cores - 1) / cores);
   std::vector<Draws> draws(count);
-  on_all_cores(count, [&](std::size_t w) {
-    draws[w] = draw_errors(merit, candidate[w]);
+  on_all_cores((count + together - 1) / together, [&](std::size_t part) {
+    const std::size_t first = part * together;
+    auto drawn =
+        draw_errors(merit, std::span(candidate).subspan(first, std::min(together, count - first)));
+    std::move(drawn.begin(), drawn.end(), draws.begin() + static_cast<std::ptrdiff_t>(first));
     return absl::OkStatus();
   }).IgnoreError();
   const auto drawn = [&](Kind kind, std::size_t w) -> const std::vector<double>& {

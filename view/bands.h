@@ -170,7 +170,9 @@ class BandSearch {
   [[nodiscard]] double of_row(const Candidate& c, std::size_t row, const Errors& error,
                               double signals = 1) const;
   struct Draws;
-  [[nodiscard]] Draws draw_errors(const MeritOf& merit, const Candidate& c) const;
+  [[nodiscard]] std::size_t most_modes() const;  // of a row
+  [[nodiscard]] std::vector<Draws> draw_errors(const MeritOf& merit,
+                                               std::span<const Candidate> candidates) const;
   [[nodiscard]] double gain(Passband one, Passband other) const;
   void search_pairs(const MeritOf& merit, double least_width_um, std::size_t most,
                     Found& out) const;
