@@ -68,20 +68,6 @@ absl::Status for_each(Database& database, const char* sql, const Read& read) {
   }
 }
 
-// Every spectrum that there is.
-bool finite(const schema::Spectrum& spectrum) {
-  using Field = google::protobuf::FieldDescriptor;
-  const google::protobuf::Reflection& of = *schema::Spectrum::GetReflection();
-  const google::protobuf::Descriptor& kind = *schema::Spectrum::descriptor();
-  for (int i = 0; i < kind.field_count(); ++i) {
-    const Field* field = kind.field(i);
-    if (field->cpp_type() != Field::CPPTYPE_FLOAT) continue;
-    for (const float value : of.GetRepeatedFieldRef<float>(spectrum, field))
-      if (!std::isfinite(value)) return false;
-  }
-  return true;
-}
-
 // How errors go together can be read, of each spectrum that has modes.
 bool modes_fit(const schema::Spectrum& s) {
   for (const auto& [errors, modes] :
@@ -169,8 +155,7 @@ class Examination {
       const std::string sweep = row.text();
       signatures.push_back({id, absl::StrCat(sweep, " row ", row.integer())});
     }));
-    Named spectra(findings_, "spectra that cannot be read"),
-        infinite(findings_, "spectra with what is no finite number"),
+    Named spectra(findings_, "spectra that cannot be read, or with what is no finite number"),
         modes(findings_, "modes of errors that do not fit their spectra"),
         images(findings_, "images that are damaged");
     for (const Signature& s : signatures) {
@@ -179,9 +164,8 @@ class Examination {
         spectra.add(s.name);
       } else if (!spectrum.ok()) {
         return spectrum.status();
-      } else {
-        if (!finite(*spectrum)) infinite.add(s.name);
-        if (!modes_fit(*spectrum)) modes.add(s.name);
+      } else if (!modes_fit(*spectrum)) {
+        modes.add(s.name);
       }
       const auto thumbnail = reader_.thumbnail(s.id);
       if (!thumbnail.ok()) return thumbnail.status();

@@ -60,7 +60,11 @@ class SqliteReader final : public StoreReader {
     std::array<std::string, kSpectrumArrays> arrays;
     for (std::string& array : arrays) array = row->text();
     auto spectrum = spectrum_from_blobs(lambda_um, arrays);
-    if (!spectrum.ok()) return spectrum;
+    if (!spectrum.ok())
+      return absl::Status(
+          spectrum.status().code(),
+          absl::StrCat("signature ", signature_id, ": ", spectrum.status().message(),
+                       "; `irsig doctor` lists what is damaged"));
     for (std::string* modes : {spectrum->mutable_spectral_intensity_modes(),
                                spectrum->mutable_apparent_spectral_intensity_modes(),
                                spectrum->mutable_contrast_spectral_intensity_modes()}) {
@@ -68,7 +72,8 @@ class SqliteReader final : public StoreReader {
       if (const std::string wrong =
               wrong_modes(*modes, static_cast<std::size_t>(spectrum->lambda_um_size()));
           !wrong.empty())
-        return absl::DataLossError(absl::StrCat("modes of signature ", signature_id, ": ", wrong));
+        return absl::DataLossError(absl::StrCat("signature ", signature_id, ": modes of errors: ",
+                                                wrong, "; `irsig doctor` lists what is damaged"));
     }
     return spectrum;
   }

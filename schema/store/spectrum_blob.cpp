@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 
@@ -93,6 +94,13 @@ absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
   }
   if (!fits)
     return absl::DataLossError("a stored spectrum does not fit the wavelengths of its band");
+  const auto finite = [](const auto& values) {
+    return std::all_of(values.begin(), values.end(), [](auto v) { return std::isfinite(v); });
+  };
+  if (!finite(spectrum.lambda_um()) ||
+      !std::all_of(std::begin(kArrays), std::end(kArrays),
+                   [&](const auto& array) { return finite((spectrum.*array.get)()); }))
+    return absl::DataLossError("a stored spectrum has what is no finite number");
   return spectrum;
 }
 

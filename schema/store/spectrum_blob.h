@@ -26,8 +26,9 @@ class SpectrumBlobs {
   std::array<std::string_view, kSpectrumArrays> bytes_;
 };
 
-// The other way round; DATA_LOSS where the sizes do not fit the wavelengths. An array that was not
-// computed (a NULL among those that not all spectra have) comes and stays empty.
+// The other way round; DATA_LOSS where the sizes do not fit the wavelengths, or a value is no
+// finite number. An array that was not computed (a NULL among those that not all spectra have)
+// comes and stays empty.
 [[nodiscard]] absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays);
 

@@ -47,7 +47,7 @@ class Doctor(unittest.TestCase):
 
     def test_damage(self):
         for statement, text in (
-                ("DELETE FROM spectrum WHERE signature_id = 3", "spectra that cannot be read: quickstart row 3"),
+                ("DELETE FROM spectrum WHERE signature_id = 3", "spectra that cannot be read, or with what is no finite number: quickstart row 3"),
                 ("UPDATE spectrum SET emitted_w_sr_um = x'0000' WHERE signature_id = 3", "spectra that cannot be read"),
                 ("UPDATE spectrum SET path_transmittance = CAST(zeroblob(length(path_transmittance) - 4) || x'0000807f' AS BLOB) WHERE signature_id = 2",
                  "no finite number: quickstart row 2"),
@@ -57,7 +57,7 @@ class Doctor(unittest.TestCase):
                  "no finite number: quickstart row 2"),
                 ("UPDATE spectrum SET contrast_spectral_intensity_stderr_w_sr_um = CAST(x'0000807f' || substr(contrast_spectral_intensity_stderr_w_sr_um, 5)"
                  " AS BLOB) WHERE signature_id = 4", "no finite number: quickstart row 4"),
-                ("UPDATE spectral_modes SET contrast_spectral_intensity_modes = x'000102' WHERE signature_id = 3", "spectra that cannot be read: quickstart row 3"),
+                ("UPDATE spectral_modes SET contrast_spectral_intensity_modes = x'000102' WHERE signature_id = 3", "spectra that cannot be read, or with what is no finite number: quickstart row 3"),
                 ("UPDATE thumbnail SET png = x'00'", "images that are damaged: quickstart row 1, quickstart row 2"),
                 ("UPDATE thumbnail SET png = CAST(substr(png, 1, 60) || x'ff' || substr(png, 62) AS BLOB) WHERE signature_id = 2", "damaged: quickstart row 2"),
                 ("UPDATE thumbnail SET png = substr(png, 1, 20) WHERE signature_id = 3", "images that are damaged: quickstart row 3"),
