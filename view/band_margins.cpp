@@ -17,6 +17,8 @@ constexpr int kDraws = 400;
 constexpr std::uint32_t kSeed = 20240229;
 // Candidates share what is drawn: so many at most, and so many numbers held for them.
 constexpr std::size_t kTogether = 16, kHeld = 8'000'000;
+// What is seen is none if it is no more than so many times what errors alone would make.
+constexpr double kKnown = 3;
 
 double squared(double x) { return x * x; }
 
@@ -27,7 +29,7 @@ struct BandSearch::Draws {
   std::array<std::vector<double>, kKinds> merit;  // [kind][draw]
   // What errors of both signs add to the merit; what all of them make by themselves.
   std::array<double, kKinds> added{};
-  double alone = 0;
+  double alone = 0, no_more_than_alone = 0;
 };
 
 std::size_t BandSearch::most_modes() const {
@@ -152,6 +154,11 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
           kDraws;
     }
     out[w].alone += merit_of_rows(merit, nothing) / kDraws;
+    // A range is not proportional to what is seen.
+    if (merit.merit == Merit::kRange)
+      for (double& snr : nothing) snr *= kKnown;
+    out[w].no_more_than_alone +=
+        (merit.merit == Merit::kRange ? 1 : kKnown) * merit_of_rows(merit, nothing) / kDraws;
   };
   for (int draw = 0; draw < kDraws; ++draw) {
     const Drawn of_target = draw_target();
@@ -201,9 +208,9 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     return std::hypot(scatter(drawn(kind, w)), draws[w].added[kind]);
   };
   for (std::size_t w = 0; w < count; ++w) {
-    CandidateMerit& m = out.candidate.emplace_back(
-        CandidateMerit{candidate[w], one_sigma(w, kSamples), one_sigma(w, kNumerical),
-                       one_sigma(w, kAll), 0, 0, 0, 0, draws[w].alone});
+    CandidateMerit& m = out.candidate.emplace_back(CandidateMerit{
+        candidate[w], one_sigma(w, kSamples), one_sigma(w, kNumerical), one_sigma(w, kAll), 0, 0, 0,
+        0, draws[w].alone, candidate[w].merit >= draws[w].no_more_than_alone});
     const auto as_good = [&](Kind kind) {
       int count_as_good = 0;
       for (std::size_t d = 0; d < kDraws; ++d)
@@ -243,6 +250,15 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     const double left = apart - std::max(0.0, all - samples);
     out.candidate[w].samples_to_tell =
         left > 0 ? samples / left : std::numeric_limits<double>::infinity();
+  }
+  for (CandidateMerit& w : out.candidate) {
+    w.extrapolated = extrapolated(merit, w.of);
+    if (w.extrapolated)
+      w.samples_stderr = w.numerical_error = w.total_error =
+          std::numeric_limits<double>::infinity();
+    if (out.candidate.front().extrapolated)
+      w.best_numerical = w.best = w.as_good_numerical = w.as_good = w.samples_to_tell =
+          std::numeric_limits<double>::quiet_NaN();
   }
   return out;
 }

@@ -15,8 +15,6 @@ namespace {
 
 // A window that is as good as the first with less than this is told from it.
 constexpr double kTold = 0.05;
-// A merit that is not so many times what errors alone would make is none.
-constexpr double kKnown = 3;
 
 Cell number(double value) { return std::isfinite(value) ? Cell(value) : Cell(); }
 
@@ -109,10 +107,10 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
   for (const CandidateMerit& m : choice.candidate) {
     std::vector<Cell> line = {++rank};
     add_cells(search, filters, m.of, line);
-    line.insert(line.end(),
-                {number(m.of.merit), number(m.samples_stderr), number(m.numerical_error),
-                 number(m.total_error), m.best_numerical, m.best, m.as_good_numerical, m.as_good,
-                 number(m.errors_alone), number(m.samples_to_tell)});
+    line.insert(line.end(), {number(m.of.merit), number(m.samples_stderr),
+                             number(m.numerical_error), number(m.total_error),
+                             number(m.best_numerical), number(m.best), number(m.as_good_numerical),
+                             number(m.as_good), number(m.errors_alone), number(m.samples_to_tell)});
     (*writer)->row(line);
   }
   return (*writer)->finish();
@@ -320,14 +318,24 @@ std::vector<std::string> notes_on(const WindowChoice& choice, const BandPopulati
         "of {} of {} rows it is not stored how errors of wavelengths go together (an older "
         "irsig): they are taken as one, the largest that a window's can be",
         population.without_modes, population.row.size()));
-  if (const CandidateMerit& first = choice.candidate.front();
-      first.of.merit < kKnown * first.errors_alone) {
+  const CandidateMerit& first = choice.candidate.front();
+  if (!first.known)
     out.push_back(fmt::format(
         "errors alone would make {:.3g} of no contrast at all, and the first has {:.3g}: "
         "of what the detector sees nothing is known, and no window is told from another",
         first.errors_alone, first.of.merit));
-    return out;
+  if (first.extrapolated) {
+    const std::vector<double> ranges = ranges_of(population);
+    const bool farther = first.of.merit > ranges.back();
+    out.push_back(fmt::format(
+        "the first is seen {} than the {} range, {:g} m: {:.4g} m is extrapolated{}, without "
+        "errors, and no window is told from another; ask for {} ranges (--range-m)",
+        farther ? "farther" : "less far", farther ? "farthest" : "nearest",
+        farther ? ranges.back() : ranges.front(), first.of.merit,
+        farther ? " along the last line, which air makes steeper" : "",
+        farther ? "farther" : "nearer"));
   }
+  if (!first.known || first.extrapolated) return out;
   if (choice.candidate.size() < 2) return out;
   std::size_t alike = 0;
   for (const CandidateMerit& w : choice.candidate)

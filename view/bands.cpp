@@ -417,16 +417,20 @@ double BandSearch::mean_stderr(Passband p) const {
 
 double BandSearch::range_reached(const Place& place, double threshold,
                                  std::span<const double> snr) {
-  for (auto at = place.row.rbegin(); at != place.row.rend(); ++at) {
-    const double here = snr[at->second];
-    if (!(here >= threshold)) continue;
-    if (at == place.row.rbegin()) return std::numeric_limits<double>::infinity();
-    const auto beyond = std::prev(at);
-    const double below = std::max(snr[beyond->second], 1e-300);
-    const double share = std::log(here / threshold) / std::log(here / below);
-    return at->first * std::pow(beyond->first / at->first, share);
+  const auto& row = place.row;
+  std::size_t seen = row.size();  // up to the farthest that is
+  while (seen > 0 && !(snr[row[seen - 1].second] >= threshold)) --seen;
+  double slope = -2;
+  if (row.size() > 1) {
+    const std::size_t far = std::clamp<std::size_t>(seen, 1, row.size() - 1);
+    const auto log_snr = [&](std::size_t k) {
+      return std::log(std::max(snr[row[k].second], 1e-300));
+    };
+    slope = (log_snr(far) - log_snr(far - 1)) / std::log(row[far].first / row[far - 1].first);
   }
-  return 0;
+  if (seen == 0 || seen == row.size()) slope = std::min(slope, -2.0);
+  const auto& [range_m, from] = row[seen > 0 ? seen - 1 : 0];
+  return range_m * std::pow(snr[from] / threshold, -1 / slope);
 }
 
 double BandSearch::merit_of_rows(const MeritOf& merit, std::span<const double> snr) const {
@@ -434,9 +438,20 @@ double BandSearch::merit_of_rows(const MeritOf& merit, std::span<const double> s
   std::vector<double> weight, range_m;
   for (const Place& place : place_) {
     weight.push_back(place.weight);
-    range_m.push_back(std::min(range_reached(place, merit.threshold, snr), place.row.back().first));
+    range_m.push_back(range_reached(place, merit.threshold, snr));
   }
   return merit_of(merit, weight, range_m);
+}
+
+bool BandSearch::extrapolated(const MeritOf& merit, const Candidate& c) const {
+  if (merit.merit != Merit::kRange) return false;
+  std::vector<double> weight, range_m;
+  for (const Detection& d : detection(c, merit.threshold)) {
+    weight.push_back(d.weight);
+    range_m.push_back(d.range_m);
+  }
+  const double reached = merit_of(merit, weight, range_m);
+  return !(reached > 0 && std::isfinite(reached));
 }
 
 absl::Status BandSearch::check(const MeritOf& merit) const {
@@ -454,8 +469,13 @@ std::vector<BandSearch::Detection> BandSearch::detection(const Candidate& c,
                                                          double threshold) const {
   const std::vector<double> of_rows = snr(c);
   std::vector<Detection> out;
-  for (const Place& place : place_)
-    out.push_back({place.first_row, place.weight, range_reached(place, threshold, of_rows)});
+  for (const Place& place : place_) {
+    const double range_m = range_reached(place, threshold, of_rows);
+    out.push_back({place.first_row, place.weight,
+                   range_m < place.row.front().first  ? 0
+                   : range_m > place.row.back().first ? std::numeric_limits<double>::infinity()
+                                                      : range_m});
+  }
   return out;
 }
 

@@ -54,12 +54,17 @@ struct CandidateMerit {
   // Probability of being the best of those compared, and of being at least as good as the first:
   // of numerical errors, and of all.
   double best_numerical, best, as_good_numerical, as_good;
-  // The merit that these errors alone would have, of no contrast at all: a merit that is not
-  // clearly more says that nothing is known of the contrast.
+  // The merit that these errors alone would have, of no contrast at all.
   double errors_alone = 0;
+  // Whether it is at least three times that (a range: that of errors three times as large): if not,
+  // nothing is known of the contrast.
+  bool known = true;
   // How many times as many samples would tell it from the first (at two sigma); 0: it is told from
   // it, or is the first; infinite: no number of samples, what is left are bounds and models.
   double samples_to_tell = 0;
+  // A range beyond those that it is taken from: its errors are infinite; of the first, what follows
+  // from comparing with it is NaN.
+  bool extrapolated = false;
 };
 struct WindowChoice {
   std::vector<CandidateMerit> candidate;  // compared with each other, the best first
@@ -127,14 +132,15 @@ class BandSearch {
                                      std::span<const Candidate> candidates) const;
 
   // The range at which a row's s falls to the threshold, between the ranges of the population, on a
-  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere (of
-  // Merit::kRange the farthest: at least so far).
+  // straight line of log s over log R; 0: below it everywhere, infinite: above it everywhere.
   struct Detection {
     std::size_t row;  // the first of its place
     double weight;    // of all rows of the place
     double range_m;
   };
   [[nodiscard]] std::vector<Detection> detection(const Candidate& c, double threshold) const;
+  // Whether a merit that is a range lies beyond the ranges that it is taken from.
+  [[nodiscard]] bool extrapolated(const MeritOf& merit, const Candidate& c) const;
 
   [[nodiscard]] const BandPopulation& population() const { return population_; }
   [[nodiscard]] Pairing pairing() const { return pairing_; }
@@ -163,6 +169,7 @@ class BandSearch {
     double weight;
     std::vector<std::pair<double, std::size_t>> row;  // range, row
   };
+  // Beyond its ranges s goes on along the last line, or the first, but at least as 1 / R^2.
   [[nodiscard]] static double range_reached(const Place& place, double threshold,
                                             std::span<const double> snr);
   [[nodiscard]] double merit_of_rows(const MeritOf& merit, std::span<const double> snr) const;

@@ -430,7 +430,11 @@ class Bands(unittest.TestCase):
         lambda_um, contrast, *_, view = self.spectra(self.db)
         options = ("--band", "mwir", "--detector", self.nei, "--window", "3.05,4.95", "--weight", "rows", "--range-m", "4000,8000,300000", "--threshold", "5")
         self.irsig("bands", self.db, *options, "--detection", self.path / "far.csv", "--ranges", self.path / "ranges.csv")
-        irradiance = numpy.sort(abs(contrast @ integrals(lambda_um, RESPONSE, [3.05, 4.95])[1])) / 2e-8
+
+        def irradiances(window):
+            return abs(contrast @ integrals(lambda_um, RESPONSE, window)[1]) / 2e-8
+
+        irradiance = numpy.sort(irradiances([3.05, 4.95]))
         far = list(csv.DictReader(io.StringIO((self.path / "far.csv").read_text())))
         self.assertEqual({(float(r["aspect_azimuth_deg"]), float(r["aspect_elevation_deg"])) for r in far}, set(view))
         self.assertAlmostEqual(sum(float(r["weight"]) for r in far), 1)
@@ -441,15 +445,30 @@ class Bands(unittest.TestCase):
             self.assertAlmostEqual(float(row["merit"]), expected, delta=1e-3 * expected)
         self.irsig("bands", self.db, *options, "--ranges", self.path / "ranges.svg")
         self.assertIn("3.05 to 4.95 um", (self.path / "ranges.svg").read_text())
-        # As a merit: up to where all but so many are seen, and no farther than the farthest range.
+        # As a merit: up to where all but so many are seen.
         (row,) = self.table(self.db, *options, "--merit", "range", "--percentile", "30")
         expected = numpy.sqrt(irradiance / 5)[math.ceil(0.3 * len(view)) - 1]
         self.assertAlmostEqual(float(row["merit"]), expected, delta=2e-3 * expected)
         self.assertLess(float(row["total_error"]), 0.5 * expected)
-        (row,) = self.table(self.db, *options[:-1], "1e-9", "--merit", "range")
-        self.assertEqual(float(row["merit"]), 300000)
-        (row,) = self.table(self.db, *options[:-1], "1e15", "--merit", "range")
-        self.assertEqual(float(row["merit"]), 0)
+        # Beyond the ranges it goes on, nobody knows how surely, and no window is told from another.
+        for threshold, said, nearest in (("1e-9", "farther than the farthest range, 300000 m", False), ("1e15", "less far than the nearest range, 4000 m", True)):
+            done = self.irsig("bands", self.db, *options[:-1], threshold, "--window", "3.05,4.05", "--merit", "range", "--percentile", "30", "--csv")
+            for row, window in zip(csv.DictReader(io.StringIO(done.stdout)), ([3.05, 4.95], [3.05, 4.05])):
+                self.assertEqual([float(row["lambda_min_um"]), float(row["lambda_max_um"])], window)
+                expected = numpy.sqrt(numpy.sort(irradiances(window)) / float(threshold))[math.ceil(0.3 * len(view)) - 1]
+                self.assertAlmostEqual(float(row["merit"]), expected, delta=2e-3 * expected)
+                for column in "samples_stderr", "numerical_error", "total_error", "best", "best_numerical", "as_good", "as_good_numerical", "samples_to_tell":
+                    self.assertEqual(row[column], "", column)
+            self.assertIn(said, done.stderr)
+            self.assertNotIn("told from all", done.stderr)
+        # A range that is just within them has the errors that it has far from their end (samples; bounds depend on how far a row is moved).
+        order = numpy.sort(irradiances([3.05, 4.95]))[math.ceil(0.3 * len(view)) - 1]
+        near_end, far_from_it = (
+            self.table(self.db, *options[:8], "--range-m", ranges, "--threshold", order / 299000 ** 2, "--merit", "range", "--percentile", "30")[0]
+            for ranges in ("4000,300000", "4000,900000"))
+        self.assertAlmostEqual(float(near_end["merit"]), 299000, delta=1000)
+        for column in "merit", "samples_stderr":
+            self.assertAlmostEqual(float(near_end[column]) / float(far_from_it[column]), 1, delta=1e-6)
         options = ("--band", "mwir", "--detector", self.photons, "--range-m", "4000,300000", "--merit", "range")
         best = self.table(self.db, *options, "--top", "3")
         self.assertEqual(len(best), 3)
@@ -458,6 +477,22 @@ class Bands(unittest.TestCase):
             self.assertEqual(again["merit"], found["merit"])
         (other,) = self.table(self.db, *options, "--window", "4.5,4.9")
         self.assertLess(float(other["merit"]), float(best[0]["merit"]))
+
+    def test_damaged_spectra_are_refused(self):
+        damaged = self.path / "damaged.sigdb"
+        column = "contrast_spectral_intensity_w_sr_um"
+        for number in "0000c07f", "0000807f":  # NaN, infinite
+            shutil.copy(self.db, damaged)
+            database = sqlite3.connect(damaged)
+            database.execute(f"UPDATE spectrum SET {column} = CAST(substr({column}, 1, length({column}) - 4) || x'{number}' AS BLOB) WHERE signature_id = 3")
+            database.commit()
+            database.close()
+            for merit in "mean", "percentile", "range":
+                done = subprocess.run([IRSIG, "bands", damaged, "--band", "mwir", "--detector", self.nei, "--merit", merit, "--range-m", "4000,8000"],
+                                      capture_output=True, text=True)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertEqual(done.stdout, "")
+                self.assertIn("signature 3: a stored spectrum has what is no finite number; `irsig doctor` lists", done.stderr)
 
     def test_files(self):
         best = self.path / "best.csv"

@@ -121,6 +121,61 @@ TEST(BandMargins, OfAContrastThatIsNothing) {
   const CandidateMerit clear = whole(1);
   expect_near(clear.numerical_error, 0.02);
   EXPECT_LT(clear.errors_alone, 0.02 * clear.of.merit);
+  EXPECT_FALSE(nothing.known);
+  EXPECT_TRUE(clear.known);
+}
+
+// A range grows only as the root of the contrast, and a share no further than to one.
+TEST(BandMargins, OfAContrastThatIsNothingInOtherMerits) {
+  TargetContrast t = contrast(0.05);
+  t.modes = {std::vector<double>(kBins, 0.01)};  // a fifth
+  BandPopulation of = population(t);
+  of.row.push_back(of.row.front());
+  for (BandCase& row : of.row) row.weight = 0.5;
+  of.row.back().range_m = 4000;
+  const auto search = BandSearch::make(of, {{}, ConstantNoise{1e-6}});
+  ASSERT_TRUE(search.ok());
+  const auto whole = [&](const MeritOf& merit) {
+    const Candidate all[] = {search->candidate(merit, {0, search->edges_um().size() - 1})};
+    return search->compare(merit, all).candidate.front();
+  };
+  // s is 0.1 at 1000 m, one sigma 0.02: of a normal number the mean of the root of |x| is 0.822.
+  const CandidateMerit range = whole({Merit::kRange, 10, 0.025});
+  EXPECT_NEAR(range.of.merit, 2000, 1e-6);
+  EXPECT_NEAR(range.errors_alone, 1000 * std::sqrt(0.8) * 0.822, 0.05 * 735);
+  EXPECT_TRUE(range.known);
+  EXPECT_FALSE(range.extrapolated);
+  // Half of the rows are above 2.5 sigma, which errors alone are rarely.
+  EXPECT_TRUE(whole({Merit::kAbove, 10, 0.05}).known);
+  // All are above 5e-5 sigma, and so are errors.
+  EXPECT_FALSE(whole({Merit::kAbove, 10, 1e-6}).known);
+}
+
+// So many times the samples as make the difference of two windows two sigma, of all that errs.
+TEST(BandMargins, SamplesThatWouldTell) {
+  const auto second = [](double error, double model) {
+    TargetContrast t = contrast(1);
+    // Beyond the half there is 0.01 of it, which is what both differ by.
+    for (std::size_t k = kBins / 2; k < kBins; ++k) t.value[k] = 0.01;
+    t.modes = {std::vector<double>(kBins, error)};
+    t.model_error_w_sr = model;
+    const auto search = BandSearch::make(population(t), {{}, ConstantNoise{1e-6}});
+    EXPECT_TRUE(search.ok());
+    const std::size_t last = search->edges_um().size() - 1;
+    const Candidate both[] = {search->candidate({}, {0, last}),
+                              search->candidate({}, {0, kBins / 2})};
+    const WindowChoice choice = search->compare({}, both);
+    EXPECT_EQ(choice.candidate[0].samples_to_tell, 0);
+    EXPECT_NEAR(choice.candidate[0].of.merit - choice.candidate[1].of.merit, 0.0105, 3e-4);
+    return choice.candidate[1].samples_to_tell;
+  };
+  EXPECT_EQ(second(0.004, 0), 0);  // told from it at 2.5 sigma
+  EXPECT_NEAR(second(0.01, 0) / 4, 1, 0.25);
+  EXPECT_NEAR(second(0.02, 0) / 16, 1, 0.25);
+  // A model's error of 4 % of both makes nearly nothing of their difference; one as large as all
+  // of it leaves nothing that samples could tell.
+  EXPECT_NEAR(second(0.01, 0.04) / second(0.01, 0), 1, 0.05);
+  EXPECT_TRUE(std::isinf(second(0.01, 1)));
 }
 
 // Two that are the same thing share being the best.
