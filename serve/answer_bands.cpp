@@ -106,8 +106,10 @@ absl::StatusOr<PageReply> answer_bands(const PageSources& sources, const Questio
   const BandPopulation& population = made->search.population();
   std::vector<std::string> notes = notes_on(choice, population, made->accuracy);
   if (population.row.size() < made->matching)
-    notes.push_back(fmt::format("{} of {} rows, drawn at random: the command takes all",
-                                population.row.size(), made->matching));
+    notes.push_back(
+        fmt::format("{} of {} rows, drawn at random, which is not in the margins: the "
+                    "command takes all",
+                    population.row.size(), made->matching));
   out.texts("notes", notes);
   out.text("command", bands_command(sources.database[q.a.database], q, detector_file(sources, q)));
   return json_reply(out.finish());

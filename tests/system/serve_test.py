@@ -130,6 +130,15 @@ class Serve(unittest.TestCase):
         said = server.json("/api/left_out", 409, **chosen)["error"]
         self.assertIn("1001 aspects are too many for a page (1000 at most): irsig plan --refine", said)
         self.assertEqual(len(server.json("/api/map", **chosen)["row"]), 1001)
+        # Windows of a band at another range are of some of them, alike all around a sphere.
+        drawn = "400 of 1001 rows, drawn at random, which is not in the margins: the command takes all"
+        some, all_of_them = (server.json("/api/bands", nei_w_m2=1e-9, **chosen, **asked) for asked in ({"range_m": 2000}, {}))
+        self.assertEqual((some["rows"], drawn in some["notes"]), (400, True))
+        self.assertEqual((all_of_them["rows"], drawn in all_of_them["notes"]), (1001, False))
+        whole = table(printed(some["command"]))
+        for one, other in zip(some["best"]["merit"], (float(row["merit"]) for row in whole), strict=True):
+            self.assertAlmostEqual(one / other, 1, delta=0.01)
+            self.assertNotEqual(one, other)
 
     def time_of(self, season):
         return next(c["time_utc"] for c in self.contents["database"][0]["sweep"][0]["condition"] if c["season"] == season)
