@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
@@ -25,28 +26,45 @@ absl::Status wrong(const std::string& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
 }
 
-// Names that stand for something that cannot be negative (GLOSSARY of docs: suffix grammar).
-bool never_negative(const std::string& name) {
-  for (const char* word : {"stderr", "error", "bound", "area", "temperature", "seconds",
-                           "pixel_rad", "floor", "time_s", "uncertainty"}) {
-    if (absl::StrContains(name, word)) return true;
+// Where in a result something stands; spelled out only when it is wrong.
+struct Place {
+  const Place* above = nullptr;  // null: the result itself
+  const FieldDescriptor* field = nullptr;
+  int index = -1;  // of a repeated field
+
+  [[nodiscard]] std::string text() const {
+    if (above == nullptr) return "";
+    const std::string path = above->text();
+    const std::string name = absl::StrCat(path, path.empty() ? "" : ".", field->name());
+    return index < 0 ? name : absl::StrCat(name, "[", index, "]");
   }
-  return false;
+};
+
+// Names that stand for something that cannot be negative (GLOSSARY of docs: suffix grammar).
+bool never_negative(const FieldDescriptor* field) {
+  thread_local absl::flat_hash_map<const FieldDescriptor*, bool> known;
+  const auto [at, added] = known.try_emplace(field, false);
+  if (added)
+    for (const char* word : {"stderr", "error", "bound", "area", "temperature", "seconds",
+                             "pixel_rad", "floor", "time_s", "uncertainty"})
+      at->second = at->second || absl::StrContains(field->name(), word);
+  return at->second;
 }
 
-absl::Status check_number(double value, bool may_be_negative, const std::string& path) {
-  if (!std::isfinite(value)) return wrong(path, "is not a finite number");
-  if (value < 0 && !may_be_negative) return wrong(path, absl::StrCat("is negative: ", value));
+absl::Status check_number(double value, bool may_be_negative, const Place& place) {
+  if (!std::isfinite(value)) return wrong(place.text(), "is not a finite number");
+  if (value < 0 && !may_be_negative)
+    return wrong(place.text(), absl::StrCat("is negative: ", value));
   return absl::OkStatus();
 }
 
 template <typename Number>
-absl::Status check_array(const google::protobuf::RepeatedFieldRef<Number>& values,
-                         bool may_be_negative, const std::string& path) {
+absl::Status check_array(const Message& message, bool may_be_negative, const Place& place) {
+  const auto values = message.GetReflection()->GetRepeatedFieldRef<Number>(message, place.field);
   for (int i = 0; i < values.size(); ++i) {
     const auto value = static_cast<double>(values.Get(i));
     if (std::isfinite(value) && (may_be_negative || value >= 0)) continue;
-    return check_number(value, may_be_negative, absl::StrCat(path, "[", i, "]"));
+    return check_number(value, may_be_negative, {place.above, place.field, i});
   }
   return absl::OkStatus();
 }
@@ -54,39 +72,36 @@ absl::Status check_array(const google::protobuf::RepeatedFieldRef<Number>& value
 // Every number of a message: finite, not negative where its name forbids it, and small enough for a
 // signed column. `non_negative`: the name of the enclosing field already forbids it
 // (projected_area_m2.value).
-absl::Status check_numbers(const Message& message, const std::string& path, bool non_negative) {
+absl::Status check_numbers(const Message& message, const Place& above, bool non_negative) {
   const google::protobuf::Reflection& reflection = *message.GetReflection();
   const google::protobuf::Descriptor& type = *message.GetDescriptor();
   for (int i = 0; i < type.field_count(); ++i) {
     const FieldDescriptor* field = type.field(i);
-    const std::string name = absl::StrCat(path, path.empty() ? "" : ".", field->name());
-    const bool signed_field = !non_negative && !never_negative(field->name());
+    const Place place{&above, field};
+    const bool signed_field = !non_negative && !never_negative(field);
     absl::Status status;
     switch (field->cpp_type()) {
       case FieldDescriptor::CPPTYPE_DOUBLE:
         status = field->is_repeated()
-                     ? check_array(reflection.GetRepeatedFieldRef<double>(message, field),
-                                   signed_field, name)
-                     : check_number(reflection.GetDouble(message, field), signed_field, name);
+                     ? check_array<double>(message, signed_field, place)
+                     : check_number(reflection.GetDouble(message, field), signed_field, place);
         break;
       case FieldDescriptor::CPPTYPE_FLOAT:
-        status =
-            check_array(reflection.GetRepeatedFieldRef<float>(message, field), signed_field, name);
+        status = check_array<float>(message, signed_field, place);
         break;
       case FieldDescriptor::CPPTYPE_UINT64:
         if (reflection.GetUInt64(message, field) >
             static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
-          status = wrong(name, "does not fit into 63 bits");
+          status = wrong(place.text(), "does not fit into 63 bits");
         }
         break;
       case FieldDescriptor::CPPTYPE_MESSAGE:
         if (field->is_repeated()) {
-          for (int k = 0; k < reflection.FieldSize(message, field) && status.ok(); ++k) {
+          for (int k = 0; k < reflection.FieldSize(message, field) && status.ok(); ++k)
             status = check_numbers(reflection.GetRepeatedMessage(message, field, k),
-                                   absl::StrCat(name, "[", k, "]"), false);
-          }
+                                   {&above, field, k}, false);
         } else if (reflection.HasField(message, field)) {
-          status = check_numbers(reflection.GetMessage(message, field), name, !signed_field);
+          status = check_numbers(reflection.GetMessage(message, field), place, !signed_field);
         }
         break;
       default:
@@ -224,7 +239,7 @@ absl::Status check_job_key(const schema::JobResult& result, const std::string& j
 }
 
 absl::Status check_every_number(const schema::JobResult& result) {
-  return check_numbers(result, "", false);
+  return check_numbers(result, {}, false);
 }
 
 }  // namespace irsig
