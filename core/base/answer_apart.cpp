@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/run_apart.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(IRSIG_SANITIZE_THREAD)
+#if defined(IRSIG_SANITIZED)
 // They reserve terabytes of addresses: a limit of those would end the program at once.
 constexpr bool kLimitAddresses = false;
 #else

@@ -1,13 +1,14 @@
 #include "core/base/file_errors.h"
 
 #include "absl/strings/str_cat.h"
+#include "core/base/printable.h"
 
 namespace irsig {
 
 void FileErrors::add(std::size_t line, std::size_t column, std::string_view what) {
   if (full()) return;
   absl::StrAppend(&text_, any() ? "\n" : "", file_name_, ":", line, ":", column, ": ",
-                  std::string(what));
+                  one_line(what));
   ++count_;
 }
 

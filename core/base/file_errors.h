@@ -14,7 +14,7 @@ class FileErrors {
  public:
   explicit FileErrors(std::string_view file_name) : file_name_(file_name) {}
 
-  // line, column: from 1.
+  // line, column: from 1. what: may quote the file, whatever stands there; it becomes one line.
   void add(std::size_t line, std::size_t column, std::string_view what);
   [[nodiscard]] bool any() const { return count_ > 0; }
   [[nodiscard]] bool full() const { return count_ >= 10; }

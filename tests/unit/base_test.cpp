@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/check.h"
+#include "core/base/file_errors.h"
 #include "core/base/table.h"
 
 namespace irsig {
@@ -98,6 +99,13 @@ TEST(Table, AbscissaeAreFiniteAndIncreasing) {
   EXPECT_FALSE(is_abscissa(std::vector<double>{2.0, 1.0}));
   EXPECT_FALSE(is_abscissa(std::vector<double>{1.0, std::nan(""), 3.0}));
   EXPECT_FALSE(is_abscissa(std::vector<double>{1.0, std::numeric_limits<double>::infinity()}));
+}
+
+TEST(FileErrors, ALineForEachWhateverItQuotes) {
+  FileErrors errors("f");
+  errors.add(1, 2, "\"a\nb\x1b[31m\" is wrong");
+  errors.add(3, 4, "so is this");
+  EXPECT_EQ(errors.status().message(), "f:1:2: \"a?b?[31m\" is wrong\nf:3:4: so is this");
 }
 
 }  // namespace

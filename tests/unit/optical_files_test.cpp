@@ -108,6 +108,13 @@ TEST(OpticalConstantsFile, NamesTheFormulaThatItRefuses) {
             "\"tabulated n\" and \"tabulated k\" (tabulate a formula yourself)");
 }
 
+TEST(OpticalConstantsFile, QuotesTextOfSeveralLinesInOne) {
+  EXPECT_EQ(
+      error_of(read_optical_constants("DATA:\n  - type: |\n      1 1.5\n      0.3\n", "a.yml")),
+      "a.yml:2:11: type \"1 1.5?0.3?\" is not read, expected \"tabulated nk\", or "
+      "\"tabulated n\" and \"tabulated k\" (tabulate a formula yourself)");
+}
+
 TEST(OpticalConstantsFile, HasNoDefaultForK) {
   EXPECT_EQ(error_of(read_optical_constants(
                 "DATA:\n  - type: tabulated n\n    data: |\n      1 1.5\n      2 1.6\n", "a.yml")),

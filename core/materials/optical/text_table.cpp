@@ -74,7 +74,7 @@ std::string column_name(std::string_view text) {
 }  // namespace
 
 void TableErrors::add(int line, int column, const std::string& what) {
-  found_.push_back({line, column, what});
+  found_.push_back({line, column, one_line(what)});  // it may quote the file
 }
 
 absl::Status TableErrors::status() const {
