@@ -32,7 +32,7 @@ void add_show_solids(CLI::App& show, int& exit_code) {
   auto* command = show.add_subcommand(
       "solids", "What layers of a [[build_up]] are made of: conductivity, density, specific heat");
   const auto output =
-      std::make_shared<OutputOptions>(*command, std::vector<std::string>{"table", "csv", "json"});
+      std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
   command->callback([output, &exit_code] { exit_code = report(output->write(write_solids)); });
 }
 

@@ -108,9 +108,10 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
   for (const Vec<Body>& v : mesh.vertex) {
     const Vec<Body> d = v - target.centre;
     target.radius_m = std::max(target.radius_m, length(d));
-    target.vertex.push_back(static_cast<float>(d.x));
-    target.vertex.push_back(static_cast<float>(d.y));
-    target.vertex.push_back(static_cast<float>(d.z));
+    for (const double x : {d.x, d.y, d.z}) {
+      target.vertex.push_back(static_cast<float>(x));
+      target.rounded_m.push_back(static_cast<float>(x - static_cast<double>(target.vertex.back())));
+    }
   }
   target.triangle.reserve(3 * mesh.triangle.size());
   target.facet.reserve(mesh.triangle.size());
@@ -132,6 +133,45 @@ absl::StatusOr<Target> make_target(const Mesh& mesh, std::vector<PartSpec> parts
   target.tracer = *std::move(tracer);
   target.convex = is_convex(target);
   return target;
+}
+
+std::vector<TurnedArea> turned_areas(const Target& target, Vec<Body> towards) {
+  const auto at = [](const std::vector<float>& of, std::uint32_t v) {
+    const float* p = of.data() + 3 * static_cast<std::size_t>(v);
+    return Vec<Body>{p[0], p[1], p[2]};
+  };
+  std::vector<std::vector<std::uint32_t>> facets(target.part.size());
+  for (std::uint32_t f = 0; f < target.facet.size(); ++f) facets[target.facet[f].part].push_back(f);
+  std::vector<TurnedArea> out(facets.size());
+  // By how much the area changes with each vertex.
+  std::vector<Vec<Body>> gradient(target.vertex.size() / 3);
+  for (std::size_t part = 0; part < facets.size(); ++part) {
+    const auto for_corners = [&](auto&& of) {
+      for (const std::uint32_t f : facets[part]) {
+        const std::uint32_t* corner = target.triangle.data() + 3 * static_cast<std::size_t>(f);
+        const Vec<Body> p[] = {at(target.vertex, corner[0]), at(target.vertex, corner[1]),
+                               at(target.vertex, corner[2])};
+        const double turned = 0.5 * dot(cross(p[1] - p[0], p[2] - p[0]), towards);
+        if (turned < 0 && !target.part[part].two_sided) continue;
+        of(corner, p, turned);
+      }
+    };
+    for_corners([&](const std::uint32_t* corner, const Vec<Body>* p, double turned) {
+      out[part].m2 += std::abs(turned);
+      for (std::size_t k = 0; k < 3; ++k)
+        gradient[corner[k]] =
+            gradient[corner[k]] +
+            (turned < 0 ? -0.5 : 0.5) * cross(p[(k + 2) % 3] - p[(k + 1) % 3], -1.0 * towards);
+    });
+    for_corners([&](const std::uint32_t* corner, const Vec<Body>*, double) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        out[part].rounding_m2 +=
+            std::abs(dot(gradient[corner[k]], at(target.rounded_m, corner[k])));
+        gradient[corner[k]] = {0, 0, 0};
+      }
+    });
+  }
+  return out;
 }
 
 }  // namespace irsig

@@ -32,6 +32,7 @@ struct Target {
   std::vector<PartSpec> part;
   std::vector<Facet> facet;
   std::vector<float> vertex;            // x y z relative to centre [m]
+  std::vector<float> rounded_m;         // by so much less than the mesh's
   std::vector<std::uint32_t> triangle;  // three indices each
   std::vector<double> part_area_m2;
   Vec<Body> centre;                    // in the body frame
@@ -45,6 +46,16 @@ struct Target {
   [[nodiscard]] double offset_m() const { return 0x1p-19 * radius_m; }
   std::shared_ptr<const Tracer> tracer;
 };
+
+// The area that the facets of a part turn towards a direction, hidden or not, and by how much the
+// rounding of coordinates to 32 bits may have changed it: the sum over vertices of what moving each
+// by its own rounding changes. Neighbours in a part take from each other what they lose, so that
+// this is of its outline.
+struct TurnedArea {
+  double m2 = 0, rounding_m2 = 0;
+};
+// [part] towards: a unit vector from the target.
+[[nodiscard]] std::vector<TurnedArea> turned_areas(const Target& target, Vec<Body> towards);
 
 // [group] The part that each group of a mesh belongs to. Errors as make_target has them.
 [[nodiscard]] absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(

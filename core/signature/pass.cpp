@@ -40,6 +40,7 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
     unseen_ = std::make_shared<const UnseenLight>(scene.target, scene.carried_material(),
                                                   view_->aimed->frame);
   const AimedView& aimed = *view_->aimed;
+  turned_ = turned_areas(scene.target, -1.0 * aimed.frame.forward);
   if (!aimed.bright.none()) {
     unseen_of_ = unseen_->by_stratum(aimed, sources_.geometry().sun);
     parts_of_.assign(aimed.stratum.size(), std::vector<bool>(scene.target.part.size(), false));
@@ -358,20 +359,52 @@ void Pass::find_energy(std::span<const PathWeights> weights, std::span<const Sum
   }
 }
 
+double Pass::sun_quadrature_w_sr(std::size_t row) const {
+  const ReplicateStatistics& s = statistics_[row];
+  const SolarQuadrature& error = scene_.sun_quadrature[band_of(row)];
+  constexpr auto kSun = static_cast<std::size_t>(Cause::kSunReflected);
+  // Pilots have no spectra.
+  if (modes_.empty()) return error.of_white * std::abs(s.estimate(1 + kSun).value);
+  const BandGrid& grid = axis_band(row).grid;
+  const std::size_t bins = grid.lambda_um.size(),
+                    first = spectrum_quantity(scene_.target.part.size()) + (1 + kSun) * bins;
+  double sum = 0;
+  for (std::size_t k = 0; k < bins; ++k) {
+    double width_um = 0;
+    for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
+      width_um += grid.band_weight[i];
+    sum += error.of_bin[k] * width_um * std::abs(s.estimate(first + k).value);
+  }
+  return sum;
+}
+
 Pass::MeasuredRow Pass::measured(std::size_t row) const {
   const ConditionSources& light = this->light(row);
   const ReplicateStatistics& s = statistics_[row];
-  const auto cause = [&](Cause which) {
-    return std::abs(s.estimate(1 + static_cast<std::size_t>(which)).value);
-  };
   Measured all;  // what the three have in common
-  all.of(BoundOf::kQuadrature) = std::abs(s.estimate(0).value) * quadrature_relative_[row];
+  const double apparent_w_sr = s.estimate(kApparentQuantity).value,
+               behind_w_sr =
+                   apparent_w_sr - s.estimate(contrast_quantity(scene_.target.part.size())).value;
+  all.of(BoundOf::kQuadrature) =
+      quadrature_relative_[row] *
+      std::max(std::abs(s.estimate(0).value), std::abs(apparent_w_sr) + std::abs(behind_w_sr));
+  // Of outlines, and of what is behind them.
+  double outline_m2 = 0;
+  for (std::size_t part = 0; part < turned_.size(); ++part) {
+    const auto [m2, rounding_m2] = turned_[part];
+    outline_m2 += rounding_m2;
+    if (m2 > 0)
+      all.of(BoundOf::kQuadrature) +=
+          rounding_m2 / m2 * std::abs(s.estimate(part_quantity(part)).value);
+  }
+  if (const double seen_m2 = s.estimate(kAreaQuantity).value; seen_m2 > 0)
+    all.of(BoundOf::kQuadrature) += outline_m2 / seen_m2 * std::abs(behind_w_sr);
   // Of materials' tables between the corners that cut the quadrature: emission and reflection may
   // change by twice what is left out, reflectances of optical constants by four times.
   all.of(BoundOf::kQuadrature) +=
       4 * scene_.corners_left_out[band_of(row)] * s.estimate(kAreaQuantity).value *
           light.brightest_w_m2_sr(axis_band(row), brightest_thermal_[row]) +
-      scene_.sun_quadrature[band_of(row)] * cause(Cause::kSunReflected);
+      sun_quadrature_w_sr(row);
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
   const Unseen unseen = this->unseen(row);
   all.of(BoundOf::kUnseen) = unseen.bound;

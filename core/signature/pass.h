@@ -145,6 +145,7 @@ class Pass {
   [[nodiscard]] double basis_error(std::size_t row, const std::vector<double>& largest) const;
   [[nodiscard]] double sky_error(std::size_t row, const SummedWeights& mean) const;
   [[nodiscard]] double depth_error(std::size_t row, const SummedWeights& mean) const;
+  [[nodiscard]] double sun_quadrature_w_sr(std::size_t row) const;
   void find_background_errors(std::size_t row, std::span<const SummedWeights> sums);
   void find_temperature_errors(std::size_t condition, std::span<const PathWeights> weights);
   void find_energy(std::span<const PathWeights> weights, std::span<const SummedWeights> sums);
@@ -194,6 +195,7 @@ class Pass {
   std::vector<std::vector<bool>> parts_of_;      // [stratum][part], likewise: which are in it
   std::vector<std::vector<SeaGlint>> glitter_;   // [sun of the geometry]
   std::vector<double> quadrature_relative_;      // [row]
+  std::vector<TurnedArea> turned_;               // [part]
   std::vector<double> brightest_, brightest_thermal_;                // [row]
   std::vector<InBandLight> in_band_light_;                           // [row]
   std::vector<std::vector<InBandLight::Radiance>> glitter_w_m2_sr_;  // [row][lit sun]

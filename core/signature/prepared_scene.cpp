@@ -43,7 +43,7 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
     auto grid = make_band_grid(band, spec.spectral_breaks_um, corners.um);
     if (!grid.ok()) return grid.status();
     out.corners_left_out.push_back(corners.left_out);
-    out.sun_quadrature.push_back(solar_quadrature_relative_bound(band, *grid));
+    out.sun_quadrature.push_back(solar_quadrature(band, *grid));
     grids.push_back(*std::move(grid));
   }
   out.axis = SpectralAxis(std::move(grids));

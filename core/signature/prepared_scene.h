@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/materials/material.h"
 #include "core/scene/target.h"
+#include "core/spectral/solar.h"
 #include "core/spectral/spectral_axis.h"
 #include "core/transport/spectral_basis.h"
 
@@ -28,10 +29,10 @@ struct PreparedScene {
   Target target;
   std::vector<Band> band;
   SpectralAxis axis;
-  // [band] What materials' tables hold between the corners that cut the quadrature (TableCorners),
-  // and the quadrature's relative error of sunlight.
-  std::vector<double> corners_left_out, sun_quadrature;
-  std::vector<Material> material;  // prepared at every node of the axis
+  // [band] What materials' tables hold between the corners that cut the quadrature (TableCorners).
+  std::vector<double> corners_left_out;
+  std::vector<SolarQuadrature> sun_quadrature;  // [band]
+  std::vector<Material> material;               // prepared at every node of the axis
   SpectralBasis basis;
   std::vector<Material> carried;  // at the nodes that paths carry; empty: at all
   bool energy_gain = false;       // some part's material creates energy

@@ -287,7 +287,7 @@ std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& reque
 }
 
 double quadrature_bound(const PreparedScene& scene, const ConditionSpec& condition,
-                        std::uint32_t band, double value) {
+                        std::uint32_t band, double value, double brightest) {
   double coldest = 1e9, hottest = 1;
   for (const double t : condition.part_temperature_k) {
     coldest = std::min(coldest, t);
@@ -297,8 +297,11 @@ double quadrature_bound(const PreparedScene& scene, const ConditionSpec& conditi
     coldest = std::min(coldest, condition.emitter->coldest_k);
   if (condition.surroundings.sky_temperature_k > 0)
     coldest = std::min(coldest, condition.surroundings.sky_temperature_k);
-  return std::abs(value) * quadrature_relative_bound(scene.band[band], scene.axis.grids()[band],
-                                                     std::clamp(coldest, 1.0, hottest), hottest);
+  const double thermal = quadrature_relative_bound(scene.band[band], scene.axis.grids()[band],
+                                                   std::clamp(coldest, 1.0, hottest), hottest);
+  // All of it may be sunlight.
+  const double sun = sun_shines(condition) ? scene.sun_quadrature[band].of_white : 0;
+  return std::abs(value) * std::max(thermal, sun) + 4 * scene.corners_left_out[band] * brightest;
 }
 
 }  // namespace
@@ -338,8 +341,9 @@ absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
         r.radiance_w_m2_sr = s.estimate(2 * (row * orders + n));
         r.apparent_radiance_w_m2_sr = s.estimate(2 * (row * orders + n) + 1);
         r.truncation_bound_w_m2_sr = measured.beyond[n] * shading.tables()[row].brightest_w_m2_sr;
-        r.quadrature_bound_w_m2_sr = quadrature_bound(scene, request.condition[r.condition], r.band,
-                                                      r.radiance_w_m2_sr.value);
+        r.quadrature_bound_w_m2_sr =
+            quadrature_bound(scene, request.condition[r.condition], r.band,
+                             r.radiance_w_m2_sr.value, shading.tables()[row].brightest_w_m2_sr);
         r.apparent_temperature_k =
             temperature_of(scene.band[r.band], scene.axis.grids()[r.band], r.radiance_w_m2_sr);
         r.target_fraction = s.estimate(2 * shading.tables().size() * orders).value;

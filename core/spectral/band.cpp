@@ -77,12 +77,12 @@ double response_from(const Band& band, double inside_um, double at_um) {
 
 struct PanelWeights {
   double lower, upper;
+  // Of one sign: in-band radiances are positive and increase with temperature.
+  [[nodiscard]] bool sound() const { return lower >= 0 && upper >= 0; }
 };
 
 // Weights of the panel's two nodes that integrate response x L exactly for every L linear over the
 // panel, wherever the response has its corners and jumps (for a constant response: Gauss-Legendre).
-// Where a jump leaves so little of the panel that a weight would be negative, all goes to the
-// nearer node: in-band radiances stay positive and increasing with temperature.
 PanelWeights panel_weights(const Band& band, double from_um, double to_um) {
   const double middle = 0.5 * (from_um + to_um);
   const double half = 0.5 * (to_um - from_um);
@@ -99,8 +99,23 @@ PanelWeights panel_weights(const Band& band, double from_um, double to_um) {
       moment += weight * (at - middle) / half;
     }
   }
-  const double shift = std::clamp(moment / kGauss2, -mass, mass);
+  const double shift = moment / kGauss2;
   return {0.5 * (mass - shift), 0.5 * (mass + shift)};
+}
+
+// Where a response leaves so little of a panel, near one of its edges, that a weight would be
+// negative: cut at the response's points. Where it is linear all weights are sound.
+void cut_where_unsound(const Band& band, std::vector<double>& cuts) {
+  std::vector<double> out{cuts.front()};
+  for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
+    if (panel_weights(band, cuts[c], cuts[c + 1]).sound()) {
+      out.push_back(cuts[c + 1]);
+      continue;
+    }
+    const std::vector<double> linear = linear_intervals(band, cuts[c], cuts[c + 1]);
+    out.insert(out.end(), linear.begin() + 1, linear.end());
+  }
+  cuts = std::move(out);
 }
 
 // The in-band radiance of a blackbody through a tabulated response, to about 1e-12.
@@ -196,6 +211,7 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
                            [least](double a, double b) { return b - a < least; }),
                cuts.end());
     cuts.back() = std::max(cuts.back(), lambda + half);
+    cut_where_unsound(band, cuts);
     for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
       const double from = cuts[c], to = cuts[c + 1], reach = 0.5 * (to - from);
       for (const double side : {-kGauss2, kGauss2}) {
@@ -204,8 +220,8 @@ absl::StatusOr<BandGrid> make_band_grid(const Band& band, std::span<const double
       }
       const bool outside = (k == 0 && to <= lambda) || (k == n && from >= lambda);
       const PanelWeights weights = outside ? PanelWeights{0.0, 0.0} : panel_weights(band, from, to);
-      grid.band_weight.push_back(weights.lower);
-      grid.band_weight.push_back(weights.upper);
+      grid.band_weight.push_back(std::max(0.0, weights.lower));  // rounding
+      grid.band_weight.push_back(std::max(0.0, weights.upper));
     }
   }
   grid.bin_first.push_back(grid.node_um.size());
@@ -275,9 +291,10 @@ double quadrature_relative_bound(const Band& band, const BandGrid& grid, double 
   double bound = 0.0;
   for (int i = 0; i < kPoints; ++i) {
     const double temperature_k = 1.0 / std::lerp(1.0 / t_min_k, 1.0 / t_max_k, i / (kPoints - 1.0));
+    const double found = grid_in_band_w_m2_sr(grid, temperature_k);
+    if (found == 0.0) continue;  // underflow: no radiance, no error
     const double exact = exact_in_band_w_m2_sr(band, grid.step_um, temperature_k);
-    if (exact == 0.0) continue;  // underflow: no radiance, no error
-    bound = std::max(bound, std::abs(grid_in_band_w_m2_sr(grid, temperature_k) / exact - 1.0));
+    bound = std::max(bound, std::abs(exact / found - 1.0));
   }
   return bound;
 }

@@ -31,8 +31,8 @@ struct Band {
 // so that it divides the band exactly). Bin k is [lambda_k - step/2, lambda_k + step/2] (the outer
 // half of the first and last bin lies outside the band). Bins are cut into panels of two
 // Gauss-Legendre points, so the bins and the in-band integral share their nodes: at the middle, or,
-// where the spectrum jumps at stated wavelengths, at those and at the limits of the band; and at
-// its corners.
+// where the spectrum jumps at stated wavelengths, at those and at the limits of the band; at its
+// corners; and at the response's points where it would leave one of the two nothing.
 struct BandGrid {
   double step_um;                      // as adjusted
   std::vector<double> lambda_um;       // n+1 stored wavelengths
@@ -43,10 +43,8 @@ struct BandGrid {
       band_weight;  // in-band integral = sum of band_weight[i] L(node_i) [um, response included]
 };
 
-//
 // band_weight is never negative; it integrates response x L exactly for every L that is linear over
-// a panel, wherever the response has its corners. (A panel in which a response ends within 0.2 of
-// its length from its edge is the exception: its weight is moved to the nearer node.)
+// a panel, wherever the response has its corners.
 // INVALID_ARGUMENT: limits that are reversed or not positive, a step that is not positive, wider
 // than the band, or more than a million of them, a response that does not increase, is negative, or
 // 0 everywhere in the band.
@@ -67,9 +65,9 @@ struct BandGrid {
 [[nodiscard]] double apparent_temperature_k(const Band& band, const BandGrid& grid,
                                             double radiance_w_m2_sr);
 
-// Largest relative difference, over [t_min_k, t_max_k], between the grid's in-band integral of L_b
-// and the exact one, found at 9 temperatures: the spectral quadrature bound. Measured for 240-800 K
-// at 0.05 um steps: 1.1e-10 (3-5 um), 1.2e-12 (8-12 um).
+// Largest difference, over [t_min_k, t_max_k], between the exact in-band integral of L_b and the
+// grid's, relative to the grid's, found at 9 temperatures: the spectral quadrature bound. Measured
+// for 240-800 K at 0.05 um steps: 1.1e-10 (3-5 um), 1.2e-12 (8-12 um).
 [[nodiscard]] double quadrature_relative_bound(const Band& band, const BandGrid& grid,
                                                double t_min_k, double t_max_k);
 

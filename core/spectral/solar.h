@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "core/spectral/band.h"
 
 namespace irsig {
@@ -10,9 +12,14 @@ namespace irsig {
 // (tests/physics/solar_test.cpp).
 [[nodiscard]] double solar_irradiance_w_m2_um(double lambda_um);
 
-// Relative difference between a grid's in-band integral of it and its own, to 1e-6: 0 where the
-// band has no sunlight.
-[[nodiscard]] double solar_quadrature_relative_bound(const Band& band, const BandGrid& grid);
+// By how much a grid's sums may miss what is reflected of sunlight, relative to them: of each panel
+// the error of the integral and of the first moment, for reflectances that are linear over it. The
+// errors of panels do not cancel: a coloured reflectance weighs them in its way.
+struct SolarQuadrature {
+  std::vector<double> of_bin;  // each by itself
+  double of_white = 0;         // all, where all reflect alike
+};
+[[nodiscard]] SolarQuadrature solar_quadrature(const Band& band, const BandGrid& grid);
 
 // The table's total as E490 states it: a broadband irradiance b has the spectrum
 // solar_irradiance_w_m2_um(lambda) * b / kSolarConstantWM2.                        [W m^-2]

@@ -224,5 +224,24 @@ TEST(BandGrid, CornersOfTablesAreCuts) {
   EXPECT_GT(std::abs(in_band(make_band_grid(band).value()) - exact), 0.1 * exact);
 }
 
+// Wherever a response ends, what is linear is integrated as it stands: also where hardly anything
+// of a panel is left.
+TEST(BandGrid, ResponsesThatEndAnywhere) {
+  for (const double end : {8.0004, 8.09, 8.26, 8.49, 8.5001, 8.7, 9.28, 9.499, 11.98})
+    for (const double step : {1.0, 0.5, 4.0}) {
+      const Band band{"b", 8, 12, step, {{7, 0.5}, {8, 0.5}, {end, 1}}};
+      const BandGrid grid = make_band_grid(band).value();
+      double mass = 0, moment = 0;
+      for (std::size_t i = 0; i < grid.node_um.size(); ++i) {
+        EXPECT_GE(grid.band_weight[i], 0);
+        mass += grid.band_weight[i];
+        moment += grid.band_weight[i] * (grid.node_um[i] - 8);
+      }
+      const double length = end - 8;
+      EXPECT_NEAR(mass, 0.75 * length, 1e-12) << end << " " << step;
+      EXPECT_NEAR(moment, length * length * (0.25 + 0.5 / 3), 1e-12) << end << " " << step;
+    }
+}
+
 }  // namespace
 }  // namespace irsig

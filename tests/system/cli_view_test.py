@@ -88,6 +88,14 @@ class FrontDoor(unittest.TestCase):
             self.assertIn(f"  {command} ", help_text)
             self.assertIn("--help", irsig(command, "--help").stdout)
 
+    def test_what_is_shown_without_a_database(self):
+        for what in "solids", "effects":
+            for options in ([], ["--format", "text"], ["--csv"], ["--json"]):
+                with self.subTest(f"{what} {options}"):
+                    done = subprocess.run([IRSIG, "show", what, *options], capture_output=True, text=True)
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                    self.assertGreater(done.stdout.count("\n"), 5)
+
     def test_wrong_options_are_the_users(self):
         for arguments in ([], ["fly"], ["--fast"], ["query"], ["query", "a.sigdb", "--colour"],
                           ["query", "a.sigdb", "--format", "xml"], ["plot", "a.sigdb"],
