@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "bridge/environment/inside_schedule.h"
 #include "bridge/environment/named.h"
 #include "bridge/environment/weather_from_message.h"
@@ -124,6 +125,34 @@ void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
     }
 }
 
+// Facets are under water as a whole, where their middle is: what rises out of it is seen as warm as
+// the water. Empty: none rises by more than a hundredth of its height.
+std::string crossing_warning(const Target& target, const std::vector<HeatPart>& part,
+                             double surface_z_m) {
+  std::size_t count = 0;
+  double highest_m = 0;
+  for (std::size_t f = 0; f < target.facet.size(); ++f) {
+    if (!part[target.facet[f].part].build_up) continue;
+    double sum_m = 0, top_m = -1e300, bottom_m = 1e300;  // above the surface
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t v = target.triangle[3 * f + k];
+      const double above_m =
+          surface_z_m - (target.centre.z + static_cast<double>(target.vertex[3 * v + 2]));
+      sum_m += above_m;
+      top_m = std::max(top_m, above_m);
+      bottom_m = std::min(bottom_m, above_m);
+    }
+    if (sum_m >= 0 || top_m <= 0.01 * (top_m - bottom_m)) continue;
+    ++count;
+    highest_m = std::max(highest_m, top_m);
+  }
+  if (count == 0) return "";
+  return absl::StrFormat(
+      "heat: %d facets whose middle is under the surface rise above it, up to %.3g m, and have "
+      "its temperature as a whole: element_size_m cuts them",
+      count, highest_m);
+}
+
 // What is asked of one run, and at which of its outputs each time wanted stands.
 struct Asked {
   SceneHeatRequest request;
@@ -161,6 +190,9 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
           at_knots(**schedule, weather->knot_s);
   }
   request.beneath = weather->beneath;
+  if (std::string crossing = crossing_warning(target, request.part, request.beneath.surface_z_m);
+      !crossing.empty())
+    out.warning.push_back(std::move(crossing));
   request.knot_s = weather->knot_s;
   request.weather = weather->at;
   request.day_knots = weather->day_knots;

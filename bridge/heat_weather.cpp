@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -108,17 +109,17 @@ absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Sur
   return out;
 }
 
-// Times that must be knots, increasing, each at least a minute from the next but for those wanted;
+// Times that must be knots, increasing, each at least a second from the next but for those wanted;
 // then so many between that each distance is at most the step, in even numbers.
-std::vector<double> knots_between(const std::vector<double>& wanted, std::vector<double> other,
-                                  double step_s) {
-  constexpr double kTogetherS = 60;
-  std::vector<double> fixed = wanted;
+std::vector<double> knots_between(const std::vector<double>& wanted,
+                                  const std::vector<double>& other, double step_s) {
+  constexpr double kTogetherS = 1;
+  std::set<double> apart(wanted.begin(), wanted.end());
   for (const double t : other)
-    if (std::none_of(fixed.begin(), fixed.end(),
-                     [&](double f) { return std::abs(f - t) < kTogetherS; }))
-      fixed.push_back(t);
-  std::sort(fixed.begin(), fixed.end());
+    if (const auto near = apart.upper_bound(t - kTogetherS);
+        near == apart.end() || *near >= t + kTogetherS)
+      apart.insert(t);
+  const std::vector<double> fixed(apart.begin(), apart.end());
   std::vector<double> out = {fixed.front()};
   for (std::size_t i = 1; i < fixed.size(); ++i) {
     const double gap = fixed[i] - fixed[i - 1];
@@ -195,10 +196,17 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   }
   const std::vector<double>& crossings = radiation->sun_crossings();
   other.insert(other.end(), crossings.begin(), crossings.end());
-  if (course.radiation_interval_s > 0)
-    for (const WeatherRecord& r : course.record) other.push_back(r.unix_s);
+  // Records where the course jumps, and those that are closer together than steps: what happens
+  // between knots is not known to the solver.
+  const double step_s = 60 * sweep.heat().step_minutes();
+  const std::vector<WeatherRecord>& record = course.record;
+  for (std::size_t i = 0; i < record.size(); ++i) {
+    const bool close = (i > 0 && record[i].unix_s - record[i - 1].unix_s < step_s) ||
+                       (i + 1 < record.size() && record[i + 1].unix_s - record[i].unix_s < step_s);
+    if (course.radiation_interval_s > 0 || close) other.push_back(record[i].unix_s);
+  }
   std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });
-  out.knot_s = knots_between(must, std::move(other), 60 * sweep.heat().step_minutes());
+  out.knot_s = knots_between(must, other, step_s);
   for (const double t : out.knot_s) out.at.push_back(weather_at_knot(course, *radiation, place, t));
   const auto knot_of = [&](double t) {
     return static_cast<std::size_t>(std::lower_bound(out.knot_s.begin(), out.knot_s.end(), t) -
