@@ -159,6 +159,12 @@ absl::Status summarize(const schema::StatusReply& status, const RunAsked& asked,
   for (const std::string& warning : status.warning()) print_note("irsig: warning: {}\n", warning);
   absl::Status failed;
   for (const auto& sweep : status.sweep()) {
+    const auto heat = (*reader)->heat_jobs(sweep.name());
+    if (!heat.ok()) return heat.status();
+    std::set<std::string> said;
+    for (const StoredHeatJob& job : *heat)
+      if (!job.warning.empty() && said.insert(job.warning).second)
+        print_note("irsig: warning: {}, {}: {}\n", sweep.name(), job.season, job.warning);
     const auto kept = shortfall(**reader, sweep.name());
     if (!kept.ok()) return kept.status();
     const std::string stages =

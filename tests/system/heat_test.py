@@ -137,6 +137,48 @@ class Heat(unittest.TestCase):
             self.assertAlmostEqual(a[0], b[0], delta=max(0.02, a[2]))
             self.assertAlmostEqual(a[1], b[1], delta=max(0.02, a[2]))
 
+    def with_file(self, rows, interval_s, times, step_minutes):
+        """[time][facet] temperatures and errors of a sweep whose weather is a file."""
+        (self.path / "weather.csv").write_text(
+            f"# radiation_interval_s: {interval_s}\ntime,air_temperature_k,dew_point_k,pressure_pa,wind_speed_m_s,wind_from_deg,direct_normal_w_m2,"
+            "diffuse_horizontal_w_m2,sky_w_m2\n" + "".join(f"{time},290,280,101300,{wind},0,{direct},100,320\n" for time, wind, direct in rows))
+        text = sweep(TIME=json.dumps(times), HEAT=f"step_minutes = {step_minutes}", LAYER='[{ solid = "steel", thickness_m = 0.003 }]')
+        weather = text[text.index("[weather]"):text.index("[[season]]")]
+        day = next(line for line in text.splitlines() if line.startswith("day = "))
+        text = text.replace(weather, '[weather]\nweather_file = "weather.csv"\n').replace(day, "")
+        self.run_it(text, f"file{step_minutes}.sigdb")
+        done = self.irsig("export", f"file{step_minutes}.sigdb", "--temperatures", "--out", "all.csv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = list(csv.DictReader(io.StringIO((self.path / "all.csv").read_text())))
+        return [(float(r["temperature"]), float(r["error"])) for r in rows if r["temperature"] != "nan"]
+
+    def agree(self, some, others):
+        self.assertEqual(len(some), len(others))
+        for (a, error_a), (b, error_b) in zip(some, others):
+            self.assertLess(abs(a - b), 3 * (error_a + error_b))
+        return max(abs(a - b) for (a, _), (b, _) in zip(some, others))
+
+    def test_records_closer_together_than_steps(self):
+        """Wind that comes and goes every five minutes is not the wind of every second record."""
+        gusts = [(f"2025-06-{20 + m // 1440}T{m // 60 % 24:02}:{m % 60:02}:00Z", 12 * (m // 5 % 2), 0) for m in range(0, 2885, 5)]
+        times = ["11:00Z", "12:00Z", "14:00Z"]
+        coarse = self.with_file(gusts, 0, times, 10)
+        self.assertLess(self.agree(coarse, self.with_file(gusts, 0, times, 2.5)), 0.5)
+
+    def test_a_jump_just_before_a_wanted_time(self):
+        """Half a minute after the sun has gone a sheet has cooled for half a minute, not as if it were going for ten."""
+        days = [(f"2025-06-{20 + hour // 24}T{hour % 24:02}:00:00Z", 3, 800 * (hour % 2) * (6 < hour % 24 < 18)) for hour in range(49)]
+        times = ["12:00:30Z", "13:00:20Z"]
+        coarse = self.with_file(days, 3600, times, 10)
+        self.assertLess(self.agree(coarse, self.with_file(days, 3600, times, 0.5)), 0.5)
+
+    def test_facets_that_cross_the_water(self):
+        text = sweep(MODEL='generate = "box"\ntriangles = 12\nlength_m = 40\nwidth_m = 8\nheight_m = 6\ndraft_m = 5', DATE="2025-06-21",
+                     SURROUNDINGS='kind = "sea"\nsea_temperature_k = 285\nsolar_albedo = 0.06')
+        said = self.run_it(text)
+        self.assertIn("facets whose middle is under the surface rise above it, up to 1 m", said)
+        self.assertNotIn("whose middle", self.run_it(text.replace("draft_m = 5", "draft_m = 0.01"), "b.sigdb"))
+
     def test_a_wall_kept_at_a_temperature_has_it(self):
         kept = self.temperatures(INSIDE='inside = "temperature"\ninside_temperature_k = 310', LAYER='[{ solid = "copper", thickness_m = 0.001 }]')
         for coldest, hottest, _ in kept:
