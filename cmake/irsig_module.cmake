@@ -80,5 +80,5 @@ function(irsig_test name)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   add_dependencies(${target} irsig-import)  # looked for beside the executable
   gtest_discover_tests(${target} TEST_PREFIX ${folder}.${name}. DISCOVERY_MODE PRE_TEST
-                       PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT 600)
+                       PROPERTIES LABELS "${folder};${arg_LABELS}" TIMEOUT ${IRSIG_TEST_TIMEOUT_S})
 endfunction()
