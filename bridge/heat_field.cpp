@@ -245,6 +245,23 @@ void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
   }
 }
 
+// Walls whose numbers lead to temperatures that none has.
+absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRun& heat,
+                                const Target& target, const SceneHeatResult& by_time) {
+  constexpr float kHottest_k = 20000;  // that of results and sweep files
+  for (std::size_t o = 0; o < by_time.kelvin.size(); ++o)
+    for (std::size_t f = 0; f < by_time.kelvin[o].size(); ++f) {
+      const float kelvin = by_time.kelvin[o][f];
+      if (std::isnan(kelvin) || (kelvin > 0 && kelvin <= kHottest_k)) continue;
+      const schema::Part& part = sweep.part(static_cast<int>(target.facet[f].part));
+      return absl::InvalidArgumentError(absl::StrCat(
+          "part \"", part.name(), "\" would be at ", kelvin, " K at ",
+          heat.time_utc(static_cast<int>(o)), ": no weather makes up for what build_up \"",
+          part.build_up(), "\" says of its inside"));
+    }
+  return absl::OkStatus();
+}
+
 // By how much each input of a run changes its temperatures.
 absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
                          const Target& target, const Asked& asked, schema::HeatField& field) {
@@ -312,6 +329,8 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
     by_time.kelvin.push_back(solved->kelvin[k]);
     by_time.error_k.push_back(solved->error_k[k]);
   }
+  if (const absl::Status status = check_temperatures(sweep, heat, *target, by_time); !status.ok())
+    return status;
   std::vector<double> area_m2;
   for (std::size_t f = 0; f < mesh->triangle.size(); ++f) {
     const auto& c = mesh->triangle[f];

@@ -268,6 +268,15 @@ void check_units(schema::ResolvedSweep& resolved) {
       warn_season(resolved, s,
                   absl::StrCat("accuracy.relative_error = ", error, " is ", 100 * error,
                                " %: is it in percent? ", error, " % are ", error / 100));
+    for (int b = 0; b < sweep.band_size(); ++b) {
+      const schema::Band& band = sweep.band(b);
+      const double width_um = band.lambda_max_um() - band.lambda_min_um(),
+                   step_um = width_um / std::round(width_um / band.step_um());
+      if (std::abs(step_um / band.step_um() - 1) > 0.01)
+        warn_season(resolved, s,
+                    absl::StrCat("band[", b, "].step_um = ", band.step_um(), " does not divide ",
+                                 width_um, " um: ", absl::SixDigits(step_um), " is taken"));
+    }
     if (has_atmosphere(resolved)) continue;
     // Idealised worlds may be at 0 K.
     const schema::Season& season = sweep.season(s);

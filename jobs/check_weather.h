@@ -19,7 +19,8 @@ void check_calendar(schema::ResolvedSweep& resolved, Findings& findings);
 // only. Elsewhere sky and sea are stated idealisations (a sea at 0 K), which may be as they like.
 void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
 
-// Temperatures that may be in Celsius, an accuracy that may be in percent: warnings.
+// Temperatures that may be in Celsius, an accuracy that may be in percent, steps that are adjusted:
+// warnings.
 void check_units(schema::ResolvedSweep& resolved);
 
 // Lines of sight: hidden by the Earth, or not covered by an import; and whether imports were made

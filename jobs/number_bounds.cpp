@@ -107,7 +107,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"BuildUp.inside_heat_flux_w_m2", -1e7, 1e7, "a flame's"},
     {"InsideAt.temperature_k", 100, 5000, "rooms, tanks and machines"},
     {"InsideAt.heat_flux_w_m2", -1e7, 1e7, "a flame's"},
-    {"Layer.thickness_m", 0, 1e6, "soil as deep as heat goes in a lifetime"},
+    {"Layer.thickness_m", 1e-9, 1e6,
+     "a layer without thickness is left out; soil as deep as heat goes in a lifetime"},
     {"Layer.conductivity_w_m_k", 0, 1e12, "0 is insulation"},
     {"Layer.density_kg_m3", 0, 1e9, "0 stores no heat"},
     {"Layer.specific_heat_j_kg_k", 0, 1e9, "0 stores no heat"},
@@ -179,7 +180,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Air.air_mass", 1, 10, "open ocean to continent"},
     {"Air.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
 
-    {"Heat.history_days", 0.25, 60, "less has no night, longer no wall remembers"},
+    {"Heat.history_days", 1, 60, "less has no night, longer no wall remembers"},
     {"Heat.element_size_m", 0.01, 1e5, "finer than a hand nothing differs; the size of targets"},
     {"Heat.step_minutes", 0.5, 60, "the sun's own width to 15 degrees"},
     {"Heat.tolerance_k", 1e-4, 10, "below, rounding is larger; above, there is no number"},

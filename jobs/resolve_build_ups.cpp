@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,16 +41,33 @@ void resolve_layer(schema::Layer& layer, const std::string& path, Findings& find
     layer.set_density_kg_m3(solid->density_kg_m3);
     layer.set_specific_heat_j_kg_k(solid->specific_heat_j_kg_k);
   }
-  if (layer.has_thickness_m() && layer.thickness_m() <= 0)
-    check.error("thickness_m", absl::StrCat("= ", layer.thickness_m(),
-                                            ", expected more than 0: a layer without "
-                                            "thickness is left out"));
-  else if (layer.conductivity_w_m_k() == 0 &&
-           layer.density_kg_m3() * layer.specific_heat_j_kg_k() == 0 &&
-           layer.has_conductivity_w_m_k())
+  if (layer.conductivity_w_m_k() > 0) {
+    check.within(kConductivity, 1e-9, 1e12);
+  } else if (layer.density_kg_m3() * layer.specific_heat_j_kg_k() == 0 &&
+             layer.has_conductivity_w_m_k()) {
     check.error(kConductivity,
                 "= 0 in a layer that stores no heat: nothing says how warm it is, expected a "
                 "conductivity, or density and specific heat");
+  }
+}
+
+// No wall is so hot behind its outer face as the heat that is said to cross it would make it.
+void check_heat_flux(const schema::BuildUp& build_up, const std::string& path, Findings& findings) {
+  double m2_k_w = 0;
+  for (const schema::Layer& layer : build_up.layer())
+    if (layer.conductivity_w_m_k() > 0) m2_k_w += layer.thickness_m() / layer.conductivity_w_m_k();
+  const auto check = [&](const SectionCheck& at, const char* key, double w_m2) {
+    if (at.has(key) && std::abs(w_m2) * m2_k_w > kHottestK)
+      at.error(key, absl::StrCat("= ", w_m2, " across layers of ", absl::SixDigits(m2_k_w),
+                                 " m2 K/W is a difference of ", absl::SixDigits(w_m2 * m2_k_w),
+                                 " K, expected at most ", kHottestK));
+  };
+  check(SectionCheck(build_up, path, findings), "inside_heat_flux_w_m2",
+        build_up.inside_heat_flux_w_m2());
+  for (int i = 0; i < build_up.inside_schedule_size(); ++i)
+    check(SectionCheck(build_up.inside_schedule(i), absl::StrCat(path, ".inside_schedule[", i, "]"),
+                       findings),
+          "heat_flux_w_m2", build_up.inside_schedule(i).heat_flux_w_m2());
 }
 
 void check_inside(const schema::BuildUp& build_up, const SectionCheck& check) {
@@ -165,6 +183,7 @@ void resolve_build_ups(schema::Sweep& sweep, Findings& findings) {
     for (int l = 0; l < build_up.layer_size(); ++l)
       resolve_layer(*build_up.mutable_layer(l), absl::StrCat(path, ".layer[", l, "]"), findings);
     check_inside(build_up, check);
+    check_heat_flux(build_up, path, findings);  // before schedules are brought into order
     resolve_schedule(build_up, path, check, findings);
     const auto uses = [&](const schema::Part& p) { return p.build_up() == build_up.name(); };
     if (build_up.has_name() && std::none_of(sweep.part().begin(), sweep.part().end(), uses))

@@ -112,6 +112,18 @@ class CourseReader {
     }
   }
 
+  // Of a day that repeats.
+  static void warn_of_other_days(const std::string& path, const schema::Season& season,
+                                 double from_unix_s, SeasonGroup& group) {
+    for (const double t : group.unix_s)
+      if (t < from_unix_s || t > from_unix_s + kDayS) {
+        group.warning.push_back(absl::StrCat(
+            path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ", season.date(),
+            " at the place: the same hour of that day stands for it"));
+        return;
+      }
+  }
+
   void of_file(const schema::Season& season, const std::string& of, SeasonGroup& group) {
     const std::string path = of + ".weather_file";
     if (!has_place(path)) return;
@@ -149,13 +161,7 @@ class CourseReader {
                                ? unix_seconds(date_of(season)) - 3600 * file->utc_offset_h
                                : solar_midnight(season);
       wanted.to_unix_s = wanted.from_unix_s + kDayS;
-      for (const double t : group.unix_s)
-        if (t < wanted.from_unix_s || t > wanted.to_unix_s) {
-          group.warning.push_back(absl::StrCat(
-              path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ", season.date(),
-              " at the place: the same hour of that day stands for it"));
-          break;
-        }
+      warn_of_other_days(path, season, wanted.from_unix_s, group);
     } else {
       const double days = !sweep_.has_heat()                 ? 0
                           : sweep_.heat().has_history_days() ? sweep_.heat().history_days()
@@ -206,6 +212,7 @@ class CourseReader {
           std::min(day.air_min_k, dew_point_k(season.relative_humidity_percent() / 100 *
                                               vapour_pressure_pa(season.air_temperature_k())));
     }
+    if (sweep_.has_heat()) warn_of_other_days(path, season, solar_midnight(season), group);
     auto course = day_course(day, solar_midnight(season));
     if (course.ok())
       group.course = *std::move(course);

@@ -69,6 +69,12 @@ class CourseMaker {
           file_.name, ": global radiation differs from diffuse and direct radiation in ",
           odd_.count, " of ", used.size(), " records, most in line ", odd_.line, ": ",
           std::round(odd_.global), " and ", std::round(odd_.sum), " W/m2"));
+    if (odd_sky_.count > 0)
+      out_.warning.push_back(absl::StrCat(
+          file_.name, ": the sky's radiation is not that of any sky above such air (",
+          kColdestSky, " to ", kWarmestSky, " of a black one) in ", odd_sky_.count, " of ",
+          used.size(), " records, first in line ", odd_sky_.line, ": ",
+          std::round(odd_sky_.w_m2), " W/m2, of a black one ", std::round(odd_sky_.black_w_m2)));
     // Whatever else is wrong is wrong with the file as a whole.
     if (const absl::Status status = check_course(out_.course); !status.ok())
       return absl::InvalidArgumentError(absl::StrCat(file_.name, ":", used.front().row->line,
@@ -258,9 +264,21 @@ class CourseMaker {
       r.cloud_cover = needed(u, Q::kCloudCover, "the cloud cover");
     else if (!std::isnan(value(row, Q::kCloudCover)))
       r.cloud_cover = value(row, Q::kCloudCover);
-    if (sky_) r.sky_w_m2 = value(row, Q::kSky);
+    if (sky_) r.sky_w_m2 = sky(u, r.air_k);
     if (direct_ || diffuse_) sunlight(u, r);
     return r;
+  }
+
+  // Of the driest air in polar winter half of what a black one sends; warmer than the air beneath it
+  // by a few kelvin in an inversion.
+  static constexpr double kColdestSky = 0.4, kWarmestSky = 1.2;
+  double sky(const Used& u, double air_k) {
+    const double w_m2 = value(*u.row, Q::kSky),
+                 black_w_m2 = kStefanBoltzmannWM2K4 * std::pow(air_k, 4);
+    if (!(w_m2 >= kColdestSky * black_w_m2 && w_m2 <= kWarmestSky * black_w_m2) &&
+        odd_sky_.count++ == 0)
+      odd_sky_ = {1, u.row->line, w_m2, black_w_m2};
+    return w_m2;
   }
 
   double dew_point(const Used& u, double air_k) {
@@ -357,6 +375,10 @@ class CourseMaker {
     std::size_t line;
     double global, sum;
   } odd_ = {0, 0, 0, 0};
+  struct {  // skies that none is
+    std::size_t count, line;
+    double w_m2, black_w_m2;
+  } odd_sky_ = {0, 0, 0, 0};
 };
 
 }  // namespace

@@ -226,6 +226,7 @@ class RowReader {
     if (colon == std::string_view::npos || trimmed(text.substr(0, colon)) != "radiation_interval_s")
       return;
     const std::string_view value = trimmed(text.substr(colon + 1));
+    if (interval_s) errors_.add(rows_.line(), 1, "radiation_interval_s is said already");
     interval_s = finite_number(value);
     if (!interval_s || *interval_s < 0 || *interval_s > 10800) {
       errors_.add(rows_.line(), colon + 3,

@@ -305,12 +305,27 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
         self.assertEqual(plan.returncode, 0, plan.stderr)
         self.assertRegex(plan.stdout, r"heat_exchange +0 +[1-9]")
 
+    def test_what_is_taken_for_something_else_is_said(self):
+        (self.path / "s.toml").write_text(sweep(TIME='["12:00Z", "23:50Z"]').replace("step_um = 0.5", "step_um = 3"))
+        said = self.irsig("plan", "s.toml").stderr
+        # Solar midnight is 40 minutes before that of Greenwich.
+        self.assertRegex(said, r"s.toml:\d+:1: warning: season\[0\].day: 2025-06-21T23:50:00Z is not within 2025-06-21 at the place")
+        self.assertRegex(said, r"s.toml:\d+:1: warning: band\[0\].step_um = 3 does not divide 4 um: 4 is taken")
+
     def test_what_is_refused(self):
         self.refused(sweep(ABSORPTANCE=""), "has no solar_absorptance")
-        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0 }]'), "thickness_m = 0, expected more than 0")
+        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0 }]'), "thickness_m = 0, expected a number from 1e-09 to 1e+06")
         self.refused(sweep(LAYER='[{ thickness_m = 1, conductivity_w_m_k = 1, density_kg_m3 = -3, specific_heat_j_kg_k = 1 }]'),
                      "density_kg_m3 = -3")
         self.refused(sweep(BUILD_UP=""), "wrong.toml")
+        steel = '[{ thickness_m = 1e-30, conductivity_w_m_k = 1e-10, density_kg_m3 = 7850, specific_heat_j_kg_k = 460 }]'
+        self.refused(sweep(LAYER=steel), "thickness_m = 1e-30, expected", "conductivity_w_m_k = 1e-10, expected a number from 1e-09 to 1e+12")
+        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0.5 }]', INSIDE='inside = "heat_flux"\ninside_heat_flux_w_m2 = 1e7'),
+                     "wrong.toml:21:1: build_up[0].inside_heat_flux_w_m2 = 1e+07 across layers of", "K, expected at most 20000")
+        (self.path / "cold.toml").write_text(sweep(INSIDE='inside = "heat_flux"\ninside_heat_flux_w_m2 = -1e6'))
+        cold = self.irsig("run", "cold.toml", "--db", "cold.sigdb")
+        self.assertEqual(cold.returncode, 1)
+        self.assertRegex(cold.stderr, 'part "body" would be at -[0-9.]+ K at 2025-06-2.*build_up "wall"')
         self.refused(sweep(INSIDE='inside = "open"'), "expected two_sided = true")
         self.refused(sweep(INSIDE='inside = "temperature"\ninside_schedule = [{ time = "06:00", temperature_k = 20 }]'),
                      'wrong.toml:21:22: build_up[0].inside_schedule[0].time = "06:00" has no offset',

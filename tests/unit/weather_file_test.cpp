@@ -173,6 +173,18 @@ TEST(Epw, MissingValuesAreErrorsWhereTheyAreNeeded) {
   EXPECT_THAT(odd->warning, ElementsAre(HasSubstr("global radiation differs from")));
 }
 
+// Files say 0 of what was not measured.
+TEST(Epw, SkiesThatNoneIsAreWarnedOf) {
+  const CourseWanted wanted = day("2026-01-27");
+  for (const char* w_m2 : {"0", "100", "600"}) {
+    const auto odd = course(changed(12, 12, w_m2), wanted);
+    ASSERT_TRUE(odd.ok()) << odd.status();
+    EXPECT_THAT(odd->warning, ElementsAre(HasSubstr(absl::StrCat(": ", w_m2, " W/m2"))));
+  }
+  for (const char* w_m2 : {"200", "420"})
+    EXPECT_TRUE(course(changed(12, 12, w_m2), wanted)->warning.empty()) << w_m2;
+}
+
 constexpr const char* kCsvHead =
     "# station 7\n# radiation_interval_s: 3600\n"
     "time,air_temperature_c,dew_point_c,pressure_hpa,wind_speed_m_s,wind_from_deg,cloud_cover,"
@@ -265,6 +277,8 @@ TEST(WeatherCsv, WhatIsWrongIsSaidWithItsPlace) {
               HasSubstr("f.csv:2:90: radiation without a line"));
   EXPECT_THAT(with("radiation_interval_s: 3600", "radiation_interval_s: -1"),
               HasSubstr("f.csv:2:24: \"-1\", expected seconds"));
+  EXPECT_THAT(with("# station 7", "# radiation_interval_s: 0"),
+              HasSubstr("f.csv:2:1: radiation_interval_s is said already"));
   EXPECT_THAT(with("cloud_cover", "clouds"), HasSubstr("f.csv:3:78: unknown column \"clouds\""));
   EXPECT_THAT(with("pressure_hpa", "pressure_pa"), HasSubstr("expected an air pressure"));
   EXPECT_THAT(with("2026-01-28T21:00:00+00:00", "2026-01-28T19:00:00+00:00"),
