@@ -52,7 +52,7 @@ using Values = google::protobuf::RepeatedField<float>;
 
 absl::StatusOr<Measured> sum_of(const Values& value, const Values& value_stderr,
                                 std::string_view modes, const Measured& whole, double share,
-                                const BandWeights& weights, double step_um) {
+                                const BandWeights& weights) {
   const std::vector<double> mean(value.begin(), value.end());
   const auto errors =
       SumErrors::make({value_stderr.data(), static_cast<std::size_t>(value_stderr.size())}, modes);
@@ -62,7 +62,7 @@ absl::StatusOr<Measured> sum_of(const Values& value, const Values& value_stderr,
   out.value = 0;
   for (std::size_t k = 0; k < mean.size(); ++k) out.value += weights.weight[k] * mean[k];
   out.stderr_ = errors->of(weights.weight);
-  out.of(BoundOf::kQuadrature) += weights.slope_share(mean, step_um);
+  out.of(BoundOf::kQuadrature) += weights.shape_bound(mean);
   return out;
 }
 
@@ -72,13 +72,21 @@ ResponseTable window(double lambda_min_um, double lambda_max_um) {
   return {{lambda_min_um, 1}, {lambda_max_um, 1}};
 }
 
-double BandWeights::slope_share(std::span<const double> bin_mean, double step_um) const {
+double BandWeights::shape_bound(std::span<const double> bin_mean) const {
+  const std::size_t bins = bin_mean.size();
+  // Off the straight line between the bins beside, half as much again: of a step in the middle of a
+  // bin these are off by a quarter of it, and what is made of its half by three sixteenths.
+  std::vector<double> bent(bins, 0.0);
+  for (std::size_t k = 1; k + 1 < bins; ++k)
+    bent[k] = 0.75 * std::abs(bin_mean[k - 1] - 2 * bin_mean[k] + bin_mean[k + 1]);
   double sum = 0;
-  for (std::size_t k = 0; k < bin_mean.size(); ++k) {
-    const auto [below, above] = beside(k, bin_mean.size());
-    if (above == below) continue;
-    sum += std::abs(moment[k] * (bin_mean[above] - bin_mean[below]) /
-                    (static_cast<double>(above - below) * step_um));
+  for (std::size_t k = 0; k < bins; ++k) {
+    if (swing[k] == 0) continue;
+    const auto [below, above] = beside(k, bins);
+    // Of two bins all may be bent.
+    const double most = bins < 3 ? std::abs(bin_mean[above] - bin_mean[below])
+                                 : std::max({bent[below], bent[k], bent[above]});
+    sum += swing[k] * most;
   }
   return sum;
 }
@@ -90,6 +98,9 @@ absl::StatusOr<BandWeights> band_weights(std::span<const double> lambda_um,
   const double first = lambda_um.front(), last = lambda_um.back(),
                step = (last - first) / static_cast<double>(bins - 1);
   BandWeights out{std::vector<double>(bins, 0.0), std::vector<double>(bins, 0.0)};
+  std::vector<double> moment(bins, 0.0);  // of the response about a bin's middle
+  std::vector<double> least(bins, std::numeric_limits<double>::infinity()), most(bins, 0.0),
+      covered_um(bins, 0.0);
   double all = 0;
   for (std::size_t i = 0; i + 1 < response.size(); ++i) {
     const SpectralPoint &a = response[i], &b = response[i + 1];
@@ -115,20 +126,26 @@ absl::StatusOr<BandWeights> band_weights(std::span<const double> lambda_um,
       const double middle = 0.5 * (low + high), sixth = (high - low) / 6;
       const double low_value = value(low), middle_value = value(middle), high_value = value(high);
       out.weight[k] += sixth * (low_value + 4 * middle_value + high_value);
-      out.moment[k] +=
+      least[k] = std::min({least[k], low_value, high_value});
+      most[k] = std::max({most[k], low_value, high_value});
+      covered_um[k] += high - low;
+      moment[k] +=
           sixth * (low_value * (low - lambda_um[k]) + 4 * middle_value * (middle - lambda_um[k]) +
                    high_value * (high - lambda_um[k]));
     }
     all += (b.lambda_um - a.lambda_um) * (a.value + b.value);
   }
   if (!(all > 0)) return absl::InvalidArgumentError("the response is 0 everywhere");
-  const std::vector<double> moment = out.moment;
   for (std::size_t k = 0; k < bins; ++k) {
+    if (covered_um[k] < kSlackUm) continue;
+    const double mean = out.weight[k] / step;
+    if (covered_um[k] < step - kSlackUm) least[k] = 0;
+    const double swing = std::max(most[k] - mean, mean - least[k]);
     // Whole bins have none but for rounding.
-    if (std::abs(moment[k]) < 1e-12 * step * step) {
-      out.moment[k] = 0;
-      continue;
-    }
+    if (swing > kSlackUm / step * most[k]) out.swing[k] = swing * step;
+  }
+  for (std::size_t k = 0; k < bins; ++k) {
+    if (std::abs(moment[k]) < 1e-12 * step * step) continue;
     const auto [below, above] = beside(k, bins);
     const double per_mean = moment[k] / (static_cast<double>(above - below) * step);
     out.weight[above] += per_mean;
@@ -198,15 +215,15 @@ absl::StatusOr<InBand> in_band(StoreReader& reader, const QueryRow& row,
                     row.signature.band));
   const auto source =
       sum_of(s.spectral_intensity_w_sr_um(), s.spectral_intensity_stderr_w_sr_um(),
-             s.spectral_intensity_modes(), source_of(row.signature), share, *weights, step_um);
+             s.spectral_intensity_modes(), source_of(row.signature), share, *weights);
   if (!source.ok()) return source.status();
   const auto apparent = sum_of(
       s.apparent_spectral_intensity_w_sr_um(), s.apparent_spectral_intensity_stderr_w_sr_um(),
-      s.apparent_spectral_intensity_modes(), apparent_of(row.signature), share, *weights, step_um);
+      s.apparent_spectral_intensity_modes(), apparent_of(row.signature), share, *weights);
   if (!apparent.ok()) return apparent.status();
   const auto contrast = sum_of(
       s.contrast_spectral_intensity_w_sr_um(), s.contrast_spectral_intensity_stderr_w_sr_um(),
-      s.contrast_spectral_intensity_modes(), contrast_of(row.signature), share, *weights, step_um);
+      s.contrast_spectral_intensity_modes(), contrast_of(row.signature), share, *weights);
   if (!contrast.ok()) return contrast.status();
   return InBand{*source, *apparent, *contrast,
                 !s.spectral_intensity_modes().empty() &&

@@ -18,13 +18,15 @@ using ResponseTable = std::vector<SpectralPoint>;
 // integral of response x spectrum = sum of weight x bin mean.                              [um]
 //
 // Inside a bin the spectrum is a straight line through its mean, with the slope that the bins
-// beside it have: exact for whole bins under a constant response. moment: what counts that slope.
+// beside it have: exact for whole bins under a constant response.
 struct BandWeights {
   std::vector<double> weight;  // [bin], slopes included
-  std::vector<double> moment;  // [bin] um2: first moments of the response about the bins' middles
+  // [bin] um: the most that the response inside a bin differs from its mean there, times the bin
+  std::vector<double> swing;
 
-  // By how much the slopes inside bins change the sum: as much is counted as its bound.
-  [[nodiscard]] double slope_share(std::span<const double> bin_mean, double step_um) const;
+  // By how much what spectra do inside bins changes the sum: as much of a bin's mean as the means
+  // around it are off straight lines may lie anywhere in the bin.
+  [[nodiscard]] double shape_bound(std::span<const double> bin_mean) const;
 };
 
 // lambda_um: the stored wavelengths of a band, two or more. INVALID_ARGUMENT: a response that is
@@ -36,8 +38,8 @@ struct BandWeights {
 struct InBand {
   // The standard error follows from the stored modes; where a row has none, it is that of errors
   // which are all one (the largest that it can be). Bounds are those of the whole band, which no
-  // part of it exceeds, times the most that the response has of the band's own; the slopes inside
-  // bins are added to the quadrature's. [W/sr]
+  // part of it exceeds, times the most that the response has of the band's own; what spectra do
+  // inside bins is added to the quadrature's. [W/sr]
   Measured source, apparent, contrast;
   bool modes = false;  // all three have modes
 };

@@ -99,6 +99,7 @@ void GasMeasurement::measure(const std::vector<double>& sent_w_sr) {
   samples_ = samples(sent_w_sr);
   image_.assign(image_plan_.size(), 0.0);
   keep(run(gas_, *aimed_, samples_, 2, reflections(false), image_plan_, image_));
+  measured_ = true;
 }
 
 double GasMeasurement::unmet_m2() const {

@@ -185,6 +185,7 @@ class GasMeasurement {
   std::vector<PathWeights> weights_;      // [replicate]
   std::vector<PathWeights> mean_, each_;  // [first]; [replicate][first]
   std::uint64_t samples_ = 0;             // of each replicate, of weights_
+  bool measured_ = false;                 // they are not a pilot's
   PathCounts counts_;
   ImagePlan image_plan_;
   std::vector<double> image_;

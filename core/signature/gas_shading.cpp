@@ -226,7 +226,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
     out.apparent_voxel_error_w_sr = voxel_error_[which_band] * seen.in_band;
     ReplicateStatistics area(1);
     for (const PathWeights& w : weights_)
-      area.add(std::array{w.gas_m2[ColumnTests::kCount + which_band]});
+      // Rays of a pilot, of gas that is left out, do not say where it is thick.
+      area.add(std::array{measured_ ? w.gas_m2[ColumnTests::kCount + which_band] : 0.0});
     out.area_m2 = area.estimate(0);
   }
   // One model errs one way everywhere: its errors add up over columns and wavelengths.

@@ -158,10 +158,16 @@ const std::map<std::string, std::function<Pair()>>& scenes() {
 }
 
 // Share of what the first part sends that arrives at the second, or at itself.
-double share(const Target& target, std::uint32_t to, std::uint32_t rays, std::uint64_t seed) {
+//   aimed  at the second part
+double share(const Target& target, std::uint32_t to, std::uint32_t rays, std::uint64_t seed,
+             bool aimed = false) {
   const ThermalFaces faces = make_thermal_faces(target);
-  const ExchangeFactors f =
-      exchange_factors(target, faces, {.rays = rays, .seed = seed, .surface_z_m = INFINITY});
+  std::vector<double> beyond_w_m2;
+  for (std::uint32_t i = 0; aimed && i < faces.size(); ++i)
+    beyond_w_m2.push_back(target.facet[faces.facet[i]].part == 1 ? 1e5 : 0);
+  const ExchangeFactors f = exchange_factors(
+      target, faces,
+      {.rays = rays, .seed = seed, .surface_z_m = INFINITY, .beyond_w_m2 = beyond_w_m2});
   double sum = 0, area = 0;
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
     if (target.facet[faces.facet[i]].part != 0) continue;
@@ -173,7 +179,8 @@ double share(const Target& target, std::uint32_t to, std::uint32_t rays, std::ui
   return sum / area;
 }
 
-TEST(ViewFactors, ClosedForms) {
+// Near, far, touching, curved: rays that are aimed change no mean.
+void closed_forms(bool aimed) {
   const ReferenceTable table("view_factors.csv");
   ASSERT_EQ(table.size(), scenes().size());
   for (std::size_t row = 0; row < table.size(); ++row) {
@@ -188,7 +195,7 @@ TEST(ViewFactors, ClosedForms) {
     double sum = 0, square = 0;
     constexpr int kSeeds = 8;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-      const double f = share(target, to, scene.rays, static_cast<std::uint64_t>(seed));
+      const double f = share(target, to, scene.rays, static_cast<std::uint64_t>(seed), aimed);
       sum += f;
       square += f * f;
     }
@@ -199,6 +206,27 @@ TEST(ViewFactors, ClosedForms) {
     EXPECT_NEAR(mean, expected, std::max(3 * stderr_, 2e-4 * expected)) << table.text(row, "what");
     EXPECT_LT(stderr_, 1e-3 * expected) << table.text(row, "what");
   }
+}
+TEST(ViewFactors, ClosedForms) { closed_forms(false); }
+TEST(ViewFactors, ClosedFormsWithAimedRays) { closed_forms(true); }
+
+// Of a cube of 0.3 m at 25 m, which a plate's 256 rays meet once in twenty.
+TEST(ViewFactors, WhatIsSmallAndHotIsAimedAt) {
+  Mesh mesh = plate("plate", {-0.5, -0.5, 25}, {0, 1, 0}, {1, 0, 0}, 1);
+  Mesh cube = generated("box", 12, 0, 0.3, 0.3, 0.3);
+  cube.group = {"cube"};
+  cube.triangle_group.assign(cube.triangle.size(), 0);
+  append(mesh, cube);
+  const Target target = target_of(mesh, {part("plate", true), part("cube")});
+  // Of both sides of the plate, of which one sees the cube's nearer side.
+  const double expected = 0.5 * 0.09 / (std::numbers::pi * 24.85 * 24.85);
+  double square = 0;
+  constexpr int kSeeds = 32;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const double f = share(target, 1, 256, static_cast<std::uint64_t>(seed), true);
+    square += (f - expected) * (f - expected);
+  }
+  EXPECT_LT(std::sqrt(square / kSeeds), 0.02 * expected);
 }
 
 }  // namespace

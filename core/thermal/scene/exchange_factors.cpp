@@ -1,19 +1,22 @@
 #include "core/thermal/scene/exchange_factors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "core/base/sobol.h"
+#include "core/thermal/scene/aimed_rays.h"
 
 namespace irsig {
 namespace {
 
 struct Entry {
   std::uint32_t from, to;
-  double share;
+  double m2;  // of what they exchange: exposed area x share
 };
 
 // Two unit vectors beside n [duff2017].
@@ -30,9 +33,10 @@ class RowTracer {
       : target_(target),
         faces_(faces),
         settings_(settings),
+        aimed_(target, faces, settings.beyond_w_m2, settings.rays / 2),
         surface_z_(static_cast<float>(settings.surface_z_m - target.centre.z)) {}
 
-  // Counts of a face's rays; `entry` gets a row with shares of them.
+  // Counts of a face's rays; `entry` gets a row of what they find.
   void trace(std::uint32_t face, std::vector<Entry>& entry, ExchangeFactors& out) {
     const std::uint64_t seed = mix64(settings_.seed ^ mix64(face + 1ULL));
     const SeedPair place = seed_pair(seed, 0), way = seed_pair(seed, 1);
@@ -41,64 +45,132 @@ class RowTracer {
     frame_of(n, a, b);
     met_.clear();
     std::uint32_t to_sky = 0, to_lower = 0, buried = 0;
-    for (std::uint32_t begin = 0; begin < settings_.rays; begin += RayPacket::kSize) {
-      const int count =
-          static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, settings_.rays - begin));
-      for (int lane = 0; lane < RayPacket::kSize; ++lane) {
-        const std::uint32_t i = begin + static_cast<std::uint32_t>(std::min(lane, count - 1));
-        const SamplePair at = sobol_pair_shuffled(i, place), to = sobol_pair(i, way);
-        const FacePoint from = point_of(target_, faces_, face, at.x, at.y);
-        const float radius = std::sqrt(to.x), angle = 2 * std::numbers::pi_v<float> * to.y;
-        const float x = radius * std::cos(angle), y = radius * std::sin(angle),
-                    z = std::sqrt(1 - to.x);
-        packet_.org_x[lane] = from.x;
-        packet_.org_y[lane] = from.y;
-        packet_.org_z[lane] = from.z;
-        packet_.dir_x[lane] = x * a.x + y * b.x + z * n.x;
-        packet_.dir_y[lane] = x * a.y + y * b.y + z * n.y;
-        packet_.dir_z[lane] = x * a.z + y * b.z + z * n.z;
-        packet_.tnear[lane] = packet_.time[lane] = 0;
-        packet_.tfar[lane] = std::numeric_limits<float>::infinity();
-        packet_.mask[lane] = 0xffffffffu;
-        packet_.flags[lane] = 0;
-        packet_.triangle[lane] = packet_.geometry[lane] = packet_.instance[lane] = RayPacket::kMiss;
-      }
-      target_.tracer->intersect(packet_, count, true);
-      for (int lane = 0; lane < count; ++lane) {
-        if (packet_.triangle[lane] == RayPacket::kMiss) {
-          ++(packet_.dir_z[lane] < 0 ? to_sky : to_lower);
-          continue;
-        }
-        const std::uint32_t to = face_met(lane);
-        const float z = packet_.org_z[lane] + packet_.tfar[lane] * packet_.dir_z[lane];
-        if (z > surface_z_)
-          ++to_lower;
-        else if (to == ThermalFaces::kNone)
-          ++buried;
-        else
-          met_.push_back(to);
-      }
-    }
+    each_packet(
+        settings_.rays,
+        [&](std::uint32_t i, int lane) {
+          const SamplePair at = sobol_pair_shuffled(i, place), to = sobol_pair(i, way);
+          const float radius = std::sqrt(to.x), angle = 2 * std::numbers::pi_v<float> * to.y;
+          const float x = radius * std::cos(angle), y = radius * std::sin(angle),
+                      z = std::sqrt(1 - to.x);
+          set_ray(lane, point_of(target_, faces_, face, at.x, at.y),
+                  {x * a.x + y * b.x + z * n.x, x * a.y + y * b.y + z * n.y,
+                   x * a.z + y * b.z + z * n.z});
+        },
+        [&](std::uint32_t, int lane) {
+          if (packet_.triangle[lane] == RayPacket::kMiss) {
+            ++(packet_.dir_z[lane] < 0 ? to_sky : to_lower);
+            return;
+          }
+          const std::uint32_t to = face_met(lane);
+          if (is_below(lane))
+            ++to_lower;
+          else if (to == ThermalFaces::kNone)
+            ++buried;
+          else
+            met_.emplace_back(to, exchanged_m2(face, n, to, lane));
+        });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
     // So few are rounding where two bodies touch.
     if (32 * buried > 31 * settings_.rays) {
       out.exposed[face] = 0;
-      entry.push_back({face, face, 1});
+      entry.push_back({face, face, faces_.area_m2[face]});
       return;
     }
+    if (aimed_.rays(face) > 0) aim(face, n, seed);
     const double share = 1.0 / (settings_.rays - buried);
     out.sky[face] = static_cast<float>(share * to_sky);
     out.lower[face] = static_cast<float>(share * to_lower);
     std::sort(met_.begin(), met_.end());
     for (std::size_t i = 0; i < met_.size();) {
-      std::size_t end = i;
-      while (end < met_.size() && met_[end] == met_[i]) ++end;
-      entry.push_back({face, met_[i], share * static_cast<double>(end - i)});
-      i = end;
+      const std::uint32_t to = met_[i].first;
+      double sum_m2 = 0;
+      for (; i < met_.size() && met_[i].first == to; ++i) sum_m2 += met_[i].second;
+      entry.push_back({face, to, sum_m2});
     }
   }
 
  private:
+  // Rays 0 to count: set(ray, lane), then found(ray, lane) of what they have met.
+  template <typename Set, typename Found>
+  void each_packet(std::uint32_t rays, const Set& set, const Found& found) {
+    for (std::uint32_t begin = 0; begin < rays; begin += RayPacket::kSize) {
+      const int count = static_cast<int>(std::min<std::uint32_t>(RayPacket::kSize, rays - begin));
+      for (int lane = 0; lane < RayPacket::kSize; ++lane)
+        set(begin + static_cast<std::uint32_t>(std::min(lane, count - 1)), lane);
+      target_.tracer->intersect(packet_, count, true);
+      for (int lane = 0; lane < count; ++lane)
+        found(begin + static_cast<std::uint32_t>(lane), lane);
+    }
+  }
+  void set_ray(int lane, FacePoint from, FaceNormal direction) {
+    packet_.org_x[lane] = from.x;
+    packet_.org_y[lane] = from.y;
+    packet_.org_z[lane] = from.z;
+    packet_.dir_x[lane] = direction.x;
+    packet_.dir_y[lane] = direction.y;
+    packet_.dir_z[lane] = direction.z;
+    packet_.tnear[lane] = packet_.time[lane] = 0;
+    packet_.tfar[lane] = std::numeric_limits<float>::infinity();
+    packet_.mask[lane] = 0xffffffffu;
+    packet_.flags[lane] = 0;
+    packet_.triangle[lane] = packet_.geometry[lane] = packet_.instance[lane] = RayPacket::kMiss;
+  }
+  [[nodiscard]] bool is_below(int lane) const {
+    return packet_.org_z[lane] + packet_.tfar[lane] * packet_.dir_z[lane] > surface_z_;
+  }
+
+  // Rays from places of the face to places of what it aims at.
+  void aim(std::uint32_t face, const FaceNormal& n, std::uint64_t seed) {
+    const SeedPair here = seed_pair(seed, 2), there = seed_pair(seed, 3), which = seed_pair(seed, 4);
+    std::array<std::uint32_t, RayPacket::kSize> to{};
+    aimed_.start(face);
+    each_packet(
+        aimed_.rays(face),
+        [&](std::uint32_t i, int lane) {
+          to[static_cast<std::size_t>(lane)] = aimed_.pick(sobol_pair_shuffled(i, which).x);
+          const SamplePair at = sobol_pair_shuffled(i, here), on = sobol_pair_shuffled(i, there);
+          const FacePoint from = point_of(target_, faces_, face, at.x, at.y),
+                          end = point_of(target_, faces_, to[static_cast<std::size_t>(lane)], on.x,
+                                         on.y);
+          FaceNormal way{end.x - from.x, end.y - from.y, end.z - from.z};
+          const float length = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+          if (!(length > 0 && way.x * n.x + way.y * n.y + way.z * n.z > 0)) {
+            to[static_cast<std::size_t>(lane)] = ThermalFaces::kNone;
+            way = n;
+          } else {
+            way = {way.x / length, way.y / length, way.z / length};
+          }
+          set_ray(lane, from, way);
+        },
+        [&](std::uint32_t, int lane) {
+          const std::uint32_t aim = to[static_cast<std::size_t>(lane)];
+          if (aim == ThermalFaces::kNone || packet_.triangle[lane] == RayPacket::kMiss ||
+              face_met(lane) != aim || is_below(lane))
+            return;
+          met_.emplace_back(aim, exchanged_m2(face, n, aim, lane));
+        });
+  }
+
+  // What a ray that joins two faces says of what they exchange: the inverse of the density, in
+  // their exchange, of all rays that might have joined them there.
+  [[nodiscard]] double exchanged_m2(std::uint32_t from, const FaceNormal& n, std::uint32_t to,
+                                    int lane) const {
+    const double from_m2 = faces_.area_m2[from], to_m2 = faces_.area_m2[to];
+    double density = settings_.rays * (1 / from_m2 + 1 / to_m2);
+    if (from != to && (aimed_.is_aim(to) || aimed_.is_aim(from))) {
+      const FaceNormal other = normal_of(target_, faces_, to);
+      const auto cosine = [&](const FaceNormal& m) {
+        return std::abs(static_cast<double>(m.x * packet_.dir_x[lane] + m.y * packet_.dir_y[lane] +
+                                            m.z * packet_.dir_z[lane]));
+      };
+      const double r_m = static_cast<double>(packet_.tfar[lane]),
+                   per_m2 = cosine(n) * cosine(other) / (std::numbers::pi * r_m * r_m);
+      density +=
+          (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) / (from_m2 * to_m2 * per_m2);
+    }
+    return 1 / density;
+  }
+
   // kNone: from behind, and it has no back.
   std::uint32_t face_met(int lane) {
     const auto behind = [&] {
@@ -117,9 +189,10 @@ class RowTracer {
   const Target& target_;
   const ThermalFaces& faces_;
   const ExchangeSettings& settings_;
+  AimedRays aimed_;
   float surface_z_;
   RayPacket packet_{};
-  std::vector<std::uint32_t> met_;
+  std::vector<std::pair<std::uint32_t, double>> met_;  // face, exchanged_m2
 };
 
 // d_i: d_i d_j S_ij and d_i x what leaves the target add up to the area of i.
@@ -172,20 +245,20 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   const std::size_t one_way = entry.size();
   entry.reserve(2 * one_way);
   for (std::size_t k = 0; k < one_way; ++k)
-    entry.push_back({entry[k].to, entry[k].from, entry[k].share});
+    entry.push_back({entry[k].to, entry[k].from, entry[k].m2});
   std::sort(entry.begin(), entry.end(), [](const Entry& a, const Entry& b) {
-    return std::tie(a.from, a.to, a.share) < std::tie(b.from, b.to, b.share);
+    return std::tie(a.from, a.to, a.m2) < std::tie(b.from, b.to, b.m2);
   });
   std::vector<double> share;
   for (std::size_t k = 0; k < entry.size();) {
     const Entry& e = entry[k];
-    double sum = 0;
+    double sum_m2 = 0;
     while (k < entry.size() && entry[k].from == e.from && entry[k].to == e.to)
-      sum += entry[k++].share;
-    if (e.from == e.to) sum *= 0.5;  // both ways are the same one, and areas are equal
-    const double from_m2 = exposed_m2(e.from), to_m2 = exposed_m2(e.to);
+      sum_m2 += entry[k++].m2;
     out.to.push_back(e.to);
-    share.push_back(e.from == e.to ? sum : to_m2 * sum / (from_m2 + to_m2));
+    const double from_m2 = out.exposed[e.from] > 0 ? exposed_m2(e.from) : faces.area_m2[e.from];
+    // To itself both ways are the same one.
+    share.push_back((e.from == e.to ? 0.5 : 1) * sum_m2 / from_m2);
     ++out.first[e.from + 1];
   }
   for (std::size_t i = 0; i < count; ++i) out.first[i + 1] += out.first[i];

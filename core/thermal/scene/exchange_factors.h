@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/thermal/scene/thermal_faces.h"
@@ -27,13 +28,16 @@ struct ExchangeSettings {
   std::uint64_t seed = 1;
   // What lies lower is under water or ground (z of the body frame, down); infinite: no surface.
   double surface_z_m = 0;
+  // [face] By how much what it sends may differ from what is around it; empty: of none. What a
+  // ray that misses it would matter for is aimed at, with half as many rays more.
+  std::span<const double> beyond_w_m2 = {};
 };
 
 // By rays: cosine-weighted Sobol points, each face with its own scrambling, so that a face's rays
-// depend on nothing but the face. Both estimates of a pair (there and back) are joined with the
-// inverses of their variances as weights, F_ij = A_j (f_ij + f_ji) / (A_i + A_j), A exposed; then
-// rows are scaled by factors d_i d_j until they add up to 1. Standard error of a share F: sqrt(F /
-// rays) at most.
+// depend on nothing but the face. Each ray that joins two faces, from either of them and aimed or
+// not, counts by the density of all rays that might have [veach1995]: of n rays and none aimed,
+// F_ij = A_j (f_ij + f_ji) / (A_i + A_j). Then rows are scaled by factors d_i d_j until they add up
+// to 1. Standard error of a share F: sqrt(F / rays) at most, of what is aimed at far less.
 [[nodiscard]] ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces,
                                                const ExchangeSettings& settings);
 

@@ -69,6 +69,36 @@ std::vector<double> emissivities(const SceneHeatRequest& request, const Target& 
   return out;
 }
 
+// By how much what a face sends may differ from what air sends, as far as that is stated: its own
+// temperature, or what is behind its wall. [face]
+std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& target,
+                               const ThermalFaces& faces, std::span<const double> emissivity) {
+  const auto [coldest, warmest] =
+      std::minmax_element(request.weather.begin(), request.weather.end(),
+                          [](const auto& a, const auto& b) { return a.air_k < b.air_k; });
+  const auto beyond_w_m2 = [&](double kelvin) {
+    const double w_m2 = power4(kelvin);
+    return kStefanBoltzmannWM2K4 * std::max(std::abs(w_m2 - power4(coldest->air_k)),
+                                            std::abs(w_m2 - power4(warmest->air_k)));
+  };
+  const auto behind_w_m2 = [&](const WallBuildUp& wall) {
+    if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen) return 0.0;
+    const bool heat_flux = wall.inner_side == InnerSide::kHeatFlux;
+    const auto of = [&](double value) { return heat_flux ? std::abs(value) : beyond_w_m2(value); };
+    if (wall.inner_at.empty()) return of(heat_flux ? wall.inner_flux_w_m2 : wall.inner_k);
+    double most = 0;
+    for (const ScheduleAtKnot& at : wall.inner_at) most = std::max({most, of(at.before), of(at.after)});
+    return most;
+  };
+  std::vector<double> of_part, out;
+  for (const HeatPart& part : request.part)
+    of_part.push_back(part.build_up ? behind_w_m2(request.build_up[*part.build_up])
+                                    : beyond_w_m2(part.stated_k));
+  for (std::uint32_t face = 0; face < faces.size(); ++face)
+    out.push_back(emissivity[face] * of_part[target.facet[faces.facet[face]].part]);
+  return out;
+}
+
 }  // namespace
 
 double SceneExposure::touching_m() const { return 1e-5 * target_.radius_m; }
@@ -88,7 +118,10 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
               ? near->factors_
               : std::make_shared<const ExchangeFactors>(exchange_factors(
                     target, faces,
-                    {.rays = knots_.rays, .seed = knots_.seed, .surface_z_m = surface_z_m()}))),
+                    {.rays = knots_.rays,
+                     .seed = knots_.seed,
+                     .surface_z_m = surface_z_m(),
+                     .beyond_w_m2 = beyond_air(request, target, faces, emissivity_)}))),
       long_wave_(*factors_, emissivity_, covered_),
       own_(faces.size()),
       emitted_(faces.size()) {
