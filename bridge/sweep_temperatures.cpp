@@ -42,19 +42,10 @@ absl::StatusOr<FieldImport> import_of(const schema::ConditionField& from) {
 // The model in its file's own coordinates; of a generated one, in those of the OBJ that `irsig
 // model` writes: x forward, y to port, z up.
 absl::StatusOr<FieldMesh> mesh_of_file(const schema::ResolvedSweep& sweep, const Assets& assets) {
-  schema::ResolvedSweep plain = sweep;
-  schema::Model& model = *plain.mutable_sweep()->mutable_model();
   FieldMesh out;
-  if (!model.has_generate()) {
+  if (const schema::Model& model = sweep.sweep().model(); !model.has_generate())
     out.unit_m = model.unit_m();
-    model.set_unit_m(1);
-    model.set_forward_axis("+x");
-    model.set_up_axis("+z");
-    model.set_reference("origin");
-  }
-  model.clear_draft_m();
-  model.clear_offset_m();
-  const auto mesh = model_mesh(plain, assets);
+  const auto mesh = model_mesh_of_file(sweep, assets);
   if (!mesh.ok()) return mesh.status();
   for (const Vec<Body>& v : mesh->vertex) out.vertex.push_back({v.x, -v.y, -v.z});
   out.triangle = mesh->triangle;

@@ -46,7 +46,8 @@ TEST(CutEdges, KeepSurfaceSidesGroupsAndClosedness) {
     const Measure before = measured(mesh);
     for (const double share : {0.9, 0.4, 0.11}) {
       const double longest = share * before.longest;
-      const auto cut = cut_long_edges(mesh, longest, 10'000'000);
+      std::vector<CutVertex> made;
+      const auto cut = cut_long_edges(mesh, longest, 10'000'000, made);
       ASSERT_TRUE(cut.ok()) << cut.status();
       const Measure after = measured(*cut);
       EXPECT_LE(after.longest, longest) << kind;
@@ -70,15 +71,61 @@ TEST(CutEdges, KeepSurfaceSidesGroupsAndClosedness) {
 
 TEST(CutEdges, WhatIsShortEnoughStaysAsItIs) {
   const Mesh mesh = of_kind("sphere", 200);
-  const auto cut = cut_long_edges(mesh, 10, 1000);
+  std::vector<CutVertex> made;
+  const auto cut = cut_long_edges(mesh, 10, 1000, made);
   ASSERT_TRUE(cut.ok());
   EXPECT_EQ(cut->triangle, mesh.triangle);
   EXPECT_EQ(cut->vertex, mesh.vertex);
 }
 
 TEST(CutEdges, TooManyFacetsAreRefused) {
-  EXPECT_THAT(std::string(cut_long_edges(of_kind("box", 12), 1e-3, 100'000).status().message()),
-              testing::HasSubstr("more than 100000"));
+  std::vector<CutVertex> made;
+  EXPECT_THAT(
+      std::string(cut_long_edges(of_kind("box", 12), 1e-3, 100'000, made).status().message()),
+      testing::HasSubstr("more than 100000"));
+}
+
+int crossing(const Mesh& mesh, double touching_m) {
+  int out = 0;
+  for (const auto& c : mesh.triangle) {
+    const auto [low, high] =
+        std::minmax({mesh.vertex[c[0]].z, mesh.vertex[c[1]].z, mesh.vertex[c[2]].z});
+    out += low < -touching_m && high > touching_m ? 1 : 0;
+  }
+  return out;
+}
+
+// Surfaces through vertices, edges, facets and beside them; and what is made of the same vertices
+// in other coordinates.
+TEST(CutEdges, NoFacetIsOnBothSidesOfTheSurface) {
+  for (const char* kind : {"box", "sphere", "frigate", "cone"})
+    for (const double down_m : {0.0, 1e-7, 0.01, 0.13, -0.4, 0.5}) {
+      Mesh mesh = of_kind(kind, kind == std::string("frigate") ? 4000 : 60);
+      const Measure before = measured(mesh);
+      for (Vec<Body>& v : mesh.vertex) v.z += down_m * before.longest;
+      const double touching_m = 1e-6 * before.longest;
+      std::vector<CutVertex> made;
+      const Mesh cut = cut_at_surface(mesh, touching_m, made);
+      EXPECT_EQ(crossing(cut, touching_m), 0) << kind << down_m;
+      const int crossed = crossing(mesh, touching_m);
+      if (crossed == 0) {
+        EXPECT_EQ(cut.vertex, mesh.vertex) << kind << down_m;
+      }
+      EXPECT_LE(cut.triangle.size(), mesh.triangle.size() + 2 * static_cast<std::size_t>(crossed));
+      const Measure after = measured(cut);
+      for (const auto& [group, area] : before.area)
+        EXPECT_NEAR(after.area.at(group), area, 1e-9 * area) << kind;
+      EXPECT_NEAR(length(after.sum - before.sum), 0, 1e-9 * before.longest * before.longest);
+      std::vector<Vec<Body>> vertex;
+      for (const Vec<Body>& v : mesh.vertex) vertex.push_back({3 * v.z - 1, v.x, v.y + 7});
+      add_cut_vertices(made, vertex);
+      ASSERT_EQ(vertex.size(), cut.vertex.size());
+      for (std::size_t k = 0; k < vertex.size(); ++k) {
+        const Vec<Body>& v = cut.vertex[k];
+        EXPECT_NEAR(length(vertex[k] - Vec<Body>{3 * v.z - 1, v.x, v.y + 7}), 0,
+                    1e-12 * (10 + before.longest));
+      }
+    }
 }
 
 }  // namespace
