@@ -117,9 +117,9 @@ class CourseReader {
                                  double from_unix_s, SeasonGroup& group) {
     for (const double t : group.unix_s)
       if (t < from_unix_s || t > from_unix_s + kDayS) {
-        group.warning.push_back(absl::StrCat(
-            path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ", season.date(),
-            " at the place: the same hour of that day stands for it"));
+        group.warning.push_back(
+            absl::StrCat(path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ",
+                         season.date(), " at the place: the same hour of that day stands for it"));
         return;
       }
   }

@@ -71,10 +71,10 @@ class CourseMaker {
           std::round(odd_.global), " and ", std::round(odd_.sum), " W/m2"));
     if (odd_sky_.count > 0)
       out_.warning.push_back(absl::StrCat(
-          file_.name, ": the sky's radiation is not that of any sky above such air (",
-          kColdestSky, " to ", kWarmestSky, " of a black one) in ", odd_sky_.count, " of ",
-          used.size(), " records, first in line ", odd_sky_.line, ": ",
-          std::round(odd_sky_.w_m2), " W/m2, of a black one ", std::round(odd_sky_.black_w_m2)));
+          file_.name, ": the sky's radiation is not that of any sky above such air (", kColdestSky,
+          " to ", kWarmestSky, " of a black one) in ", odd_sky_.count, " of ", used.size(),
+          " records, first in line ", odd_sky_.line, ": ", std::round(odd_sky_.w_m2),
+          " W/m2, of a black one ", std::round(odd_sky_.black_w_m2)));
     // Whatever else is wrong is wrong with the file as a whole.
     if (const absl::Status status = check_course(out_.course); !status.ok())
       return absl::InvalidArgumentError(absl::StrCat(file_.name, ":", used.front().row->line,
@@ -269,8 +269,8 @@ class CourseMaker {
     return r;
   }
 
-  // Of the driest air in polar winter half of what a black one sends; warmer than the air beneath it
-  // by a few kelvin in an inversion.
+  // Of the driest air in polar winter half of what a black one sends; warmer than the air beneath
+  // it by a few kelvin in an inversion.
   static constexpr double kColdestSky = 0.4, kWarmestSky = 1.2;
   double sky(const Used& u, double air_k) {
     const double w_m2 = value(*u.row, Q::kSky),

@@ -39,8 +39,8 @@ Off off(const std::function<double(double)>& spectrum, const ResponseTable& resp
     const SpectralPoint &a = response[i], &b = response[i + 1];
     truth += integral(
         [&](double um) {
-          return spectrum(um) * (a.value + (b.value - a.value) * (um - a.lambda_um) /
-                                               (b.lambda_um - a.lambda_um));
+          return spectrum(um) *
+                 (a.value + (b.value - a.value) * (um - a.lambda_um) / (b.lambda_um - a.lambda_um));
         },
         a.lambda_um, b.lambda_um);
   }

@@ -73,8 +73,7 @@ double AimedRays::might_w_m2(const Place& from, std::uint32_t from_face, std::si
     there = std::max(there, least);
   }
   if (here <= 0 || there <= 0) return 0;
-  return w_[aim] * here * there /
-         (square_m2 * (std::numbers::pi * square_m2 + both_m * both_m));
+  return w_[aim] * here * there / (square_m2 * (std::numbers::pi * square_m2 + both_m * both_m));
 }
 
 double AimedRays::rays_to(std::uint32_t from, std::uint32_t to) const {
@@ -86,8 +85,7 @@ void AimedRays::start(std::uint32_t from) {
   until_.clear();
   const Place place = place_of(from);
   double sum = 0;
-  for (std::size_t a = 0; a < aim_.size(); ++a)
-    until_.push_back(sum += might_w_m2(place, from, a));
+  for (std::size_t a = 0; a < aim_.size(); ++a) until_.push_back(sum += might_w_m2(place, from, a));
 }
 
 std::uint32_t AimedRays::pick(float u) const {

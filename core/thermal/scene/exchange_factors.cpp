@@ -121,7 +121,8 @@ class RowTracer {
 
   // Rays from places of the face to places of what it aims at.
   void aim(std::uint32_t face, const FaceNormal& n, std::uint64_t seed) {
-    const SeedPair here = seed_pair(seed, 2), there = seed_pair(seed, 3), which = seed_pair(seed, 4);
+    const SeedPair here = seed_pair(seed, 2), there = seed_pair(seed, 3),
+                   which = seed_pair(seed, 4);
     std::array<std::uint32_t, RayPacket::kSize> to{};
     aimed_.start(face);
     each_packet(
@@ -165,8 +166,7 @@ class RowTracer {
       };
       const double r_m = static_cast<double>(packet_.tfar[lane]),
                    per_m2 = cosine(n) * cosine(other) / (std::numbers::pi * r_m * r_m);
-      density +=
-          (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) / (from_m2 * to_m2 * per_m2);
+      density += (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) / (from_m2 * to_m2 * per_m2);
     }
     return 1 / density;
   }

@@ -84,10 +84,18 @@ std::vector<double> beyond_air(const SceneHeatRequest& request, const Target& ta
   const auto behind_w_m2 = [&](const WallBuildUp& wall) {
     if (wall.inner_side == InnerSide::kAdiabatic || wall.inner_side == InnerSide::kOpen) return 0.0;
     const bool heat_flux = wall.inner_side == InnerSide::kHeatFlux;
-    const auto of = [&](double value) { return heat_flux ? std::abs(value) : beyond_w_m2(value); };
+    // Of a temperature as much as reaches the outer face, against some convection and radiation.
+    constexpr double kOutsideWM2K = 10;
+    double m2_k_w = wall.inner_side == InnerSide::kAir ? 1 / wall.inner_h_w_m2_k : 0;
+    for (const Layer& layer : wall.layers) m2_k_w += layer.thickness_m / layer.conductivity_w_m_k;
+    const double reaches = 1 / (1 + kOutsideWM2K * m2_k_w);
+    const auto of = [&](double value) {
+      return heat_flux ? std::abs(value) : reaches * beyond_w_m2(value);
+    };
     if (wall.inner_at.empty()) return of(heat_flux ? wall.inner_flux_w_m2 : wall.inner_k);
     double most = 0;
-    for (const ScheduleAtKnot& at : wall.inner_at) most = std::max({most, of(at.before), of(at.after)});
+    for (const ScheduleAtKnot& at : wall.inner_at)
+      most = std::max({most, of(at.before), of(at.after)});
     return most;
   };
   std::vector<double> of_part, out;
@@ -113,15 +121,14 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
       knots_(std::move(knots)),
       covered_(covered_faces(target, faces, request.beneath.surface_z_m, touching_m())),
       emissivity_(emissivities(request, target, faces, covered_)),
-      factors_(
-          near != nullptr
-              ? near->factors_
-              : std::make_shared<const ExchangeFactors>(exchange_factors(
-                    target, faces,
-                    {.rays = knots_.rays,
-                     .seed = knots_.seed,
-                     .surface_z_m = surface_z_m(),
-                     .beyond_w_m2 = beyond_air(request, target, faces, emissivity_)}))),
+      factors_(near != nullptr
+                   ? near->factors_
+                   : std::make_shared<const ExchangeFactors>(exchange_factors(
+                         target, faces,
+                         {.rays = knots_.rays,
+                          .seed = knots_.seed,
+                          .surface_z_m = surface_z_m(),
+                          .beyond_w_m2 = beyond_air(request, target, faces, emissivity_)}))),
       long_wave_(*factors_, emissivity_, covered_),
       own_(faces.size()),
       emitted_(faces.size()) {
