@@ -29,9 +29,9 @@ absl::StatusOr<schema::HeatField> read_heat_field(const std::string& bytes, std:
   if (field.facets() != facets ||
       (of_changes ? !std::all_of(field.change_k().begin(), field.change_k().end(), fits)
                   : !fits(field.kelvin()) || !fits(field.error_k())))
-    return absl::InvalidArgumentError(absl::StrCat("computed temperatures are of another mesh: of ",
-                                                   field.facets(), " facets, the model has ",
-                                                   facets));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "computed temperatures are of another mesh: of ", field.facets(), " facets, the model has ",
+        facets, " (of another irsig: run the sweep again)"));
   for (const schema::HeatEffect& effect : field.effect())
     if (effect.bound_k().size() != sizeof(float) * facets)
       return absl::InvalidArgumentError(absl::StrCat("computed temperatures: the bound of ",
