@@ -17,6 +17,7 @@
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
 #include "bridge/spec_to_request.h"
+#include "core/base/hottest.h"
 #include "core/effects/effects.h"
 #include "core/geo/sun.h"
 #include "core/materials/total_emissivity.h"
@@ -248,11 +249,10 @@ void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
 // Walls whose numbers lead to temperatures that none has.
 absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRun& heat,
                                 const Target& target, const SceneHeatResult& by_time) {
-  constexpr float kHottest_k = 20000;  // that of results and sweep files
   for (std::size_t o = 0; o < by_time.kelvin.size(); ++o)
     for (std::size_t f = 0; f < by_time.kelvin[o].size(); ++f) {
       const float kelvin = by_time.kelvin[o][f];
-      if (std::isnan(kelvin) || (kelvin > 0 && kelvin <= kHottest_k)) continue;
+      if (std::isnan(kelvin) || (kelvin > 0 && static_cast<double>(kelvin) <= kHottestK)) continue;
       const schema::Part& part = sweep.part(static_cast<int>(target.facet[f].part));
       return absl::InvalidArgumentError(absl::StrCat(
           "part \"", part.name(), "\" would be at ", kelvin, " K at ",

@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/hottest.h"
 #include "jobs/resolve.h"
 
 namespace irsig {

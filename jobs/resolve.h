@@ -98,10 +98,6 @@ void write_effect_defaults(schema::Sweep& sweep);
 void check_profiles(const schema::ResolvedSweep& resolved, Findings& findings);
 void write_profile_defaults(schema::Sweep& sweep);
 
-// The temperature range that every temperature of a sweep file must lie in: Planck's law is
-// measured there (core/spectral/planck.h).
-inline constexpr double kHottestK = 20000.0;
-
 // The wavelengths that a sweep file may use: from 0.3 um, where optical constants and the sun are
 // well known, to 1000 um, the end of the range over which Planck's law is measured.
 inline constexpr double kShortestUm = 0.3;

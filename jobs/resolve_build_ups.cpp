@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/hottest.h"
 #include "core/geo/sun.h"
 #include "core/thermal/solids.h"
 #include "jobs/nearest_name.h"

@@ -8,13 +8,14 @@
 #include "absl/strings/match.h"
 #include "bridge/environment/weather_from_message.h"
 #include "bridge/inputs/moves.h"
+#include "core/base/hottest.h"
 #include "core/thermal/clear_sky.h"
 
 namespace irsig {
 namespace {
 
 // What values can be.
-constexpr double kColdestK = 1, kHottestK = 20000;
+constexpr double kColdestK = 1;
 constexpr double kColdestAirK = 180, kHottestAirK = 340;  // outdoors
 constexpr double kDriestK = 120;                          // dew point
 constexpr double kColdestSurfaceK = 100, kHottestSurfaceK = 400;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/hottest.h"
 #include "core/base/printable.h"
 #include "schema/store/check_result.h"
 #include "schema/store/database.h"
@@ -19,7 +20,7 @@
 namespace irsig {
 namespace {
 
-constexpr float kHottest_k = 20000;  // what sweep files may state
+constexpr auto kHottest_k = static_cast<float>(kHottestK);
 // A field takes what its bytes take, and little more.
 constexpr std::uint64_t kMostFieldBytes = 1 << 30;
 constexpr double kSameTime_s = 1e-3;  // times are written with milliseconds at most
