@@ -15,17 +15,19 @@ Vec<Body> between(const std::vector<Vec<Body>>& vertex, const CutVertex& v) {
 }
 
 // One round: cuts each edge once where `share_of` says so, a share in (0, 1) of the way from its
-// first vertex to its second, the same whichever facet asks; else 0. Whether any was.
+// higher vertex to its lower one, so that it is the same whichever facet asks, also where a file
+// has a vertex twice; else 0. Whether any was.
 template <typename ShareOf>
 bool cut_once(const ShareOf& share_of, Mesh& mesh, std::vector<CutVertex>& made) {
   absl::flat_hash_map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cut_of;
   const auto cut_at = [&](std::uint32_t a, std::uint32_t b) -> std::int64_t {
-    const auto [low, high] = std::minmax(a, b);
-    const double share = share_of(mesh.vertex[low], mesh.vertex[high]);
+    const double above = mesh.vertex[b].z - mesh.vertex[a].z;  // z is down
+    if (above < 0 || (above == 0 && b < a)) std::swap(a, b);
+    const double share = share_of(mesh.vertex[a], mesh.vertex[b]);
     if (share == 0) return -1;
     const auto [at, is_new] =
-        cut_of.try_emplace(std::pair{low, high}, static_cast<std::uint32_t>(mesh.vertex.size()));
-    if (is_new) mesh.vertex.push_back(between(mesh.vertex, made.emplace_back(low, high, share)));
+        cut_of.try_emplace(std::pair{a, b}, static_cast<std::uint32_t>(mesh.vertex.size()));
+    if (is_new) mesh.vertex.push_back(between(mesh.vertex, made.emplace_back(a, b, share)));
     return at->second;
   };
   std::vector<std::array<std::uint32_t, 3>> triangle;
@@ -75,7 +77,6 @@ bool cut_once(const ShareOf& share_of, Mesh& mesh, std::vector<CutVertex>& made)
 absl::StatusOr<Mesh> cut_long_edges(const Mesh& mesh, double longest_m, std::uint64_t most_facets,
                                     std::vector<CutVertex>& made) {
   Mesh out = mesh;
-  // Of equal vertices the middle is the same, also where a file has a vertex twice.
   while (cut_once(
       [&](const Vec<Body>& a, const Vec<Body>& b) { return length(b - a) > longest_m ? 0.5 : 0.0; },
       out, made)) {
@@ -91,9 +92,7 @@ Mesh cut_at_surface(const Mesh& mesh, double touching_m, std::vector<CutVertex>&
   Mesh out = mesh;
   cut_once(
       [&](const Vec<Body>& a, const Vec<Body>& b) {
-        const bool crosses =
-            (a.z > touching_m && b.z < -touching_m) || (a.z < -touching_m && b.z > touching_m);
-        return crosses ? a.z / (a.z - b.z) : 0.0;
+        return a.z < -touching_m && b.z > touching_m ? a.z / (a.z - b.z) : 0.0;
       },
       out, made);
   return out;

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <set>
 
 namespace irsig {
 namespace {
@@ -126,6 +128,28 @@ TEST(CutEdges, NoFacetIsOnBothSidesOfTheSurface) {
                     1e-12 * (10 + before.longest));
       }
     }
+}
+
+// Expected: facets that share no vertices are cut at the same places, to the last bit.
+TEST(CutEdges, VerticesThatAFileHasTwiceAreCutAlike) {
+  for (const char* kind : {"sphere", "frigate"}) {
+    Mesh mesh = of_kind(kind, 2000);
+    for (Vec<Body>& v : mesh.vertex) v = v + Vec<Body>{0.1, 0.7, 0.123};
+    Mesh apart = mesh;
+    apart.vertex.clear();
+    for (auto& c : apart.triangle)
+      for (std::uint32_t& v : c) {
+        apart.vertex.push_back(mesh.vertex[v]);
+        v = static_cast<std::uint32_t>(apart.vertex.size() - 1);
+      }
+    const auto places = [](const Mesh& m) {
+      std::vector<CutVertex> made;
+      std::set<std::array<double, 3>> out;
+      for (const Vec<Body>& v : cut_at_surface(m, 1e-6, made).vertex) out.insert({v.x, v.y, v.z});
+      return out;
+    };
+    EXPECT_EQ(places(mesh), places(apart)) << kind;
+  }
 }
 
 }  // namespace
