@@ -39,19 +39,6 @@ absl::StatusOr<FieldImport> import_of(const schema::ConditionField& from) {
   return how;
 }
 
-// The model in its file's own coordinates; of a generated one, in those of the OBJ that `irsig
-// model` writes: x forward, y to port, z up.
-absl::StatusOr<FieldMesh> mesh_of_file(const schema::ResolvedSweep& sweep, const Assets& assets) {
-  FieldMesh out;
-  if (const schema::Model& model = sweep.sweep().model(); !model.has_generate())
-    out.unit_m = model.unit_m();
-  const auto mesh = model_mesh_of_file(sweep, assets);
-  if (!mesh.ok()) return mesh.status();
-  for (const Vec<Body>& v : mesh->vertex) out.vertex.push_back({v.x, -v.y, -v.z});
-  out.triangle = mesh->triangle;
-  return out;
-}
-
 // The key that named the file, before each line of what is wrong in it.
 absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& condition,
                    std::string_view lines) {
@@ -209,6 +196,17 @@ std::size_t facets_of_computed_parts(const schema::ResolvedSweep& sweep,
 
 }  // namespace
 
+absl::StatusOr<FieldMesh> field_mesh(const schema::ResolvedSweep& sweep, const Assets& assets) {
+  FieldMesh out;
+  if (const schema::Model& model = sweep.sweep().model(); !model.has_generate())
+    out.unit_m = model.unit_m();
+  const auto mesh = model_mesh_of_file(sweep, assets);
+  if (!mesh.ok()) return mesh.status();
+  for (const Vec<Body>& v : mesh->vertex) out.vertex.push_back({v.x, -v.y, -v.z});
+  out.triangle = mesh->triangle;
+  return out;
+}
+
 bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat) {
   return heat.size() != static_cast<std::size_t>(sweep.heat_size());
 }
@@ -225,7 +223,7 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
   for (const schema::Condition& c : sweep.condition())
     by_place |= c.temperature_field().field().match() == "centroid";
   if (by_place) {
-    auto made = mesh_of_file(sweep, assets);
+    auto made = field_mesh(sweep, assets);
     if (!made.ok()) return made.status();
     of_file = *std::move(made);
   } else {

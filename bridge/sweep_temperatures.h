@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/fields/temperature_field.h"
 #include "core/scene/mesh.h"
 #include "core/scene/target.h"
 #include "core/sources/emission.h"
@@ -26,6 +27,11 @@ struct SweepTemperatures {
 
 // Whether jobs compute some of the sweep's temperatures and `heat` does not have what they left.
 [[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
+
+// The sweep's facets in its model's file's own coordinates; of a generated one, in those of the OBJ
+// that `irsig model` writes: x forward, y to port, z up.
+[[nodiscard]] absl::StatusOr<FieldMesh> field_mesh(const schema::ResolvedSweep& sweep,
+                                                   const Assets& assets);
 
 // [condition][facet] of a sweep, NaN where its part's temperature is stated; empty: all are.
 // heat: of its heat runs; part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong

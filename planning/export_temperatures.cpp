@@ -1,8 +1,10 @@
 #include "planning/export_temperatures.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "bridge/sweep_temperatures.h"
 #include "core/geo/sun.h"
 #include "planning/sweep_facets.h"
 #include "view/table.h"
@@ -22,8 +24,10 @@ absl::Status export_temperatures(const std::string& database, const std::string&
   if (!facets.ok()) return facets.status();
   const schema::ResolvedSweep& sweep = facets->sweep();
   const std::vector<std::uint32_t>& part = facets->part();
-  const std::vector<Column> columns = {{"season"}, {"time"},        {"part"},
-                                       {"facet"},  {"temperature"}, {"error"}};
+  const auto mesh = field_mesh(sweep, facets->source().loaded.assets);
+  if (!mesh.ok()) return mesh.status();
+  const std::vector<Column> columns = {{"season"}, {"time"}, {"part"},        {"facet"}, {"x"},
+                                       {"y"},      {"z"},    {"temperature"}, {"error"}};
   const auto table = make_table_writer("csv", columns, out);
   if (!table.ok()) return table.status();
   bool any = false;
@@ -34,9 +38,10 @@ absl::Status export_temperatures(const std::string& database, const std::string&
     any = true;
     for (std::size_t f = 0; f < part.size(); ++f) {
       const SweepFacets::Temperature at = facets->temperature(c, f);
+      const std::array<double, 3> place = mesh->centroid(f);
       (*table)->row({condition.season(), condition.time_utc(),
                      sweep.sweep().part(static_cast<int>(part[f])).name(), std::uint64_t{f},
-                     at.kelvin, at.error_k});
+                     place[0], place[1], place[2], at.kelvin, at.error_k});
     }
   }
   if (!any) return absl::NotFoundError("nothing to export: no condition matches the filters");

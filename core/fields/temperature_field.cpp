@@ -172,12 +172,7 @@ class FieldReader {
     const Tree tree(3, cloud);
     std::vector<const Row*> at(places(), nullptr);
     for (std::size_t p = 0; p < at.size(); ++p) {
-      std::array<double, 3> here{};
-      if (of_vertices())
-        here = mesh_.vertex[p];
-      else
-        for (const std::uint32_t c : mesh_.triangle[p])
-          for (std::size_t axis = 0; axis < 3; ++axis) here[axis] += mesh_.vertex[c][axis] / 3;
+      const std::array<double, 3> here = of_vertices() ? mesh_.vertex[p] : mesh_.centroid(p);
       std::uint32_t nearest = 0;
       double distance2 = 0;
       tree.knnSearch(here.data(), 1, &nearest, &distance2);
@@ -195,6 +190,13 @@ class FieldReader {
 };
 
 }  // namespace
+
+std::array<double, 3> FieldMesh::centroid(std::size_t facet) const {
+  std::array<double, 3> out{};
+  for (const std::uint32_t c : triangle[facet])
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] += vertex[c][axis] / 3;
+  return out;
+}
 
 absl::StatusOr<TemperatureField> read_temperature_field(std::string_view bytes,
                                                         const FieldImport& how,

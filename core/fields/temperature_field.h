@@ -33,6 +33,8 @@ struct FieldMesh {
   std::vector<std::array<double, 3>> vertex;
   std::vector<std::array<std::uint32_t, 3>> triangle;
   double unit_m = 1;  // of these coordinates
+
+  [[nodiscard]] std::array<double, 3> centroid(std::size_t facet) const;
 };
 
 // Temperatures of facets at one or more instants. [time][facet]; NaN: the file has none

@@ -178,6 +178,14 @@ class Heat(unittest.TestCase):
         # What of them rises out of the water has its own temperature, as with facets a tenth as large.
         self.assertNotIn("whose middle", self.run_it(text))
         self.run_it(text.replace("[heat]\n", "[heat]\nelement_size_m = 2\n"), "fine.sigdb")
+        # Numbers and places are those of the facets that were cut: the water is 5 m above the lowest of them.
+        self.assertEqual(self.irsig("export", "a.sigdb", "--temperatures", "--time", "2025-06-21T12:00Z", "--out", "a.csv").returncode, 0)
+        with open(self.path / "a.csv") as file:
+            facets = list(csv.DictReader(file))
+        self.assertEqual([int(f["facet"]) for f in facets], list(range(len(facets))))
+        self.assertGreater(len(facets), 12)
+        heights = sorted(float(f["z"]) for f in facets)
+        self.assertGreater(heights[-1] - heights[0], 5.9)
         ours, fine = (self.table("query", db) for db in ("a.sigdb", "fine.sigdb"))
         for a, b in zip(ours, fine, strict=True):
             for quantity in ("intensity_w_sr", "contrast_intensity_w_sr"):

@@ -127,6 +127,10 @@ class TemperatureFields(unittest.TestCase):
         for a, b in zip(rows, again):
             self.assertAlmostEqual(float(b["intensity_w_sr"]) / float(a["intensity_w_sr"]), 1, delta=1e-6)
             self.assertAlmostEqual(float(b["temperature_bound_w_sr"]) / float(a["temperature_bound_w_sr"]), 1, delta=1e-3)
+        # The same by the places that are written with them.
+        by_place = text.replace('"degC"', '"K"').replace("camera.csv", "back.csv").replace('match = "index"', 'match = "centroid"\nmax_distance_m = 1e-6')
+        for a, b in zip(rows, self.run_sweep(by_place)):
+            self.assertAlmostEqual(float(b["intensity_w_sr"]) / float(a["intensity_w_sr"]), 1, delta=1e-6)
         one_hour = self.irsig("export", "x.sigdb", "--temperatures", "--time", "2025-06-21T15:00:00+02:00", "--out", "-")
         self.assertEqual(one_hour.stdout.count("\n"), FACETS + 1)
 
