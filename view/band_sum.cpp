@@ -74,11 +74,16 @@ ResponseTable window(double lambda_min_um, double lambda_max_um) {
 
 double BandWeights::shape_bound(std::span<const double> bin_mean) const {
   const std::size_t bins = bin_mean.size();
-  // Off the straight line between the bins beside, half as much again: of a step in the middle of a
-  // bin these are off by a quarter of it, and what is made of its half by three sixteenths.
+  // Off the straight line between the bins beside, nearly twice: of a step in the middle of a bin
+  // these are off by a quarter of it, and what is made of its half by three sixteenths.
   std::vector<double> bent(bins, 0.0);
   for (std::size_t k = 1; k + 1 < bins; ++k)
-    bent[k] = 0.75 * std::abs(bin_mean[k - 1] - 2 * bin_mean[k] + bin_mean[k + 1]);
+    bent[k] = 0.9 * std::abs(bin_mean[k - 1] - 2 * bin_mean[k] + bin_mean[k + 1]);
+  // The first and the last bin are beside one line alone, and their slope is that to one neighbour.
+  if (bins > 2) {
+    bent.front() = 1.4 * bent[1];
+    bent.back() = 1.4 * bent[bins - 2];
+  }
   double sum = 0;
   for (std::size_t k = 0; k < bins; ++k) {
     if (swing[k] == 0) continue;
