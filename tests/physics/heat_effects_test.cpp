@@ -49,8 +49,7 @@ Target yard() {
   Mesh mesh = plate("ground", {-4, -4, 0}, {0, 8, 0}, {8, 0, 0}, 4);
   Mesh house = generated("box", 48, 0, 2, 3, 3);
   for (auto& v : house.vertex) v = v + Vec<Body>{1, 0, -1.51};
-  house.group = {"walls"};
-  house.triangle_group.assign(house.triangle.size(), 0);
+  house = named(std::move(house), "walls");
   append(mesh, house);
   return target_of(mesh, {part("ground"), part("walls")});
 }
@@ -244,8 +243,7 @@ TEST(HeatEffects, InAWellFacesAnswerToEachOther) {
 TEST(HeatEffects, WithoutABoundNothingIsLeftOut) {
   Mesh box = generated("box", 48, 0, 4, 4, 4);
   for (auto& t : box.triangle) std::swap(t[1], t[2]);
-  box.group = {"inside"};
-  box.triangle_group.assign(box.triangle.size(), 0);
+  box = named(std::move(box), "inside");
   const Target target = target_of(box, {part("inside")});
   SceneHeatRequest r = day(1800);
   for (HeatWeather& w : r.weather) w.wind_m_s = 0;

@@ -46,6 +46,13 @@ inline Mesh plate(const std::string& name, Vec<Body> corner, Vec<Body> u, Vec<Bo
   return out;
 }
 
+// All of a mesh as one group of that name.
+inline Mesh named(Mesh mesh, const std::string& name) {
+  mesh.group = {name};
+  mesh.triangle_group.assign(mesh.triangle.size(), 0);
+  return mesh;
+}
+
 inline Target target_of(const Mesh& mesh, std::vector<PartSpec> parts) {
   auto target = make_target(mesh, std::move(parts), widest_isa());
   EXPECT_TRUE(target.ok()) << target.status();

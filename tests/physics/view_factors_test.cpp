@@ -214,8 +214,7 @@ TEST(ViewFactors, ClosedFormsWithAimedRays) { closed_forms(true); }
 TEST(ViewFactors, WhatIsSmallAndHotIsAimedAt) {
   Mesh mesh = plate("plate", {-0.5, -0.5, 25}, {0, 1, 0}, {1, 0, 0}, 1);
   Mesh cube = generated("box", 12, 0, 0.3, 0.3, 0.3);
-  cube.group = {"cube"};
-  cube.triangle_group.assign(cube.triangle.size(), 0);
+  cube = named(std::move(cube), "cube");
   append(mesh, cube);
   const Target target = target_of(mesh, {part("plate", true), part("cube")});
   // Of both sides of the plate, of which one sees the cube's nearer side.

@@ -14,6 +14,10 @@
 namespace irsig {
 namespace {
 
+// An aimed ray counts as so many others: their places are spread evenly over what they are aimed
+// at, while how many of a thousand small facets' own rays meet one face is left to chance.
+constexpr double kAimedCounts = 8;
+
 struct Entry {
   std::uint32_t from, to;
   double m2;  // of what they exchange: exposed area x share
@@ -67,7 +71,7 @@ class RowTracer {
           else if (to == ThermalFaces::kNone)
             ++buried;
           else
-            met_.emplace_back(to, exchanged_m2(face, n, to, lane));
+            met_.emplace_back(to, exchanged_m2(face, n, to, lane, 1));
         });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
     // So few are rounding where two bodies touch.
@@ -76,7 +80,7 @@ class RowTracer {
       entry.push_back({face, face, faces_.area_m2[face]});
       return;
     }
-    if (aimed_.rays(face) > 0) aim(face, n, seed);
+    if (aimed_.rays(face) > 0) out.aimed_stderr_w_m2[face] = aim(face, n, seed) / out.exposed[face];
     const double share = 1.0 / (settings_.rays - buried);
     out.sky[face] = static_cast<float>(share * to_sky);
     out.lower[face] = static_cast<float>(share * to_lower);
@@ -119,43 +123,60 @@ class RowTracer {
     return packet_.org_z[lane] + packet_.tfar[lane] * packet_.dir_z[lane] > surface_z_;
   }
 
-  // Rays from places of the face to places of what it aims at.
-  void aim(std::uint32_t face, const FaceNormal& n, std::uint64_t seed) {
+  // Rays from places of the face to places of what it aims at. Returns aimed_stderr_w_m2 of a face
+  // that is exposed.
+  float aim(std::uint32_t face, const FaceNormal& n, std::uint64_t seed) {
     const SeedPair here = seed_pair(seed, 2), there = seed_pair(seed, 3),
                    which = seed_pair(seed, 4);
     std::array<std::uint32_t, RayPacket::kSize> to{};
+    constexpr std::uint32_t kParts = 8;
+    std::array<double, kParts> w{};
     aimed_.start(face);
     each_packet(
         aimed_.rays(face),
         [&](std::uint32_t i, int lane) {
-          to[static_cast<std::size_t>(lane)] = aimed_.pick(sobol_pair_shuffled(i, which).x);
+          std::uint32_t& aim = to[static_cast<std::size_t>(lane)];
+          aim = aimed_.pick(sobol_pair_shuffled(i, which).x);
           const SamplePair at = sobol_pair_shuffled(i, here), on = sobol_pair_shuffled(i, there);
           const FacePoint from = point_of(target_, faces_, face, at.x, at.y),
-                          end = point_of(target_, faces_, to[static_cast<std::size_t>(lane)], on.x,
-                                         on.y);
-          FaceNormal way{end.x - from.x, end.y - from.y, end.z - from.z};
+                          end = point_of(target_, faces_, aim, on.x, on.y);
+          // The face itself, not beside it, where a ray that grazes it would meet the next one.
+          const FaceNormal m = normal_of(target_, faces_, aim);
+          const auto off = static_cast<float>(target_.offset_m());
+          FaceNormal way{end.x - off * m.x - from.x, end.y - off * m.y - from.y,
+                         end.z - off * m.z - from.z};
           const float length = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
-          if (!(length > 0 && way.x * n.x + way.y * n.y + way.z * n.z > 0)) {
-            to[static_cast<std::size_t>(lane)] = ThermalFaces::kNone;
-            way = n;
-          } else {
+          if (length > 0 && way.x * n.x + way.y * n.y + way.z * n.z > 0) {
             way = {way.x / length, way.y / length, way.z / length};
+          } else {
+            aim = ThermalFaces::kNone;
+            way = n;
           }
           set_ray(lane, from, way);
         },
-        [&](std::uint32_t, int lane) {
+        [&](std::uint32_t i, int lane) {
           const std::uint32_t aim = to[static_cast<std::size_t>(lane)];
           if (aim == ThermalFaces::kNone || packet_.triangle[lane] == RayPacket::kMiss ||
               face_met(lane) != aim || is_below(lane))
             return;
-          met_.emplace_back(aim, exchanged_m2(face, n, aim, lane));
+          const double m2 = exchanged_m2(face, n, aim, lane, kAimedCounts);
+          met_.emplace_back(aim, m2);
+          w[kParts * i / aimed_.rays(face)] += settings_.beyond_w_m2[aim] * m2;
         });
+    double sum = 0, square = 0;
+    for (const double part : w) {
+      sum += part;
+      square += part * part;
+    }
+    const double off = std::max(0.0, kParts * square - sum * sum) / (kParts - 1);
+    return static_cast<float>(std::sqrt(off) / faces_.area_m2[face]);
   }
 
   // What a ray that joins two faces says of what they exchange: the inverse of the density, in
   // their exchange, of all rays that might have joined them there.
+  //   counts  this ray's
   [[nodiscard]] double exchanged_m2(std::uint32_t from, const FaceNormal& n, std::uint32_t to,
-                                    int lane) const {
+                                    int lane, double counts) const {
     const double from_m2 = faces_.area_m2[from], to_m2 = faces_.area_m2[to];
     double density = settings_.rays * (1 / from_m2 + 1 / to_m2);
     if (from != to && (aimed_.is_aim(to) || aimed_.is_aim(from))) {
@@ -166,9 +187,10 @@ class RowTracer {
       };
       const double r_m = static_cast<double>(packet_.tfar[lane]),
                    per_m2 = cosine(n) * cosine(other) / (std::numbers::pi * r_m * r_m);
-      density += (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) / (from_m2 * to_m2 * per_m2);
+      density += kAimedCounts * (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) /
+                 (from_m2 * to_m2 * per_m2);
     }
-    return 1 / density;
+    return counts / density;
   }
 
   // kNone: from behind, and it has no back.
@@ -224,6 +246,7 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   out.sky.assign(count, 0);
   out.lower.assign(count, 0);
   out.exposed.assign(count, 1);
+  out.aimed_stderr_w_m2.assign(count, 0);
   std::vector<Entry> entry;
   RowTracer tracer(target, faces, settings);
   const bool alone = target.convex;  // nothing is seen but sky and surface

@@ -21,6 +21,9 @@ struct ExchangeFactors {
   std::vector<float> share;
   std::vector<float> sky, lower;  // [face]
   std::vector<float> exposed;     // [face] of its area: 0 to 1
+  // [face] Of what would arrive from the aims if each sent what it may send beyond the others: by
+  // eight parts of the aimed rays, each spread evenly, so that it is rather too large. [W/m2]
+  std::vector<float> aimed_stderr_w_m2;
 };
 
 struct ExchangeSettings {

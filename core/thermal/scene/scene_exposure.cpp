@@ -269,6 +269,22 @@ void SceneExposure::expose(std::size_t k, Side side, std::span<const std::uint32
   }
 }
 
+double SceneExposure::loss_w_m2_k(std::size_t k, std::uint32_t face, double kelvin) const {
+  return std::max(1.0,
+                  std::min(windward_w_m2_k_[k], leeward_w_m2_k_[k]) +
+                      4 * emissivity_[face] * kStefanBoltzmannWM2K4 * kelvin * kelvin * kelvin);
+}
+
+double SceneExposure::aimed_k(std::size_t k, std::uint32_t facet, double kelvin) const {
+  if (!request_.exchange) return 0;
+  const auto arriving_w_m2 = [&](std::uint32_t face) {
+    return emissivity_[face] * static_cast<double>(factors_->aimed_stderr_w_m2[face]);
+  };
+  const std::uint32_t back = faces_.back_of_facet[facet];
+  return (arriving_w_m2(facet) + (back == ThermalFaces::kNone ? 0 : arriving_w_m2(back))) /
+         loss_w_m2_k(k, facet, kelvin);
+}
+
 std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
                                             std::span<const float> kelvin) const {
   std::vector<double> out(knots(), 0.0);
@@ -288,12 +304,9 @@ std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
     const double stored_j_m2_k = heat_capacity_reached(wall.layers, reach_s);
     double now_k = 0;
     const auto go_on = [&](std::size_t k) {
-      const double t = static_cast<double>(kelvin[k]),
-                   loss_w_m2_k = std::max(
-                       1.0, std::min(windward_w_m2_k_[k], leeward_w_m2_k_[k]) +
-                                4 * emissivity_[facet] * kStefanBoltzmannWM2K4 * t * t * t);
-      const double fades = std::exp(-(knot_s(k) - knot_s(k - 1)) * loss_w_m2_k / stored_j_m2_k);
-      now_k = fades * now_k + (1 - fades) * std::max(heat_w_m2(k), heat_w_m2(k - 1)) / loss_w_m2_k;
+      const double loss = loss_w_m2_k(k, facet, static_cast<double>(kelvin[k]));
+      const double fades = std::exp(-(knot_s(k) - knot_s(k - 1)) * loss / stored_j_m2_k);
+      now_k = fades * now_k + (1 - fades) * std::max(heat_w_m2(k), heat_w_m2(k - 1)) / loss;
     };
     // A day that has repeated for ever, by its second time.
     for (std::size_t k = 1; k <= knots_.day_intervals; ++k) go_on(k);

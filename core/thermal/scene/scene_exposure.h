@@ -80,8 +80,13 @@ class SceneExposure {
   //   kelvin  [knot] of the facet's front
   [[nodiscard]] std::vector<double> uneven_k(std::uint32_t facet,
                                              std::span<const float> kelvin) const;
+  // What a facet's temperature at a knot may be off by because few rays say what arrives from what
+  // they are aimed at: against the same, for as long as it takes.
+  [[nodiscard]] double aimed_k(std::size_t k, std::uint32_t facet, double kelvin) const;
 
  private:
+  // By how much more a face loses that is a kelvin warmer, at least.
+  [[nodiscard]] double loss_w_m2_k(std::size_t k, std::uint32_t face, double kelvin) const;
   // Coordinates are known to a part of the target's size.
   [[nodiscard]] double touching_m() const;
   [[nodiscard]] double surface_z_m() const;

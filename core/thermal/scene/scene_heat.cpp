@@ -235,7 +235,9 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
     const std::vector<double> uneven_k = fine_exposure.uneven_k(f, of_facet);
     for (std::size_t o = 0; o < outputs; ++o) {
       const std::size_t k = request.output_knot[o];
-      double error = left_out_k[f] + fine.error_k(f) + fine.left_k() + difference_k(f, k) +
+      const double by_rays_k = fine_exposure.aimed_k(k, f, static_cast<double>(out.kelvin[o][f]));
+      double error = left_out_k[f] + fine.error_k(f) + fine.left_k() +
+                     std::max(difference_k(f, k), by_rays_k) +
                      std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f]));
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
         error += 0.5 * std::abs(static_cast<double>(out.kelvin[o][f] - fine.kelvin(k, back)));

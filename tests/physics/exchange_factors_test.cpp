@@ -1,0 +1,112 @@
+// Exchange factors of faces, and what they have of the sun.
+#include "core/thermal/scene/exchange_factors.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/thermal/scene/sun_visibility.h"
+#include "heat_scene.h"
+
+namespace irsig {
+namespace {
+
+TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
+  // A large ground below a small box: one facet of the ground meets the box with a few rays.
+  Mesh mesh = plate("ground", {-20, -20, 1}, {0, 40, 0}, {40, 0, 0}, 3);
+  append(mesh, generated("box", 48));
+  const Target target = target_of(mesh, {part("ground", true), part("box")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  ASSERT_EQ(faces.size(), faces.fronts + 18);
+  const ExchangeFactors f = exchange_factors(target, faces, {.rays = 256, .surface_z_m = INFINITY});
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    double sum = static_cast<double>(f.sky[i]) + static_cast<double>(f.lower[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k) {
+      const double there = faces.area_m2[i] * static_cast<double>(f.share[k]);
+      sum += static_cast<double>(f.share[k]);
+      const auto begin = f.to.begin() + static_cast<std::ptrdiff_t>(f.first[f.to[k]]),
+                 end = f.to.begin() + static_cast<std::ptrdiff_t>(f.first[f.to[k] + 1]);
+      const auto found = std::find(begin, end, i);
+      ASSERT_NE(found, end);
+      const double back =
+          faces.area_m2[f.to[k]] *
+          static_cast<double>(f.share[static_cast<std::size_t>(found - f.to.begin())]);
+      EXPECT_NEAR(there, back, 1e-5 * there);
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+  }
+}
+
+// A box that stands in a plate, its lower half below: what of the plate lies inside it does not
+// count, and the rest of the plate sees what it would see of a box on the plate.
+TEST(ExchangeFactors, PlacesInsideABodyDoNotCount) {
+  Mesh mesh = plate("plate", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1);
+  Mesh box = generated("box", 12, 0, 2, 2, 2);
+  box = named(std::move(box), "box");
+  append(mesh, box);
+  const Target target = target_of(mesh, {part("plate"), part("box")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = 4096, .surface_z_m = INFINITY});
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(f.exposed[i], 0.75, 0.02);
+    double sum = static_cast<double>(f.sky[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k)
+      sum += static_cast<double>(f.share[k]);
+    EXPECT_NEAR(sum, 1, 1e-6);
+  }
+}
+
+// A hot block on a deck: what of the deck lies below it is as if it were not there.
+TEST(ExchangeFactors, WhatIsHiddenExchangesNothing) {
+  Mesh mesh = plate("deck", {-4, -4, 0}, {0, 8, 0}, {8, 0, 0}, 8);
+  Mesh block = generated("box", 48, 0, 4, 4, 1);
+  for (auto& v : block.vertex) v.z -= 0.5;
+  block = named(std::move(block), "block");
+  append(mesh, block);
+  const Target target = target_of(mesh, {part("deck"), part("block")});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = 1024, .surface_z_m = INFINITY});
+  int hidden = 0;
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    double to_others = 0, sum = static_cast<double>(f.sky[i]) + static_cast<double>(f.lower[i]);
+    for (std::size_t k = f.first[i]; k < f.first[i + 1]; ++k) {
+      sum += static_cast<double>(f.share[k]);
+      to_others += f.to[k] != i ? static_cast<double>(f.share[k]) : 0;
+    }
+    EXPECT_NEAR(sum, 1, 1e-6);
+    if (f.exposed[i] > 0) continue;
+    ++hidden;
+    EXPECT_EQ(to_others, 0);
+  }
+  EXPECT_GE(hidden, 32) << "the deck's facets below the block";
+}
+
+TEST(SunVisibility, HalfOfAPlateInTheShadow) {
+  // A wall of height 1 beside a plate; the sun stands 45 deg high behind the wall, whose shadow is
+  // 1 long.
+  Mesh mesh = plate("floor", {0, 0, 0}, {0, 2, 0}, {2, 0, 0}, 1);
+  append(mesh, plate("wall", {0, -5, 0}, {0, 12, 0}, {0, 0, -1}, 1));
+  const Target target = target_of(mesh, {part("floor"), part("wall", true)});
+  const ThermalFaces faces = make_thermal_faces(target);
+  const double s = std::sqrt(0.5);
+  double mean = 0, area = 0;
+  for (std::uint64_t seed = 1; seed <= 64; ++seed) {
+    std::vector<float> lit(faces.size());
+    sun_visibility(target, faces, {{-s, 0, -s}, 0.0047},
+                   {.points = 16, .seed = seed, .surface_z_m = INFINITY}, lit);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      mean += faces.area_m2[i] * static_cast<double>(lit[i]);
+      area += faces.area_m2[i];
+    }
+    // The wall's side that faces the sun has all of it.
+    for (std::uint32_t i = 2; i < faces.size(); ++i)
+      EXPECT_NEAR(lit[i], faces.is_back(i) ? 0 : s, 1e-5);
+  }
+  EXPECT_NEAR(mean / area, 0.5 * s, 0.01);
+}
+
+}  // namespace
+}  // namespace irsig
