@@ -104,6 +104,19 @@ TEST_F(BandSum, SmoothSpectraHaveSmallBounds) {
   }
 }
 
+// The first and the last bin have one neighbour.
+TEST_F(BandSum, LinesInTheOutermostBinsAreCovered) {
+  for (const double line : {2.983, 3.017, 4.983, 5.017}) {
+    const auto spectrum = [&](double um) {
+      const double x = (um - line) / 0.003;
+      return 1 + 20 * std::exp(-x * x);
+    };
+    const Off found = off(spectrum, line < 4 ? window(3, 3.225) : window(4.775, 5));
+    EXPECT_GT(found.off, 0.03) << line;
+    EXPECT_LE(found.off, found.bound) << line;
+  }
+}
+
 TEST_F(BandSum, WholeBinsAreExact) {
   const auto jagged = [](double um) { return 1 + std::abs(std::sin(40 * um)); };
   const Off found = off(jagged, window(3.175, 4.025));
