@@ -18,6 +18,8 @@ constexpr std::size_t kFewestSamples = 6;
 constexpr std::size_t kNeighbours = 48;
 constexpr std::size_t kKernelSamples = 150;
 constexpr std::size_t kResiduals = 12;
+// Those around a direction: what kinks near it shows in some of them only.
+constexpr std::size_t kNearResiduals = 6;
 // How far from the nearest viewpoint the edge of a set may be: the lowest zone of a Fibonacci
 // hemisphere has directions at 1.16 spacings.
 constexpr double kEdgeSpacings = 1.25;
@@ -224,13 +226,15 @@ SphereEstimate SphereFit::estimate(const std::vector<double>& value,
   const double variance = std::max(0.0, inner(projected, value)) / static_cast<double>(n - 1);
   if (variance == 0) return out;
   // Leave-one-out residual of sample j: projected_j / Q_jj, with standard deviation s / sqrt(Q_jj).
+  double mean_square = 0, worst_near = 0;
   const std::size_t residuals = std::min(n, kResiduals);
-  double misfit = 0;
   for (std::size_t j = 0; j < residuals; ++j) {
-    misfit += projected[j] * projected[j] / (projector_[j * n + j] * variance);
+    const double square = projected[j] * projected[j] / (projector_[j * n + j] * variance);
+    mean_square += square / static_cast<double>(residuals);
+    if (j < kNearResiduals) worst_near = std::max(worst_near, square);
   }
-  misfit = std::sqrt(misfit / static_cast<double>(residuals));
-  out.interpolation_error = std::sqrt(variance * variance_factor_) * std::max(1.0, misfit);
+  out.interpolation_error =
+      std::sqrt(variance * variance_factor_ * std::max({1.0, mean_square, worst_near}));
   return out;
 }
 

@@ -38,13 +38,15 @@ struct SphereEstimate {
 //   error = s sqrt(1 - k' C^-1 k + (1 - 1' C^-1 k)^2 / 1' C^-1 1 - w' diag(stderr^2) w / s^2)
 //
 // with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter; the error is multiplied by
-// the rms of the standardized leave-one-out residuals of the nearest samples where that exceeds 1.
+// the rms of the standardized leave-one-out residuals of the 12 nearest samples, or by the largest
+// of the 6 nearest, where that exceeds 1.
 //
 // Accuracy (tests/unit/interpolate_test.cpp: 400 directions, 8 fields with 24 to 800 viewpoints on
-// a hemisphere): the error covers the true difference in 75-100 % of the directions at one sigma,
-// in 96-100 % at two; held-out viewpoints of a box-like ship: 94 % at two. Its intensity at 191
+// a hemisphere): the error covers the true difference in 81-100 % of the directions at one sigma,
+// in 98-100 % at two; held-out viewpoints of a box-like ship: 97 % at two. Its intensity at 191
 // viewpoints: 0.5 % rms. Limits: features narrower than the spacing (glints) are seen neither by
-// the value nor by its error.
+// the value nor by its error; at a cusp (a cylinder seen along its axis) the difference is some
+// errors.
 class SphereFit {
  public:
   // The kernel of greatest restricted likelihood (of at most 150 samples, taken evenly). At least 6
