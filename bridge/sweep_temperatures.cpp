@@ -245,6 +245,7 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
                                                           const HeatOutputs& heat, const Mesh& mesh,
                                                           const std::vector<PartSpec>& parts) {
   SweepTemperatures out;
+  if (sweep.condition().empty()) return out;  // a goniometer's: what is measured may not be made yet
   const auto of_groups = part_of_groups(mesh, parts);
   if (!of_groups.ok()) return of_groups.status();
   std::vector<std::uint32_t> part_of_facet;

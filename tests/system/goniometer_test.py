@@ -189,6 +189,21 @@ class Goniometer(unittest.TestCase):
         return [(float(row["intensity_w_sr"]), float(row["numerical_error_w_sr"]))
                 for row in csv.DictReader(io.StringIO(done.stdout))]
 
+    def test_the_examples_run(self):
+        """The files that README names, with few rays and views: grains are parts that no model file has."""
+        examples = sorted((pathlib.Path(__file__).parents[2] / "jobs/examples").glob("goniometer_*.toml"))
+        self.assertEqual(len(examples), 2)
+        for example in examples:
+            text = example.read_text()
+            for key, value in (("samples_per_replicate", "8"), ("zenith_step_deg", "40"), ("azimuth_step_deg", "90")):
+                text, count = re.subn(rf"(?m)^{key} = .*", f"{key} = {value}", text)
+                self.assertEqual(count, 1, key)
+            text = re.sub(r"(?m)^coverage = .*", "coverage = [0.3]", text)
+            spec = self.path / example.name
+            spec.write_text(text)
+            irsig("goniometer", spec, "--out", self.path / example.stem)
+            self.assertGreater(len(table(self.path / example.stem / "brdf.csv")), 8)
+
     def test_a_measured_plate_is_the_plate(self):
         """Rationale: the goniometer's material is a material: a target made of it must look like what was measured.
         Expected: the in-band intensity of a disk of the tabulated BRDF of a bare diffuse plate, in the sun and under a
