@@ -73,7 +73,14 @@ absl::StatusOr<Mesh> cut(Mesh mesh, const schema::Sweep& sweep, std::vector<CutV
     mesh = cut_at_surface(mesh, kTouching * size_m(mesh), made);
   if (!sweep.heat().has_element_size_m()) return mesh;
   auto out = cut_long_edges(mesh, sweep.heat().element_size_m(), kMostElements, made);
-  return out.ok() ? out : absl::StatusOr<Mesh>(at("heat.element_size_m", out.status()));
+  if (out.ok()) return out;
+  return at(
+      "heat.element_size_m",
+      absl::InvalidArgumentError(absl::StrCat(
+          out.status().message(), "; the model is ", absl::SixDigits(size_m(mesh)), " m large",
+          sweep.model().has_file()
+              ? absl::StrCat(": is model.unit_m = ", sweep.model().unit_m(), " right?")
+              : "")));
 }
 
 }  // namespace

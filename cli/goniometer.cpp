@@ -114,17 +114,14 @@ class GoniometerCommand {
       return absl::InvalidArgumentError(absl::StrCat(spec_path, ": ", text.status().message()));
     auto file = parse_goniometer(*text, spec_path);
     if (!file.ok()) return file.status();
-    const auto beside = [&](const std::string& name) {
-      return (fs::path(spec_path).parent_path() / name).string();
-    };
     const auto read_table = [&](const std::string& name) {
-      return read_user_file(beside(name), kMostTableBytes);
+      return read_file_beside(spec_path, name, kMostTableBytes);
     };
     if (const auto status = read_material_files(file->scene, read_table); !status.ok())
       return status;
     std::string model_bytes;
     if (file->spec.model().has_file()) {
-      auto bytes = read_user_file(beside(file->spec.model().file()), kMostModelBytes);
+      auto bytes = read_file_beside(spec_path, file->spec.model().file(), kMostModelBytes);
       if (!bytes.ok())
         return absl::InvalidArgumentError(absl::StrCat(file->scene.location("model.file"),
                                                        ": model.file \"", file->spec.model().file(),

@@ -1,15 +1,26 @@
 #include <cstdio>
+#include <regex>
 #include <string>
 
 #include "cli/commands.h"
 #include "view/print.h"
 
 namespace irsig {
+namespace {
+
+// "sweep.toml:12:3: ...", as editors look for it.
+bool begins_with_place(const std::string& text) {
+  static const std::regex kPlace("^[^:\n]+:[0-9]+:[0-9]+: ");
+  return std::regex_search(text.substr(0, text.find('\n') + 1), kPlace);
+}
+
+}  // namespace
 
 int report(const absl::Status& status) {
   if (status.ok()) return 0;
   std::fflush(stdout);
-  print_note("irsig: {}\n", std::string(status.message()));
+  const std::string text(status.message());
+  print_note("{}{}\n", begins_with_place(text) ? "" : "irsig: ", text);
   switch (status.code()) {
     case absl::StatusCode::kInvalidArgument:
     case absl::StatusCode::kNotFound:

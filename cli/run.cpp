@@ -34,6 +34,7 @@ struct RunAsked {
   std::uint32_t workers = 0;
   AccuracyAsked accuracy;
   bool resume = false;
+  bool replace = false;
   bool plan = false;
   std::string launcher = "local";
   SlurmPlan slurm;
@@ -200,9 +201,10 @@ absl::Status print_profiles(const schema::ResolvedSweep& sweep, const std::strin
   return absl::OkStatus();
 }
 
-// How many stored rows of the sweep are of another version of it.
-absl::Status say_what_is_replaced(const std::string& db_path, const schema::ResolvedSweep& sweep) {
-  auto reader = StoreReader::open(db_path);
+// How many stored rows of the sweep are of another version of it, which go as soon as new ones
+// come: that is the user's to decide.
+absl::Status check_what_is_replaced(const RunAsked& asked, const schema::ResolvedSweep& sweep) {
+  auto reader = StoreReader::open(asked.db_path);
   if (!reader.ok()) return reader.status();
   const std::string& name = sweep.sweep().name();
   const auto rows = (*reader)->rows_of_jobs(name);
@@ -221,9 +223,15 @@ absl::Status say_what_is_replaced(const std::string& db_path, const schema::Reso
     stored += count;
     if (!keys.contains(key)) replaced += count;
   }
-  if (replaced > 0)
-    print_note("irsig: the sweep \"{}\" has changed: {} of its {} stored rows will be replaced\n",
-               name, replaced, stored);
+  if (replaced == 0) return absl::OkStatus();
+  const std::string changed = fmt::format("the sweep \"{}\" has changed: {} of its {} stored rows ",
+                                          name, replaced, stored);
+  if (!asked.replace)
+    return absl::InvalidArgumentError(
+        absl::StrCat(asked.db_path, ": ", changed,
+                     "would be replaced: add --replace if they may go, or give another --db, or "
+                     "the sweep another name"));
+  print_note("irsig: {}will be replaced\n", changed);
   return absl::OkStatus();
 }
 
@@ -282,6 +290,8 @@ absl::Status run_sweep(RunAsked asked) {
     const auto kept = shortfall(**reader, name);
     if (!kept.ok()) return kept.status();
     print_text("{}: complete already, nothing to compute{} -> {}\n", name, *kept, asked.db_path);
+    if (asked.plan)
+      print_note("irsig: note: --plan predicts what is to compute: nothing is predicted here\n");
     return print_profiles(loaded->resolved, asked.db_path);
   }
   if (has_time_budget(loaded->resolved)) {
@@ -297,7 +307,7 @@ absl::Status run_sweep(RunAsked asked) {
     print_note("irsig: {}\n", prediction_line(predicted));
     prediction = as_message(predicted);
   }
-  if (auto said = say_what_is_replaced(asked.db_path, loaded->resolved); !said.ok()) return said;
+  if (auto may = check_what_is_replaced(asked, loaded->resolved); !may.ok()) return may;
   hear_interruptions();
   const auto reply =
       submit(farm.address(), loaded->resolved, loaded->assets,
@@ -329,6 +339,8 @@ void add_run(CLI::App& app, int& exit_code) {
   command->add_flag("--plan", asked->plan,
                     "predict the time first and store the prediction for `irsig report`");
   command->add_flag("--resume", asked->resume, "go on with what the database holds unfinished");
+  command->add_flag("--replace", asked->replace,
+                    "rows of an earlier version of this sweep may be replaced");
   command
       ->add_option("--launcher", asked->launcher,
                    "where workers run: on this machine (local), or as a job array of Slurm")

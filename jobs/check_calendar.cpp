@@ -124,6 +124,26 @@ void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Con
                                   elevation_deg > 0 ? "above" : "below", " the horizon"));
 }
 
+// An offset from UTC that is another longitude's: no zone of the world is 3 hours off its sun.
+void check_offset(schema::ResolvedSweep& resolved, const schema::Condition& condition) {
+  constexpr double kFurthestH = 3;
+  const schema::Sweep& sweep = resolved.sweep();
+  const std::string text = time_text(sweep, condition);
+  const std::size_t sign = text.find_last_of("+-");
+  if (sign == std::string::npos || text.size() != sign + 6) return;  // "Z": no clock's time
+  const double offset_h = (text[sign] == '-' ? -1 : 1) * (std::atof(text.c_str() + sign + 1) +
+                                                          std::atof(text.c_str() + sign + 4) / 60);
+  const double longitude_deg = sweep.place().longitude_deg();
+  const double ahead_h = std::remainder(offset_h - longitude_deg / 15, 24);
+  if (offset_h == 0 || std::abs(ahead_h) <= kFurthestH) return;
+  warn_season(resolved, static_cast<int>(condition.season_index()),
+              absl::StrCat(time_path(sweep, condition), " = \"", text, "\" is ",
+                           std::abs(std::round(10 * ahead_h) / 10), " h ",
+                           ahead_h > 0 ? "ahead of" : "behind",
+                           " the sun at place.longitude_deg = ", longitude_deg,
+                           ": east of Greenwich is positive, and so are the offsets there"));
+}
+
 // Waves that stand in the sun of others are left out; of the glitter below this their share is a
 // fifth and more (glint_model_relative, 5 m/s).
 constexpr double kGrazingGlitterDeg = 5;
@@ -202,6 +222,7 @@ void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
   for (schema::Condition& condition : *resolved.mutable_condition()) {
     const double elevation_deg = sun_there(resolved.sweep().place(), condition).elevation_deg;
     check_low_sun(resolved.sweep(), condition, elevation_deg);
+    check_offset(resolved, condition);
     highest_deg = std::max(highest_deg, elevation_deg);
     check_hour_in_name(resolved, condition, elevation_deg, findings);
   }

@@ -235,6 +235,8 @@ class Expansion {
   explicit Expansion(SweepFile& file) : file_(file), sweep_(file.sweep), findings_(file) {}
 
   absl::Status run() {
+    check_seasons();
+    if (!findings_.empty()) return findings_.status();
     if (sweep_.condition_size() == 0 && !sweep_.has_condition_file() && !sweep_.has_weather() &&
         !sweep_.has_vary())
       return absl::OkStatus();
@@ -248,6 +250,21 @@ class Expansion {
   }
 
  private:
+  // Conditions, which are written out as seasons, have these keys as well.
+  void check_seasons() {
+    for (int i = 0; i < sweep_.season_size(); ++i) {
+      const std::string path = absl::StrCat("season[", i, "]");
+      if (file_.written_as.contains(path)) continue;  // a condition that is written out already
+      const SectionCheck check(sweep_.season(i), path, findings_);
+      if (check.has("time"))
+        check.error("time",
+                    "does not apply: all seasons have the times of day of the sweep, expected "
+                    "time = [\"06:00+02:00\", ...] at the top of the file, or a [[condition]]");
+      if (check.has("season"))
+        check.error("season", "does not apply, expected it in [[condition]] alone");
+    }
+  }
+
   std::vector<Written> seasons() {
     Written weather;
     if (sweep_.has_weather()) {
@@ -262,9 +279,6 @@ class Expansion {
     std::vector<Written> out;
     for (int i = 0; i < sweep_.season_size(); ++i) {
       const std::string path = absl::StrCat("season[", i, "]");
-      const SectionCheck check(sweep_.season(i), path, findings_);
-      for (const char* key : {"time", "season"})
-        if (check.has(key)) check.error(key, "does not apply, expected it in [[condition]] alone");
       out.push_back(overlaid(weather, {sweep_.season(i), below(file_, path), path}));
     }
     if (out.empty()) base_ = weather;

@@ -108,7 +108,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"BuildUp.inside_heat_flux_w_m2", -1e7, 1e7, "a flame's"},
     {"InsideAt.temperature_k", 100, 5000, "rooms, tanks and machines"},
     {"InsideAt.heat_flux_w_m2", -1e7, 1e7, "a flame's"},
-    {"Layer.thickness_m", 1e-9, 1e6,
+    {"Layer.thickness_m", 1e-9, 100,
      "a layer without thickness is left out; soil as deep as heat goes in a lifetime"},
     {"Layer.conductivity_w_m_k", 0, 1e12, "0 is insulation"},
     {"Layer.density_kg_m3", 0, 1e9, "0 stores no heat"},
@@ -388,6 +388,11 @@ std::string other_unit(std::string_view key, double value, const NumberBounds& b
     return if_inside(100 * value, "hPa", "Pa");
   if (key.ends_with("visibility_m") && value < bounds.least)
     return if_inside(1000 * value, "km", "m");
+  if (key.ends_with("thickness_m") && value > bounds.most)
+    return if_inside(1e-3 * value, "mm", "m");
+  if (key.ends_with("relative_error") && value > bounds.most)
+    return absl::StrCat("; is it in percent? ", number_text(value), " % are ",
+                        number_text(0.01 * value));
   return "";
 }
 

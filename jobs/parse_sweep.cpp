@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "jobs/nearest_name.h"
+#include "jobs/number_bounds.h"
 #include "jobs/section_check.h"
 #include "jobs/sweep_file.h"
 #include "jobs/toml_nesting.h"
@@ -296,8 +297,12 @@ class Filler {
       wrong_type(node, path, what_is_expected(field));
       return std::nullopt;
     }
-    findings_.add(
-        path, absl::StrCat(path, " = ", found, ", expected a whole number from 0 to ", largest));
+    const NumberBounds& bounds =
+        bounds_of(absl::StrCat(field.containing_type()->name(), ".", field.name()));
+    findings_.add(path, absl::StrCat(path, " = ", found, ", expected a whole number ",
+                                     bounds.most < static_cast<double>(largest)
+                                         ? text_of(bounds)
+                                         : absl::StrCat("from 0 to ", largest)));
     return std::nullopt;
   }
 

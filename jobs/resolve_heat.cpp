@@ -79,6 +79,13 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
     findings.add("heat",
                  "[heat] needs [place], expected latitude_deg, longitude_deg and heading_deg: "
                  "temperatures depend on where the sun stands");
+  for (int p = 0; p < sweep.part_size(); ++p)
+    if (sweep.part(p).has_build_up() && sweep.part(p).has_temperature_k()) {
+      const std::string path = absl::StrCat("part[", p, "].build_up");
+      findings.add(path, absl::StrCat(path,
+                                      " stands beside temperature_k, which would be taken: "
+                                      "expected only one of the two"));
+    }
   bool any = false;
   for (int s = 0; s < sweep.season_size(); ++s) {
     const std::vector<int> parts = computed_parts(sweep, sweep.season(s));

@@ -208,7 +208,8 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
   std::vector<std::string> said;
   if (!sweep.has_surroundings() && !any.has_kind()) {
     findings.add("surroundings",
-                 absl::StrCat("[surroundings] is missing, expected kind = \"sea\" or \"",
+                 absl::StrCat("[surroundings] is missing, expected kind = \"sea\"",
+                              sweep.has_air() ? "" : ", \"ground\"", " or \"",
                               atmosphere ? "ground" : "none", "\" and what belongs to it"));
     return complete;
   }

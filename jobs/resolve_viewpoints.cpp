@@ -154,6 +154,8 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   const bool sea = anywhere(sweep, "sea"), ground = anywhere(sweep, "ground");
   std::map<std::tuple<double, double, double>, std::size_t> seen;
   const std::vector<Viewpoint> views = expanded(set);
+  std::size_t below = 0;  // the surface; the first of them
+  std::string first_below, text_below;
   for (std::size_t i = 0; i < views.size(); ++i) {
     Viewpoint view = views[i];
     view.aspect_azimuth_deg = normalized_azimuth_deg(view.aspect_azimuth_deg);
@@ -169,17 +171,21 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
                                       ", expected different ones"));
     }
     // A millimetre of tolerance: elevation 0 is at the sea's height at any range.
-    if (sea && height_above_surface_m(view) < -1e-3) {
-      findings.add(path, absl::StrCat(what, " lies under water, expected a sensor above the sea"));
-    }
-    if (ground && height_above_surface_m(view) < -1e-3) {
-      findings.add(path, absl::StrCat(what, " lies under the ground, expected a sensor above it"));
+    if ((sea || ground) && height_above_surface_m(view) < -1e-3 && ++below == 1) {
+      first_below = path;
+      text_below = absl::StrCat(what, sea ? " lies under water" : " lies under the ground");
     }
     schema::Viewpoint& out = *resolved.add_viewpoint();
     out.set_aspect_azimuth_deg(view.aspect_azimuth_deg);
     out.set_aspect_elevation_deg(view.aspect_elevation_deg);
     out.set_range_m(view.range_m);
   }
+  if (below == 0) return;
+  const bool spread = set.kind() == "fibonacci" && first_below == "viewpoints";
+  findings.add(spread && set.has_elevation_min_deg() ? "viewpoints.elevation_min_deg" : first_below,
+               absl::StrCat(text_below, below > 1 ? absl::StrCat(", and ", below - 1, " more") : "",
+                            ", expected sensors above ", sea ? "the sea" : "it",
+                            spread ? ": a larger elevation_min_deg" : ""));
 }
 
 }  // namespace irsig

@@ -91,8 +91,7 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   if (!file.ok()) return file.status();
   const auto reader = [&](std::uint64_t most_bytes) {
     return [&path, most_bytes](const std::string& name) {
-      return read_user_file((std::filesystem::path(path).parent_path() / name).string(),
-                            most_bytes);
+      return read_file_beside(path, name, most_bytes);
     };
   };
   for (const auto read : {read_material_files, read_weather_files})
@@ -129,12 +128,11 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   }
   std::string model_bytes;
   if (loaded.file.sweep.model().has_file()) {
-    const std::filesystem::path model = loaded.file.sweep.model().file();
-    auto bytes = read_user_file((std::filesystem::path(path).parent_path() / model).string(),
-                                kMostModelBytes);
+    const std::string& model = loaded.file.sweep.model().file();
+    auto bytes = read_file_beside(path, model, kMostModelBytes);
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
-                                                     ": model.file \"", model.string(),
+                                                     ": model.file \"", model,
                                                      "\": ", bytes.status().message()));
     }
     model_bytes = *std::move(bytes);

@@ -86,6 +86,25 @@ StoredPixels coarser(const StoredPixels& fine, std::uint32_t side) {
   return out;
 }
 
+// Of the pixels that the target covers: those with no path beside them may be covered in part, and
+// are dark for it. If there are none but those, of all.
+absl::StatusOr<ColorRange> own_range(const FalseColorPicture& picture) {
+  const auto at = [&](std::uint32_t x, std::uint32_t y) {
+    return picture.value[static_cast<std::size_t>(y) * picture.width_px + x];
+  };
+  const auto covered = [&](std::uint32_t x, std::uint32_t y) {
+    for (std::uint32_t v = y - 1; v <= y + 1; ++v)
+      for (std::uint32_t u = x - 1; u <= x + 1; ++u)
+        if (std::isnan(at(u, v))) return false;
+    return true;
+  };
+  std::vector<float> inside;
+  for (std::uint32_t y = 1; y + 1 < picture.height_px; ++y)
+    for (std::uint32_t x = 1; x + 1 < picture.width_px; ++x)
+      if (covered(x, y)) inside.push_back(at(x, y));
+  return range_of(inside.empty() ? picture.value : inside);
+}
+
 }  // namespace
 
 absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Query& query,
@@ -125,14 +144,14 @@ absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Qu
   const double in_each = paths * side * side;
   out.subtitle = fmt::format(
       "Radiance at the target, without the air; {:.3g} paths in a pixel, about {:.2g} % of noise. "
-      "Grey: no path",
+      "Grey: no path; edges are covered in part",
       in_each, 100 / std::sqrt(in_each));
   out.width_px = pixels.width_px;
   out.height_px = pixels.height_px;
   out.value = std::move(pixels.radiance_w_m2_sr);
   for (float& v : out.value)
     if (v == 0) v = std::numeric_limits<float>::quiet_NaN();
-  const auto own = range_of(out.value);
+  const auto own = own_range(out);
   if (!own.ok()) return own.status();
   out.range = range.value_or(*own);
   out.axis = bar_axis("In-band radiance in W/(m\u00b2 sr)", out.range);

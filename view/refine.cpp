@@ -76,6 +76,15 @@ struct Before {
   SphereKernel kernel;
 };
 
+// A viewpoint that is no farther away is this direction's own.
+constexpr double kOfItsOwn = 1e-3;
+
+double nearest_chord(const SphereSamples& samples, Vec<Body> where) {
+  double out = 2;
+  for (const Vec<Body>& d : samples.direction) out = std::min(out, chord(d, where));
+  return out;
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -139,7 +148,8 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool i
     for (std::size_t d = 0; d < where.size(); ++d) {
       Worst w{0, 0, d};
       // At the edge of closer viewpoints it is no longer between them: it needs one of its own.
-      const bool lost = round > 0 && !uncovered(samples.front(), where[d]).empty();
+      const bool lost = round > 0 && !uncovered(samples.front(), where[d]).empty() &&
+                        nearest_chord(samples.front(), where[d]) > kOfItsOwn;
       for (std::size_t f = 0; f < samples.size(); ++f) {
         const Before& b = before[d][f];
         double now = b.relative_error;
@@ -169,11 +179,12 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool i
     if (above == 0 || out.add.size() >= most || round == kRounds) break;
     // One viewpoint answers for what lies around it; the rest is seen in the next round.
     std::vector<Vec<Body>> taken;
-    const std::vector<Vec<Body>> known = samples.front().direction;
+    const SphereSamples known = samples.front();
     for (std::size_t k = 0; k < above && out.add.size() < most; ++k) {
       const Vec<Body> at = where[worst[k].direction];
-      double nearest = 2;
-      for (const Vec<Body>& d : known) nearest = std::min(nearest, chord(d, at));
+      const double nearest = nearest_chord(known, at);
+      if (nearest <= kOfItsOwn)
+        continue;  // what is left is noise: another one beside it is no help
       if (std::any_of(taken.begin(), taken.end(),
                       [&](Vec<Body> other) { return chord(other, at) < 1.5 * nearest; }))
         continue;
@@ -187,6 +198,7 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool i
         samples[f].value_stderr.push_back(usual);
       }
     }
+    if (taken.empty()) break;
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "absl/strings/str_cat.h"
 
@@ -88,6 +89,15 @@ absl::StatusOr<std::string> read_user_file(const std::string& path, std::uint64_
     return absl::InvalidArgumentError(
         absl::StrCat("has more than ", most_bytes, " bytes, expected at most so many"));
   return bytes;
+}
+
+absl::StatusOr<std::string> read_file_beside(const std::string& naming_file,
+                                             const std::string& name, std::uint64_t most_bytes) {
+  const std::filesystem::path folder = std::filesystem::path(naming_file).parent_path();
+  auto bytes = read_user_file((folder / name).string(), most_bytes);
+  if (bytes.ok() || folder.empty() || std::filesystem::path(name).is_absolute()) return bytes;
+  return absl::InvalidArgumentError(
+      absl::StrCat(bytes.status().message(), " (looked for beside ", naming_file, ")"));
 }
 
 absl::StatusOr<std::string> front_of_user_file(const std::string& path, std::uint64_t bytes) {

@@ -21,6 +21,12 @@ inline constexpr std::uint64_t kMostModelBytes = 1'000'000'000;  // what a coord
 [[nodiscard]] absl::StatusOr<std::string> read_user_file(const std::string& path,
                                                          std::uint64_t most_bytes);
 
+// The same of a file that another one names: relative to the folder of that one, which an error
+// says.
+[[nodiscard]] absl::StatusOr<std::string> read_file_beside(const std::string& naming_file,
+                                                           const std::string& name,
+                                                           std::uint64_t most_bytes);
+
 // The first bytes of such a file, at most so many, whatever its size.
 [[nodiscard]] absl::StatusOr<std::string> front_of_user_file(const std::string& path,
                                                              std::uint64_t bytes);

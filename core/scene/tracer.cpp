@@ -45,6 +45,7 @@ constexpr float kCapReach = 0x1p-20f;
 // passes an edge outside by 2^-23 of its height; the rest is for neighbours of different size.
 constexpr float kNearEdge = 0x1p-14f;
 constexpr double kSameDistance = 0x1p-16;
+constexpr float kFarM = 256;     // beyond, distances are known to 0.1 mm at best
 constexpr double kNeedle = 256;  // longest side over height
 
 struct Guard {
@@ -98,6 +99,14 @@ bool all_miss(const RayPacket& p) {
   return all == ~std::uint64_t{0};
 }
 
+float radius_of(const std::vector<float>& vertex) {
+  float squared = 0;
+  for (std::size_t i = 0; i + 2 < vertex.size(); i += 3)
+    squared = std::max(squared, vertex[i] * vertex[i] + vertex[i + 1] * vertex[i + 1] +
+                                    vertex[i + 2] * vertex[i + 2]);
+  return std::sqrt(squared);
+}
+
 class EmbreeTracer final : public Tracer {
  public:
   EmbreeTracer(RTCDevice device, RTCScene scene, std::vector<float> vertex,
@@ -109,6 +118,7 @@ class EmbreeTracer final : public Tracer {
         triangle_(std::move(triangle)),
         guard_(std::move(guard)),
         same_corners_(std::move(same_corners)),
+        is_large_(radius_of(vertex_) > 0.5f * kFarM),
         takes_sixteen_(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) !=
                        0) {}
   ~EmbreeTracer() override {
@@ -147,6 +157,7 @@ class EmbreeTracer final : public Tracer {
     float end[16];
     std::memcpy(end, packet.tfar, sizeof(end));
     rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
+    if (is_large_) look_again(packet, count, context);
     if (guard_ == nullptr || all_miss(packet)) return;
     Sides sides;
     find_sides(packet, sides);
@@ -206,6 +217,49 @@ class EmbreeTracer final : public Tracer {
     for (int i = count; i < RayPacket::kSize; ++i) {
       p.tnear[i] = 0;
       p.tfar[i] = -1;
+    }
+  }
+
+  // Of surfaces that are closer to each other than a distance from afar is known, the nearer one:
+  // by rays that begin shortly before what was met.
+  void look_again(RayPacket& p, int count, RTCIntersectContext& context) const {
+    constexpr double kBefore = 0x1p-14;  // of the distance: hundreds of its roundings
+    alignas(64) int valid[16] = {};
+    RayPacket near{};
+    double before[16];
+    bool any = false;
+    for (int i = 0; i < RayPacket::kSize; ++i) {
+      near.tfar[i] = -1;
+      if (i >= count || p.geometry[i] != kFacets) continue;
+      const Point3 d = direction_of(p, i), from = origin_of(p, i);
+      const double t = static_cast<double>(p.tfar[i]), start = t * (1 - kBefore);
+      if (t * std::hypot(d[0], d[1], d[2]) < kFarM || start < static_cast<double>(p.tnear[i]))
+        continue;
+      before[i] = start;
+      valid[i] = -1;
+      any = true;
+      near.org_x[i] = static_cast<float>(from[0] + start * d[0]);
+      near.org_y[i] = static_cast<float>(from[1] + start * d[1]);
+      near.org_z[i] = static_cast<float>(from[2] + start * d[2]);
+      near.dir_x[i] = p.dir_x[i];
+      near.dir_y[i] = p.dir_y[i];
+      near.dir_z[i] = p.dir_z[i];
+      near.tfar[i] = static_cast<float>(2 * kBefore * t);
+      near.mask[i] = p.mask[i];
+      near.triangle[i] = near.geometry[i] = near.instance[i] = RayPacket::kMiss;
+    }
+    if (!any) return;
+    rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&near));
+    for (int i = 0; i < count; ++i) {
+      if (valid[i] == 0 || near.geometry[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      p.tfar[i] = static_cast<float>(before[i] + static_cast<double>(near.tfar[i]));
+      p.triangle[i] = near.triangle[i];
+      p.geometry[i] = near.geometry[i];
+      p.u[i] = near.u[i];
+      p.v[i] = near.v[i];
+      p.normal_x[i] = near.normal_x[i];
+      p.normal_y[i] = near.normal_y[i];
+      p.normal_z[i] = near.normal_z[i];
     }
   }
 
@@ -356,6 +410,7 @@ class EmbreeTracer final : public Tracer {
   mutable std::unique_ptr<ReferenceTracer> exact_;  // made when first asked for
   std::unique_ptr<Guard> guard_;
   SameCorners same_corners_;
+  bool is_large_;  // enough for rays of kFarM
   bool takes_sixteen_;
 };
 
@@ -414,14 +469,6 @@ std::vector<bool> needle_pairs(const VertexFans& fans,
     out[i] = is_needle(pairs[i][0]) || is_needle(pairs[i][1]);
   if (std::find(out.begin(), out.end(), true) == out.end()) out.clear();
   return out;
-}
-
-float radius_of(const std::vector<float>& vertex) {
-  float squared = 0;
-  for (std::size_t i = 0; i + 2 < vertex.size(); i += 3)
-    squared = std::max(squared, vertex[i] * vertex[i] + vertex[i + 1] * vertex[i + 1] +
-                                    vertex[i + 2] * vertex[i + 2]);
-  return std::sqrt(squared);
 }
 
 TracerIsa widest_here() {

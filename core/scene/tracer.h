@@ -66,6 +66,9 @@ struct VertexCounts {
 // exact arithmetic an answer may differ by as much as the ray moved sideways by 2^-20 of the radius
 // does (docs/validation.md, lost and invented hits).
 //
+// Surfaces closer to each other than distances are known (2^-22 of them): beyond 256 m a ray looks
+// again from shortly before what it has met, and so meets the nearer one.
+//
 // Of facets with the same three corners the one that faces the ray is reported, of several that do
 // the first.
 class Tracer {

@@ -497,6 +497,88 @@ TEST(SceneHeat, ShadowsAcrossLargeFacetsAreTheirError) {
   }
 }
 
+// Rationale: a deck of two triangles between red-hot walls is far warmer beside them, and a sensor
+// may
+//   see its middle alone. Expected: what its places differ by, root mean square, is in its error;
+//   under the open sky, where they do not differ, nothing is. Source: the same deck of 288 facets.
+TEST(SceneHeat, WhatHotWallsWarmUnevenlyIsItsError) {
+  constexpr int kFine = 12;
+  const auto scene = [](int n, double wall_m) {
+    Mesh mesh = plate("deck", {-4, -4, 0}, {0, 8, 0}, {8, 0, 0}, n);
+    for (const double side : {-1.0, 1.0})
+      append(mesh, plate(side < 0 ? "port" : "starboard", {-4, 4.01 * side, 0}, {8, 0, 0},
+                         {0, 0, -wall_m}, 4));
+    return target_of(mesh, {part("deck"), part("port", true), part("starboard", true)});
+  };
+  SceneHeatRequest r = steady(290, 330);
+  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
+  r.build_up = {steel(InnerSide::kAdiabatic)};
+  for (const double wall_k : {500.0, 290.0}) {
+    r.part = {
+        {0.7, 0.9, 0u, 0}, {0.7, 0.9, std::nullopt, wall_k}, {0.7, 0.9, std::nullopt, wall_k}};
+    for (const double wall_m : {1.0, 0.3}) {
+      const auto rough = solve_scene_heat(scene(1, wall_m), r),
+                 exact = solve_scene_heat(scene(kFine, wall_m), r);
+      ASSERT_TRUE(rough.ok() && exact.ok());
+      double square = 0;
+      for (std::size_t f = 0; f < 2 * kFine * kFine; ++f) {
+        const std::size_t i = f / 2 / kFine, j = f / 2 % kFine;
+        const std::size_t half = i > j || (i == j && f % 2 == 0) ? 0 : 1;
+        const double off = static_cast<double>(exact->kelvin[1][f] - rough->kelvin[1][half]);
+        square += off * off / (2 * kFine * kFine);
+      }
+      const double error = 0.5 * static_cast<double>(rough->error_k[1][0] + rough->error_k[1][1]);
+      std::printf("walls of %.2f m, %.0f K: inside %.2f K rms, stated %.2f K\n", wall_m, wall_k,
+                  std::sqrt(square), error);
+      EXPECT_LT(std::sqrt(square), 1.5 * error + 0.3);
+      EXPECT_LT(error, 5 * std::sqrt(square) + 0.7);
+      if (wall_k > 400 && wall_m == 1) {
+        EXPECT_GT(std::sqrt(square), 5);
+      }
+    }
+  }
+}
+
+// Rationale: a sheet that conducts badly has two temperatures, and views take one of them for both
+//   sides. Expected: the same one whichever side its facets call their front, and an error that
+//   covers both faces. Source: the balance of each of them, which lie on both sides of it.
+TEST(SceneHeat, OfASheetBothFacesAreWithinItsError) {
+  SceneHeatRequest r = steady(290, 300);
+  for (HeatWeather& w : r.weather) {
+    w.sun = {0, 0, -1};
+    w.before = w.after = {700, 100, 300};
+    w.wind_m_s = 1;
+  }
+  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
+  r.part = {{0.7, 0.9, 0u, 0}};
+  r.build_up = {steel(InnerSide::kOpen)};
+  r.build_up[0].layers = {{0.02, 0.1, 600, 1500}};
+  std::vector<float> kelvin;
+  for (const bool up : {true, false}) {
+    const Vec<Body> u = up ? Vec<Body>{0, 1, 0} : Vec<Body>{1, 0, 0},
+                    v = up ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0};
+    const auto result =
+        solve_scene_heat(target_of(plate("sheet", {0, 0, 0}, u, v, 1), {part("sheet", true)}), r);
+    ASSERT_TRUE(result.ok()) << result.status();
+    kelvin.push_back(result->kelvin[1][0]);
+    // Conducted, through 0.2 m2 K/W, is what the lower face loses.
+    const double middle = static_cast<double>(result->kelvin[1][0]),
+                 half = static_cast<double>(result->error_k[1][0]);
+    EXPECT_GT(half, 5);
+    const auto lost = [](double t) {
+      return 0.9 * kStefanBoltzmannWM2K4 * (std::pow(t, 4) - std::pow(290, 4)) + 3 * (t - 290);
+    };
+    double low = 290, high = middle;
+    for (int i = 0; i < 60; ++i) {
+      const double t = 0.5 * (low + high);
+      (lost(t) < 2 * (middle - t) / 0.2 ? low : high) = t;
+    }
+    EXPECT_GT(half, 0.8 * (middle - low));
+    EXPECT_LT(half, 1.6 * (middle - low));
+  }
+  EXPECT_NEAR(kelvin[0], kelvin[1], 0.05);
+}
+
 // A deck half of whose facets stand inside a deckhouse: what is seen of them has all of its sun.
 TEST(SceneHeat, WhatStandsInsideABodyTakesNoSunAway) {
   // One facet pair of 4 x 4 m, of which a tall block covers a strip; the sun stands in the zenith.

@@ -194,6 +194,39 @@ TEST(Tracer, OfTwoFacetsInOnePlaceTheOneThatFacesTheRay) {
   EXPECT_NE(p.triangle[2], 1u);
 }
 
+// A cover 0.1 mm before a plate, sloping, 2 km from the middle: from there distances are known to
+// 0.2 mm. Expected: every ray meets the cover, whichever comes first in the file.
+TEST(Tracer, CloseLayersOfALongModelAreToldApart) {
+  for (const bool cover_first : {true, false}) {
+    Soup soup;
+    const auto add = [&](float x, float over) {
+      const auto base = static_cast<std::uint32_t>(soup.vertex.size() / 3);
+      for (const auto& [a, b] : {std::pair{-1.f, -1.f}, {1.f, -1.f}, {1.f, 1.f}, {-1.f, 1.f}})
+        for (const float c : {x + a, b, 0.5f * a + over}) soup.vertex.push_back(c);
+      for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) soup.triangle.push_back(base + k);
+    };
+    for (const float x : {2000.f, -2000.f})
+      for (const bool cover : {cover_first, !cover_first}) add(x, cover ? 1e-4f : 0.f);
+    const auto tracer = tracer_of(soup);
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<float> place(-0.9f, 0.9f), side(-1, 1);
+    int covers = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const float x = i % 2 == 0 ? 2000.f : -2000.f, a = place(random);
+      const float at[3] = {x + a, place(random), 0.5f * a};
+      const float from[3] = {x + 1000 * side(random), 1000 * side(random), 3900};
+      RayPacket p;
+      aim(p, 0, from, at);
+      tracer->intersect(p, 1, i % 4 < 2);
+      ASSERT_NE(p.triangle[0], RayPacket::kMiss);
+      covers += (p.triangle[0] / 2 % 2 == 0) == cover_first;
+      EXPECT_NEAR(p.tfar[0] * std::hypot(p.dir_x[0], p.dir_y[0], p.dir_z[0]),
+                  std::hypot(at[0] - from[0], at[1] - from[1], at[2] - from[2]), 2e-3);
+    }
+    EXPECT_EQ(covers, 2000) << cover_first;
+  }
+}
+
 // A vertex of an open sheet: what passes outside it is not stopped by its cap.
 TEST(Tracer, CapsStopNothingThemselves) {
   Soup soup;

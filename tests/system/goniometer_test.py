@@ -184,7 +184,7 @@ class Goniometer(unittest.TestCase):
         name = re.sub(r"\W", "", material)[:12]
         path = self.path / f"{name}.toml"
         path.write_text(SWEEP.format(material=material))
-        irsig("run", path, "--db", self.path / f"{name}.sigdb")
+        irsig("run", path, "--db", self.path / f"{name}.sigdb", "--replace")
         done = irsig("query", self.path / f"{name}.sigdb", "--format", "csv")
         return [(float(row["intensity_w_sr"]), float(row["numerical_error_w_sr"]))
                 for row in csv.DictReader(io.StringIO(done.stdout))]

@@ -89,7 +89,7 @@ class Heat(unittest.TestCase):
 
     def run_it(self, text, db="a.sigdb", *arguments):
         (self.path / "s.toml").write_text(text)
-        done = self.irsig("run", "s.toml", "--db", db, *arguments)
+        done = self.irsig("run", "s.toml", "--db", db, "--replace", *arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout + done.stderr
 
@@ -326,7 +326,7 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
 
     def test_what_is_refused(self):
         self.refused(sweep(ABSORPTANCE=""), "has no solar_absorptance")
-        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0 }]'), "thickness_m = 0, expected a number from 1e-09 to 1e+06")
+        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0 }]'), "thickness_m = 0, expected a number from 1e-09 to 100")
         self.refused(sweep(LAYER='[{ thickness_m = 1, conductivity_w_m_k = 1, density_kg_m3 = -3, specific_heat_j_kg_k = 1 }]'),
                      "density_kg_m3 = -3")
         self.refused(sweep(BUILD_UP=""), "wrong.toml")

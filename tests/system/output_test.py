@@ -136,7 +136,10 @@ class Output(unittest.TestCase):
         self.assertNotIn("replaced", first)
         (self.path / "changed.toml").write_text(SWEEP.replace("count = 3", "count = 4"))
         # The viewpoints of four are others than those of three.
-        self.assertIn('the sweep "quickstart" has changed: 18 of its 18 stored rows will be replaced', said("changed.toml"))
+        changed = 'the sweep "quickstart" has changed: 18 of its 18 stored rows '
+        self.assertIn(changed + "would be replaced: add --replace", said("changed.toml", code=2))
+        self.assertNotIn("to compute", said("a.toml"))  # nothing is lost
+        self.assertIn(changed + "will be replaced", said("changed.toml", "--replace"))
         (self.path / "large.toml").write_text(SWEEP.replace("count = 3", "count = 900000"))
         self.assertIn("--yes", said("large.toml", code=2))
         size = (self.path / "c.sigdb").stat().st_size

@@ -186,7 +186,7 @@ class TemperatureFields(unittest.TestCase):
     def test_a_changed_file_is_computed_again(self):
         first = self.run_sweep(SWEEP, field(20))
         (self.path / "camera.csv").write_text(field(30))
-        self.irsig("run", "sweep.toml", "--db", "x.sigdb")
+        self.irsig("run", "sweep.toml", "--db", "x.sigdb", "--replace")
         second = list(csv.DictReader(io.StringIO(self.irsig("query", "x.sigdb", "--format", "csv").stdout)))
         self.assertGreater(float(second[0]["intensity_w_sr"]), 1.1 * float(first[0]["intensity_w_sr"]))
         db = sqlite3.connect(self.path / "x.sigdb")

@@ -277,7 +277,7 @@ TEST(ConditionTable, ErrorsStandWhereTheyWereWritten) {
             "name = \"t\"\ntime = [\"12:00Z\"]\n" + target +
                 "[[season]]\nname = \"a\"\ndate = 2025-06-21\ntime = \"12:00Z\"\n",
             "",
-            {"season[0].time does not apply, expected it in [[condition]] alone"}},
+            {"season[0].time does not apply: all seasons have the times of day of the sweep"}},
            {"lists of different lengths",
             "name = \"t\"\ntime = [\"12:00Z\"]\n" + target + kSummer +
                 "[vary]\ncombine = \"zip\"\nwind_speed_m_s = [1]\n"

@@ -111,7 +111,7 @@ TEST(ParseSweep, RefusesWhatIsNoWholeNumber) {
   for (const char* seed : {"-1", "1.5", "-0.5", "nan", "inf", "1e300", "\"1\"", "true"}) {
     EXPECT_THAT(error_of(std::string("seed = ") + seed), HasSubstr("whole number")) << seed;
   }
-  EXPECT_THAT(error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4294967295"));
+  EXPECT_THAT(error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4096"));
 }
 
 // They came out as uninitialised memory.

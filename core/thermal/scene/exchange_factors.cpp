@@ -18,6 +18,55 @@ namespace {
 // at, while how many of a thousand small facets' own rays meet one face is left to chance.
 constexpr double kAimedCounts = 8;
 
+// What the places of a face have, by 4 x 4 parts of it that are equally large.
+class PlaceSums {
+ public:
+  [[nodiscard]] static std::size_t part_of(SamplePair at) {
+    const auto quarter = [](float u) { return std::min(3, static_cast<int>(4 * u)); };
+    return static_cast<std::size_t>(4 * quarter(at.x) + quarter(at.y));
+  }
+  void clear() {
+    sum_.fill(0);
+    square_ = 0;
+  }
+  void add(std::size_t part, double value) {
+    sum_[part] += value;
+    square_ += value * value;
+  }
+
+  // Root of the variance between the means of the parts, less what chance makes of them; `all` is
+  // what the sums are divided by for the mean of the face.
+  [[nodiscard]] double uneven(double all) const {
+    return std::sqrt(std::max(0.0, variance(all) - kParts * square_ / (all * all)));
+  }
+  // The same of shares of so many rays: 0 where it may be chance alone (less than 1 in 100 000 for
+  // rays that are independent of each other; these are nearly).
+  [[nodiscard]] double uneven_share(std::uint32_t rays) const {
+    constexpr double kBeyondChance = 4;  // chi-square of 15
+    const double found = variance(rays);
+    double chance = 0;
+    for (const double sum : sum_) {
+      const double share = kParts * sum / rays;
+      chance += share * (1 - share) / rays;
+    }
+    return found > kBeyondChance * chance ? std::sqrt(found - chance) : 0;
+  }
+
+ private:
+  static constexpr double kParts = 16;
+  [[nodiscard]] double variance(double all) const {
+    double mean = 0, out = 0;
+    for (const double sum : sum_) mean += sum / all;
+    for (const double sum : sum_) {
+      const double off = kParts * sum / all - mean;
+      out += off * off / (kParts - 1);
+    }
+    return out;
+  }
+  std::array<double, 16> sum_{};
+  double square_ = 0;
+};
+
 struct Entry {
   std::uint32_t from, to;
   double m2;  // of what they exchange: exposed area x share
@@ -48,11 +97,13 @@ class RowTracer {
     FaceNormal a{}, b{};
     frame_of(n, a, b);
     met_.clear();
+    for (PlaceSums* places : {&sky_, &lower_, &aims_}) places->clear();
     std::uint32_t to_sky = 0, to_lower = 0, buried = 0;
     each_packet(
         settings_.rays,
         [&](std::uint32_t i, int lane) {
           const SamplePair at = sobol_pair_shuffled(i, place), to = sobol_pair(i, way);
+          part_[static_cast<std::size_t>(lane)] = PlaceSums::part_of(at);
           const float radius = std::sqrt(to.x), angle = 2 * std::numbers::pi_v<float> * to.y;
           const float x = radius * std::cos(angle), y = radius * std::sin(angle),
                       z = std::sqrt(1 - to.x);
@@ -61,17 +112,21 @@ class RowTracer {
                    x * a.z + y * b.z + z * n.z});
         },
         [&](std::uint32_t, int lane) {
-          if (packet_.triangle[lane] == RayPacket::kMiss) {
-            ++(packet_.dir_z[lane] < 0 ? to_sky : to_lower);
+          const bool misses = packet_.triangle[lane] == RayPacket::kMiss;
+          if (misses && packet_.dir_z[lane] < 0) {
+            ++to_sky;
+            sky_.add(part_[static_cast<std::size_t>(lane)], 1);
             return;
           }
-          const std::uint32_t to = face_met(lane);
-          if (is_below(lane))
+          if (misses || is_below(lane)) {
             ++to_lower;
-          else if (to == ThermalFaces::kNone)
+            lower_.add(part_[static_cast<std::size_t>(lane)], 1);
+            return;
+          }
+          if (const std::uint32_t to = face_met(lane); to == ThermalFaces::kNone)
             ++buried;
           else
-            met_.emplace_back(to, exchanged_m2(face, n, to, lane, 1));
+            meet(face, n, to, lane, 1);
         });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
     // So few are rounding where two bodies touch.
@@ -81,6 +136,12 @@ class RowTracer {
       return;
     }
     if (aimed_.rays(face) > 0) out.aimed_stderr_w_m2[face] = aim(face, n, seed) / out.exposed[face];
+    if (!met_.empty()) {
+      out.uneven_sky[face] = static_cast<float>(sky_.uneven_share(settings_.rays));
+      out.uneven_lower[face] = static_cast<float>(lower_.uneven_share(settings_.rays));
+      out.uneven_aims_w_m2[face] = static_cast<float>(
+          aims_.uneven(faces_.area_m2[face] * static_cast<double>(out.exposed[face])));
+    }
     const double share = 1.0 / (settings_.rays - buried);
     out.sky[face] = static_cast<float>(share * to_sky);
     out.lower[face] = static_cast<float>(share * to_lower);
@@ -138,6 +199,7 @@ class RowTracer {
           std::uint32_t& aim = to[static_cast<std::size_t>(lane)];
           aim = aimed_.pick(sobol_pair_shuffled(i, which).x);
           const SamplePair at = sobol_pair_shuffled(i, here), on = sobol_pair_shuffled(i, there);
+          part_[static_cast<std::size_t>(lane)] = PlaceSums::part_of(at);
           const FacePoint from = point_of(target_, faces_, face, at.x, at.y),
                           end = point_of(target_, faces_, aim, on.x, on.y);
           // The face itself, not beside it, where a ray that grazes it would meet the next one.
@@ -159,8 +221,7 @@ class RowTracer {
           if (aim == ThermalFaces::kNone || packet_.triangle[lane] == RayPacket::kMiss ||
               face_met(lane) != aim || is_below(lane))
             return;
-          const double m2 = exchanged_m2(face, n, aim, lane, kAimedCounts);
-          met_.emplace_back(aim, m2);
+          const double m2 = meet(face, n, aim, lane, kAimedCounts);
           w[kParts * i / aimed_.rays(face)] += settings_.beyond_w_m2[aim] * m2;
         });
     double sum = 0, square = 0;
@@ -173,12 +234,12 @@ class RowTracer {
   }
 
   // What a ray that joins two faces says of what they exchange: the inverse of the density, in
-  // their exchange, of all rays that might have joined them there.
+  // their exchange, of all rays that might have joined them there. Of where on this face it is, of
+  // all rays from here.
   //   counts  this ray's
-  [[nodiscard]] double exchanged_m2(std::uint32_t from, const FaceNormal& n, std::uint32_t to,
-                                    int lane, double counts) const {
+  double meet(std::uint32_t from, const FaceNormal& n, std::uint32_t to, int lane, double counts) {
     const double from_m2 = faces_.area_m2[from], to_m2 = faces_.area_m2[to];
-    double density = settings_.rays * (1 / from_m2 + 1 / to_m2);
+    double from_here = settings_.rays / from_m2, from_there = settings_.rays / to_m2;
     if (from != to && (aimed_.is_aim(to) || aimed_.is_aim(from))) {
       const FaceNormal other = normal_of(target_, faces_, to);
       const auto cosine = [&](const FaceNormal& m) {
@@ -186,11 +247,17 @@ class RowTracer {
                                             m.z * packet_.dir_z[lane]));
       };
       const double r_m = static_cast<double>(packet_.tfar[lane]),
-                   per_m2 = cosine(n) * cosine(other) / (std::numbers::pi * r_m * r_m);
-      density += kAimedCounts * (aimed_.rays_to(from, to) + aimed_.rays_to(to, from)) /
-                 (from_m2 * to_m2 * per_m2);
+                   per_m2 = cosine(n) * cosine(other) / (std::numbers::pi * r_m * r_m),
+                   each = kAimedCounts / (from_m2 * to_m2 * per_m2);
+      from_here += each * aimed_.rays_to(from, to);
+      from_there += each * aimed_.rays_to(to, from);
     }
-    return counts / density;
+    const double m2 = counts / (from_here + from_there);
+    met_.emplace_back(to, m2);
+    if (aimed_.is_aim(to))
+      aims_.add(part_[static_cast<std::size_t>(lane)],
+                settings_.beyond_w_m2[to] * counts / from_here);
+    return m2;
   }
 
   // kNone: from behind, and it has no back.
@@ -214,6 +281,8 @@ class RowTracer {
   AimedRays aimed_;
   float surface_z_;
   RayPacket packet_{};
+  std::array<std::size_t, RayPacket::kSize> part_{};  // of the face, where each ray begins
+  PlaceSums sky_, lower_, aims_;
   std::vector<std::pair<std::uint32_t, double>> met_;  // face, exchanged_m2
 };
 
@@ -246,7 +315,9 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   out.sky.assign(count, 0);
   out.lower.assign(count, 0);
   out.exposed.assign(count, 1);
-  out.aimed_stderr_w_m2.assign(count, 0);
+  for (auto* of_face :
+       {&out.uneven_sky, &out.uneven_lower, &out.uneven_aims_w_m2, &out.aimed_stderr_w_m2})
+    of_face->assign(count, 0);
   std::vector<Entry> entry;
   RowTracer tracer(target, faces, settings);
   const bool alone = target.convex;  // nothing is seen but sky and surface

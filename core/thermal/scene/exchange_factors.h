@@ -21,6 +21,10 @@ struct ExchangeFactors {
   std::vector<float> share;
   std::vector<float> sky, lower;  // [face]
   std::vector<float> exposed;     // [face] of its area: 0 to 1
+  // [face] How much places of a face differ, root mean square over it, as far as rays tell it from
+  // chance: in their shares of the sky and of what lies below the horizon, and in what would arrive
+  // from the aims as below [W/m2].
+  std::vector<float> uneven_sky, uneven_lower, uneven_aims_w_m2;
   // [face] Of what would arrive from the aims if each sent what it may send beyond the others: by
   // eight parts of the aimed rays, each spread evenly, so that it is rather too large. [W/m2]
   std::vector<float> aimed_stderr_w_m2;

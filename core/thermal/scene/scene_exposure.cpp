@@ -290,11 +290,22 @@ std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
   std::vector<double> out(knots(), 0.0);
   const std::uint32_t back = faces_.back_of_facet[facet];
   const auto heat_w_m2 = [&](std::size_t k) {
+    const HeatWeather& w = weather(k);
+    const double sun = std::max(w.before.direct_normal_w_m2, w.after.direct_normal_w_m2),
+                 air = kStefanBoltzmannWM2K4 * power4(w.air_k),
+                 sky =
+                     std::max(std::abs(w.before.sky_w_m2 - air), std::abs(w.after.sky_w_m2 - air)),
+                 below =
+                     std::abs(kStefanBoltzmannWM2K4 * power4(request_.beneath.temperature_k) - air);
     const auto of = [&](std::uint32_t face) {
-      return static_cast<double>(uneven_[k * faces_.size() + face]);
+      const ExchangeFactors& f = *factors_;
+      const double around = static_cast<double>(f.uneven_aims_w_m2[face]) +
+                            sky * static_cast<double>(f.uneven_sky[face]) +
+                            below * static_cast<double>(f.uneven_lower[face]);
+      return sun * static_cast<double>(uneven_[k * faces_.size() + face]) +
+             (request_.exchange && !covered_[face] ? emissivity_[face] * around : 0);
     };
-    return std::max(weather(k).before.direct_normal_w_m2, weather(k).after.direct_normal_w_m2) *
-           (of(facet) + (back == ThermalFaces::kNone ? 0 : of(back)));
+    return of(facet) + (back == ThermalFaces::kNone ? 0 : of(back));
   };
   bool any = false;
   for (std::size_t k = 0; k < knots(); ++k) any |= heat_w_m2(k) > 0;

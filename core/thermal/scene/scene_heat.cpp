@@ -111,6 +111,14 @@ std::vector<float> largest_differences(const std::vector<float>& a, const std::v
   return out;
 }
 
+// What views take for a facet's temperature, whichever side they see: of a sheet the mean of both.
+float facet_kelvin(const SceneWalls& walls, const ThermalFaces& faces, std::size_t knot,
+                   std::uint32_t f) {
+  const std::uint32_t back = faces.back_of_facet[f];
+  const float front_k = walls.kelvin(knot, f);
+  return back == ThermalFaces::kNone ? front_k : 0.5f * (front_k + walls.kelvin(knot, back));
+}
+
 absl::Status check(const Target& target, const ThermalFaces& faces,
                    const SceneHeatRequest& request) {
   if (const absl::Status status = check(target, request); !status.ok()) return status;
@@ -203,7 +211,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.closure_w_m2 = std::max(fine.closure_w_m2(), coarse.closure_w_m2());
   // What the two computations differ by, at a time or in the root mean square of the hours around
   // it: at one time they may agree by luck.
-  const auto difference_k = [&](std::uint32_t f, std::size_t at) {
+  const auto of_face_k = [&](std::uint32_t f, std::size_t at) {
     constexpr double kHoursAround = 3;
     double square = 0, count = 0;
     for (std::size_t k = 0; k < request.knot_s.size(); k += 2) {
@@ -216,6 +224,10 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
         std::abs(static_cast<double>(fine_k[at * faces.size() + f] - coarse.kelvin(at / 2, f))),
         std::sqrt(square / count));
   };
+  const auto difference_k = [&](std::uint32_t f, std::size_t at) {
+    const std::uint32_t back = faces.back_of_facet[f];
+    return std::max(of_face_k(f, at), back == ThermalFaces::kNone ? 0 : of_face_k(back, at));
+  };
   const PlaneNeighbours neighbours(target);
   const auto facets = static_cast<std::uint32_t>(faces.fronts);
   const std::size_t outputs = request.output_knot.size();
@@ -226,7 +238,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   for (std::size_t o = 0; o < outputs; ++o) {
     for (std::uint32_t f = 0; f < facets; ++f)
       if (fine_exposure.part_of(f).build_up && faces.area_m2[f] > 0)
-        out.kelvin[o][f] = fine.kelvin(request.output_knot[o], f);
+        out.kelvin[o][f] = facet_kelvin(fine, faces, request.output_knot[o], f);
     step_k.push_back(neighbours.largest_difference(out.kelvin[o]));
   }
   for (std::uint32_t f = 0; f < facets; ++f) {
@@ -240,7 +252,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
                      std::max(difference_k(f, k), by_rays_k) +
                      std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f]));
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
-        error += 0.5 * std::abs(static_cast<double>(out.kelvin[o][f] - fine.kelvin(k, back)));
+        error += 0.5 * std::abs(static_cast<double>(fine.kelvin(k, f) - fine.kelvin(k, back)));
       out.error_k[o][f] = static_cast<float>(error);
     }
   }
@@ -284,7 +296,8 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
       std::vector<float>& kelvin = change.emplace_back(faces.fronts, NAN);
       for (std::uint32_t f = 0; f < faces.fronts; ++f)
         if (exposure.part_of(f).build_up && faces.area_m2[f] > 0)
-          kelvin[f] = changed.kelvin(knot / 2, f) - base.kelvin(knot / 2, f);
+          kelvin[f] =
+              facet_kelvin(changed, faces, knot / 2, f) - facet_kelvin(base, faces, knot / 2, f);
     }
   }
   return out;
