@@ -23,7 +23,9 @@ constexpr double kScatter = 0.1;
 std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
   sweep.clear_shard();
   while (sweep.viewpoint_size() > 1) sweep.mutable_viewpoint()->RemoveLast();
-  return expand_jobs(sweep, physics_version()).size();
+  const std::vector<schema::JobSpec> jobs = expand_jobs(sweep, physics_version());
+  return static_cast<std::uint64_t>(
+      std::count_if(jobs.begin(), jobs.end(), [](const auto& job) { return job.has_view(); }));
 }
 
 // The job size at which a sweep's views are cut into so many jobs: what is cut depends on the

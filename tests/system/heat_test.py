@@ -317,6 +317,12 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
         self.assertEqual(plan.returncode, 0, plan.stderr)
         self.assertRegex(plan.stdout, r"heat_exchange +0 +[1-9]")
 
+    def test_the_predicted_jobs_are_those_that_there_are(self):
+        self.corner("planned.sigdb")
+        done = self.irsig("run", "s.toml", "--db", "again.sigdb", "--plan")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(self.irsig("report", "again.sigdb").stdout, r"(?m)^ *jobs +1 +1 +1\.00")
+
     def test_what_is_taken_for_something_else_is_said(self):
         (self.path / "s.toml").write_text(sweep(TIME='["12:00Z", "23:50Z"]').replace("step_um = 0.5", "step_um = 3"))
         said = self.irsig("plan", "s.toml").stderr
