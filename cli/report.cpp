@@ -10,8 +10,8 @@ namespace {
 
 // "sweep.toml:12:3: ...", as editors look for it.
 bool begins_with_place(const std::string& text) {
-  static const std::regex kPlace("^[^:\n]+:[0-9]+:[0-9]+: ");
-  return std::regex_search(text.substr(0, text.find('\n') + 1), kPlace);
+  static const std::regex kPlace("[^:\n]+:[0-9]+:[0-9]+: ");
+  return std::regex_search(text, kPlace, std::regex_constants::match_continuous);
 }
 
 }  // namespace
