@@ -40,6 +40,33 @@ TEST(ExchangeFactors, RowsAddUpAndAreasTimesSharesAreSymmetric) {
 
 // A box that stands in a plate, its lower half below: what of the plate lies inside it does not
 // count, and the rest of the plate sees what it would see of a box on the plate.
+// Rationale: what is inside a body is seen by nobody, and must not make a face uneven.
+// Expected: a slab on a deck hides a quarter of it and no sky from the rest: even. A wall of 4 m
+// along two of its edges takes sky from the places beside it.
+TEST(ExchangeFactors, OnlyExposedPlacesDiffer) {
+  for (const bool wall : {false, true}) {
+    Mesh mesh = plate("plate", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1);
+    append(mesh, named(generated("box", 12, 0, 2, 2, 0.01), "box"));
+    append(mesh, plate("wall", {2.01, -2, wall ? 0.0 : 90.0}, {0, 4, 0}, {0, 0, -4}, 1));
+    const Target target = target_of(mesh, {part("plate"), part("box"), part("wall", true)});
+    const ThermalFaces faces = make_thermal_faces(target);
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const ExchangeFactors f =
+          exchange_factors(target, faces, {.rays = 4096, .seed = seed, .surface_z_m = INFINITY});
+      for (std::uint32_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(f.exposed[i], 0.75, 0.04);
+        if (wall) {
+          EXPECT_GT(f.uneven_sky[i], 0.05) << seed;
+        } else {
+          EXPECT_LT(f.uneven_sky[i], 0.02) << seed;
+        }
+        EXPECT_EQ(f.uneven_lower[i], 0) << seed;
+        EXPECT_EQ(f.uneven_aims_w_m2[i], 0) << seed;
+      }
+    }
+  }
+}
+
 TEST(ExchangeFactors, PlacesInsideABodyDoNotCount) {
   Mesh mesh = plate("plate", {-2, -2, 0}, {0, 4, 0}, {4, 0, 0}, 1);
   Mesh box = generated("box", 12, 0, 2, 2, 2);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -18,53 +19,66 @@ namespace {
 // at, while how many of a thousand small facets' own rays meet one face is left to chance.
 constexpr double kAimedCounts = 8;
 
-// What the places of a face have, by 4 x 4 parts of it that are equally large.
+// Of each of 4 x 4 parts of a face, which are equally large.
+constexpr std::size_t kFaceParts = 16;
+using OfParts = std::array<double, kFaceParts>;
+
+std::size_t part_of(SamplePair at) {
+  const auto quarter = [](float u) { return std::min(3, static_cast<int>(4 * u)); };
+  return static_cast<std::size_t>(4 * quarter(at.x) + quarter(at.y));
+}
+
+// What the exposed places of a face have of something.
 class PlaceSums {
  public:
-  [[nodiscard]] static std::size_t part_of(SamplePair at) {
-    const auto quarter = [](float u) { return std::min(3, static_cast<int>(4 * u)); };
-    return static_cast<std::size_t>(4 * quarter(at.x) + quarter(at.y));
-  }
   void clear() {
     sum_.fill(0);
-    square_ = 0;
+    square_.fill(0);
   }
   void add(std::size_t part, double value) {
     sum_[part] += value;
-    square_ += value * value;
+    square_[part] += value * value;
   }
 
-  // Root of the variance between the means of the parts, less what chance makes of them; `all` is
-  // what the sums are divided by for the mean of the face.
-  [[nodiscard]] double uneven(double all) const {
-    return std::sqrt(std::max(0.0, variance(all) - kParts * square_ / (all * all)));
+  // Root of the variance between the means of the parts, less what chance makes of them.
+  //   exposed  rays from each part that do not begin inside a body
+  //   all      what sums are divided by for the mean of the face
+  [[nodiscard]] double uneven(const OfParts& exposed, double all) const {
+    const double variance = between(exposed, all, [&](std::size_t b, double weight, double) {
+      return square_[b] / (all * all * weight);
+    });
+    return std::sqrt(std::max(0.0, variance));
   }
-  // The same of shares of so many rays: 0 where it may be chance alone (less than 1 in 100 000 for
+  // The same of shares of these rays: 0 where it may be chance alone (less than 1 in 100 000 for
   // rays that are independent of each other; these are nearly).
-  [[nodiscard]] double uneven_share(std::uint32_t rays) const {
+  [[nodiscard]] double uneven_share(const OfParts& exposed) const {
     constexpr double kBeyondChance = 4;  // chi-square of 15
-    const double found = variance(rays);
+    const double rays = std::accumulate(exposed.begin(), exposed.end(), 0.0);
     double chance = 0;
-    for (const double sum : sum_) {
-      const double share = kParts * sum / rays;
+    const double variance = between(exposed, rays, [&](std::size_t, double, double share) {
       chance += share * (1 - share) / rays;
-    }
-    return found > kBeyondChance * chance ? std::sqrt(found - chance) : 0;
+      return share * (1 - share) / rays;
+    });
+    return variance > (kBeyondChance - 1) * chance ? std::sqrt(variance) : 0;
   }
 
  private:
-  static constexpr double kParts = 16;
-  [[nodiscard]] double variance(double all) const {
-    double mean = 0, out = 0;
+  // chance(part, its weight, its mean): what is taken off.
+  template <typename Chance>
+  [[nodiscard]] double between(const OfParts& exposed, double all, const Chance& chance) const {
+    const double rays = std::accumulate(exposed.begin(), exposed.end(), 0.0);
+    double mean = 0, out = 0, parts = 0;
     for (const double sum : sum_) mean += sum / all;
-    for (const double sum : sum_) {
-      const double off = kParts * sum / all - mean;
-      out += off * off / (kParts - 1);
+    for (std::size_t b = 0; b < kFaceParts; ++b) parts += exposed[b] > 0 ? 1 : 0;
+    for (std::size_t b = 0; b < kFaceParts; ++b) {
+      if (exposed[b] == 0) continue;
+      const double weight = exposed[b] / rays, of_part = sum_[b] / (all * weight),
+                   off = of_part - mean;
+      out += weight * off * off * parts / std::max(parts - 1, 1.0) - chance(b, weight, of_part);
     }
     return out;
   }
-  std::array<double, 16> sum_{};
-  double square_ = 0;
+  OfParts sum_{}, square_{};
 };
 
 struct Entry {
@@ -98,12 +112,13 @@ class RowTracer {
     frame_of(n, a, b);
     met_.clear();
     for (PlaceSums* places : {&sky_, &lower_, &aims_}) places->clear();
+    exposed_.fill(0);
     std::uint32_t to_sky = 0, to_lower = 0, buried = 0;
     each_packet(
         settings_.rays,
         [&](std::uint32_t i, int lane) {
           const SamplePair at = sobol_pair_shuffled(i, place), to = sobol_pair(i, way);
-          part_[static_cast<std::size_t>(lane)] = PlaceSums::part_of(at);
+          part_[static_cast<std::size_t>(lane)] = part_of(at);
           const float radius = std::sqrt(to.x), angle = 2 * std::numbers::pi_v<float> * to.y;
           const float x = radius * std::cos(angle), y = radius * std::sin(angle),
                       z = std::sqrt(1 - to.x);
@@ -112,21 +127,21 @@ class RowTracer {
                    x * a.z + y * b.z + z * n.z});
         },
         [&](std::uint32_t, int lane) {
+          const std::size_t part = part_[static_cast<std::size_t>(lane)];
           const bool misses = packet_.triangle[lane] == RayPacket::kMiss;
+          exposed_[part] += 1;
           if (misses && packet_.dir_z[lane] < 0) {
             ++to_sky;
-            sky_.add(part_[static_cast<std::size_t>(lane)], 1);
-            return;
-          }
-          if (misses || is_below(lane)) {
+            sky_.add(part, 1);
+          } else if (misses || is_below(lane)) {
             ++to_lower;
-            lower_.add(part_[static_cast<std::size_t>(lane)], 1);
-            return;
-          }
-          if (const std::uint32_t to = face_met(lane); to == ThermalFaces::kNone)
+            lower_.add(part, 1);
+          } else if (const std::uint32_t to = face_met(lane); to == ThermalFaces::kNone) {
             ++buried;
-          else
+            exposed_[part] -= 1;
+          } else {
             meet(face, n, to, lane, 1);
+          }
         });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
     // So few are rounding where two bodies touch.
@@ -137,10 +152,10 @@ class RowTracer {
     }
     if (aimed_.rays(face) > 0) out.aimed_stderr_w_m2[face] = aim(face, n, seed) / out.exposed[face];
     if (!met_.empty()) {
-      out.uneven_sky[face] = static_cast<float>(sky_.uneven_share(settings_.rays));
-      out.uneven_lower[face] = static_cast<float>(lower_.uneven_share(settings_.rays));
+      out.uneven_sky[face] = static_cast<float>(sky_.uneven_share(exposed_));
+      out.uneven_lower[face] = static_cast<float>(lower_.uneven_share(exposed_));
       out.uneven_aims_w_m2[face] = static_cast<float>(
-          aims_.uneven(faces_.area_m2[face] * static_cast<double>(out.exposed[face])));
+          aims_.uneven(exposed_, faces_.area_m2[face] * static_cast<double>(out.exposed[face])));
     }
     const double share = 1.0 / (settings_.rays - buried);
     out.sky[face] = static_cast<float>(share * to_sky);
@@ -199,7 +214,7 @@ class RowTracer {
           std::uint32_t& aim = to[static_cast<std::size_t>(lane)];
           aim = aimed_.pick(sobol_pair_shuffled(i, which).x);
           const SamplePair at = sobol_pair_shuffled(i, here), on = sobol_pair_shuffled(i, there);
-          part_[static_cast<std::size_t>(lane)] = PlaceSums::part_of(at);
+          part_[static_cast<std::size_t>(lane)] = part_of(at);
           const FacePoint from = point_of(target_, faces_, face, at.x, at.y),
                           end = point_of(target_, faces_, aim, on.x, on.y);
           // The face itself, not beside it, where a ray that grazes it would meet the next one.
@@ -282,6 +297,7 @@ class RowTracer {
   float surface_z_;
   RayPacket packet_{};
   std::array<std::size_t, RayPacket::kSize> part_{};  // of the face, where each ray begins
+  OfParts exposed_{};                                 // of the rays that are not aimed
   PlaceSums sky_, lower_, aims_;
   std::vector<std::pair<std::uint32_t, double>> met_;  // face, exchanged_m2
 };

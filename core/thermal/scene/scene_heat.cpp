@@ -248,11 +248,14 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
     for (std::size_t o = 0; o < outputs; ++o) {
       const std::size_t k = request.output_knot[o];
       const double by_rays_k = fine_exposure.aimed_k(k, f, static_cast<double>(out.kelvin[o][f]));
-      double error = left_out_k[f] + fine.error_k(f) + fine.left_k() +
-                     std::max(difference_k(f, k), by_rays_k) +
-                     std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f]));
-      if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone)
-        error += 0.5 * std::abs(static_cast<double>(fine.kelvin(k, f) - fine.kelvin(k, back)));
+      double conduction_k = fine.error_k(f), faces_k = 0;
+      if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone) {
+        conduction_k = std::max(conduction_k, fine.error_k(back));
+        faces_k = 0.5 * std::abs(static_cast<double>(fine.kelvin(k, f) - fine.kelvin(k, back)));
+      }
+      const double error =
+          left_out_k[f] + conduction_k + fine.left_k() + std::max(difference_k(f, k), by_rays_k) +
+          std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f])) + faces_k;
       out.error_k[o][f] = static_cast<float>(error);
     }
   }
