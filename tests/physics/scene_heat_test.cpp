@@ -9,31 +9,11 @@
 
 #include "core/base/constants.h"
 #include "core/thermal/weather_course.h"
+#include "heat_days.h"
 #include "heat_scene.h"
 
 namespace irsig {
 namespace {
-
-// A day with the same weather throughout.
-SceneHeatRequest steady(double air_k, double sky_w_m2, std::size_t knots = 49) {
-  SceneHeatRequest r;
-  for (std::size_t k = 0; k < knots; ++k) {
-    r.knot_s.push_back(86400.0 * static_cast<double>(k) / static_cast<double>(knots - 1));
-    r.weather.push_back(
-        {air_k, 0, {1, 0, 0}, {0, 0, 1}, 0.0047, {0, 0, sky_w_m2}, {0, 0, sky_w_m2}});
-  }
-  r.day_knots = knots - 1;
-  r.output_knot = {0, knots / 4 * 2};
-  r.beneath.surface_z_m = INFINITY;
-  return r;
-}
-WallBuildUp steel(InnerSide side) {
-  WallBuildUp out;
-  out.name = "steel";
-  out.layers = {{0.005, 45, 7850, 490}};
-  out.inner_side = side;
-  return out;
-}
 
 TEST(SceneHeat, APlateBetweenSkyAndAirHasTheTemperatureOfItsBalance) {
   const Target target = target_of(generated("disk", 64), {part("disk", true)});
@@ -319,45 +299,6 @@ Target courtyard() {
   return target_of(mesh, {part("ground"), part("walls")});
 }
 
-// A clear summer day at 45 N, every step_s; what stands there is turned by turned_deg.
-SceneHeatRequest clear_day(double step_s, double turned_deg = 0) {
-  SceneHeatRequest r;
-  const double midnight_s = solar_midnight_unix_s(2025, 6, 21, 0);
-  const auto course = day_course({288, 298, 15, 283, 101300, 3, 220, 0}, midnight_s);
-  EXPECT_TRUE(course.ok()) << course.status();
-  const auto radiation = CourseRadiation::make(*course, {45, 0, 0}, {0.2, 0.15, 0.33, 0.2});
-  EXPECT_TRUE(radiation.ok()) << radiation.status();
-  const auto knots = static_cast<std::size_t>(std::lround(86400 / step_s));
-  const double from = (220 - turned_deg) * std::numbers::pi / 180;
-  for (std::size_t k = 0; k <= knots; ++k) {
-    const double t = midnight_s + step_s * static_cast<double>(k);
-    const WeatherRecord w = weather_at(*course, t);
-    const auto side = [&](CourseRadiation::Side which) {
-      const Radiation at = radiation->at(t, which);
-      return HeatRadiation{at.direct_normal_w_m2, at.diffuse_horizontal_w_m2, at.sky_w_m2};
-    };
-    r.knot_s.push_back(t);
-    r.weather.push_back({w.air_k,
-                         w.wind_m_s,
-                         {std::cos(from), std::sin(from), 0},
-                         body_from_enu(radiation->sun_at(t).direction, turned_deg),
-                         0.0047,
-                         side(CourseRadiation::Side::kBefore),
-                         side(CourseRadiation::Side::kAfter)});
-    if (k % (knots / 24) == 0) r.output_knot.push_back(k);
-  }
-  r.day_knots = knots;
-  r.beneath = {.surface_z_m = 0.5, .temperature_k = 293, .emissivity = 0.95, .solar_albedo = 0.2};
-  WallBuildUp soil;
-  soil.name = "soil";
-  soil.layers = {{0.6, 1.0, 1800, 1000}};
-  r.build_up = {soil, steel(InnerSide::kAir)};
-  r.build_up[1].inner_k = 294;
-  r.build_up[1].inner_h_w_m2_k = 8;
-  r.part = {{0.75, 0.94, 0u, 0}, {0.6, 0.9, 1u, 0}};
-  return r;
-}
-
 TEST(SceneHeat, ErrorsCoverAFinerComputation) {
   const Target target = courtyard();
   const auto coarse = solve_scene_heat(target, clear_day(600));
@@ -447,136 +388,6 @@ TEST(SceneHeat, TheWorldTurned) {
                     : 0;
     }
   EXPECT_LT(beyond, 0.01 * all);
-}
-
-// A floor of 2 x 2 m in n x n squares east of a wall whose shadow crosses it in the morning.
-Target floor_and_wall(int n) {
-  Mesh mesh = plate("floor", {-1, 0, 0}, {0, 2, 0}, {2, 0, 0}, n);
-  append(mesh, plate("wall", {-3, 2.01, 0}, {6, 0, 0}, {0, 0, -1.5}, 1));
-  return target_of(mesh, {part("floor"), part("wall", true)});
-}
-
-// Rationale: two facets that a shadow crosses alike have one temperature each, and no neighbour
-// says that it is not that of all of it. Expected: the stated error is at least the root mean
-// square of what a fine mesh finds inside, at most 5 % of times excepted (it is a rough estimate),
-// and not out of all proportion.
-TEST(SceneHeat, ShadowsAcrossLargeFacetsAreTheirError) {
-  SceneHeatRequest r = clear_day(600);
-  r.part[1] = {0.6, 0.9, std::nullopt, 295};
-  for (const double thickness_m : {0.003, 0.6}) {
-    r.build_up[0].layers = {thickness_m < 0.1 ? Layer{thickness_m, 45, 7850, 490}
-                                              : Layer{thickness_m, 1.0, 1800, 1000}};
-    constexpr int kFine = 12;
-    const Target large = floor_and_wall(1), fine = floor_and_wall(kFine);
-    const auto rough = solve_scene_heat(large, r), exact = solve_scene_heat(fine, r);
-    ASSERT_TRUE(rough.ok()) << rough.status();
-    ASSERT_TRUE(exact.ok()) << exact.status();
-    double most = 0, stated = 0, found = 0;
-    int times = 0, too_small = 0;
-    for (std::size_t t = 0; t < rough->kelvin.size(); ++t) {
-      double square = 0;
-      for (std::size_t f = 0; f < 2 * kFine * kFine; ++f) {
-        const std::size_t i = f / 2 / kFine, j = f / 2 % kFine;
-        const std::size_t half = i > j || (i == j && f % 2 == 0) ? 0 : 1;
-        const double off = static_cast<double>(exact->kelvin[t][f] - rough->kelvin[t][half]);
-        square += off * off / (2 * kFine * kFine);
-      }
-      const double rms = std::sqrt(square),
-                   error = 0.5 * static_cast<double>(rough->error_k[t][0] + rough->error_k[t][1]);
-      ++times;
-      too_small += rms > 0.1 + error ? 1 : 0;
-      most = std::max(most, rms);
-      stated += error;
-      found += rms;
-    }
-    std::printf("%.3f m: inside at most %.2f K, mean %.2f K, stated %.2f K, too small %d of %d\n",
-                thickness_m, most, found / times, stated / times, too_small, times);
-    EXPECT_GT(most, 2) << "the shadow is not there";
-    EXPECT_LE(too_small, times / 20);
-    EXPECT_LT(stated, 10 * found);
-  }
-}
-
-// Rationale: a deck of two triangles between red-hot walls is far warmer beside them, and a sensor
-// may
-//   see its middle alone. Expected: what its places differ by, root mean square, is in its error;
-//   under the open sky, where they do not differ, nothing is. Source: the same deck of 288 facets.
-TEST(SceneHeat, WhatHotWallsWarmUnevenlyIsItsError) {
-  constexpr int kFine = 12;
-  const auto scene = [](int n, double wall_m) {
-    Mesh mesh = plate("deck", {-4, -4, 0}, {0, 8, 0}, {8, 0, 0}, n);
-    for (const double side : {-1.0, 1.0})
-      append(mesh, plate(side < 0 ? "port" : "starboard", {-4, 4.01 * side, 0}, {8, 0, 0},
-                         {0, 0, -wall_m}, 4));
-    return target_of(mesh, {part("deck"), part("port", true), part("starboard", true)});
-  };
-  SceneHeatRequest r = steady(290, 330);
-  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
-  r.build_up = {steel(InnerSide::kAdiabatic)};
-  for (const double wall_k : {500.0, 290.0}) {
-    r.part = {
-        {0.7, 0.9, 0u, 0}, {0.7, 0.9, std::nullopt, wall_k}, {0.7, 0.9, std::nullopt, wall_k}};
-    for (const double wall_m : {1.0, 0.3}) {
-      const auto rough = solve_scene_heat(scene(1, wall_m), r),
-                 exact = solve_scene_heat(scene(kFine, wall_m), r);
-      ASSERT_TRUE(rough.ok() && exact.ok());
-      double square = 0;
-      for (std::size_t f = 0; f < 2 * kFine * kFine; ++f) {
-        const std::size_t i = f / 2 / kFine, j = f / 2 % kFine;
-        const std::size_t half = i > j || (i == j && f % 2 == 0) ? 0 : 1;
-        const double off = static_cast<double>(exact->kelvin[1][f] - rough->kelvin[1][half]);
-        square += off * off / (2 * kFine * kFine);
-      }
-      const double error = 0.5 * static_cast<double>(rough->error_k[1][0] + rough->error_k[1][1]);
-      std::printf("walls of %.2f m, %.0f K: inside %.2f K rms, stated %.2f K\n", wall_m, wall_k,
-                  std::sqrt(square), error);
-      EXPECT_LT(std::sqrt(square), 1.5 * error + 0.3);
-      EXPECT_LT(error, 5 * std::sqrt(square) + 0.7);
-      if (wall_k > 400 && wall_m == 1) {
-        EXPECT_GT(std::sqrt(square), 5);
-      }
-    }
-  }
-}
-
-// Rationale: a sheet that conducts badly has two temperatures, and views take one of them for both
-//   sides. Expected: the same one whichever side its facets call their front, and an error that
-//   covers both faces. Source: the balance of each of them, which lie on both sides of it.
-TEST(SceneHeat, OfASheetBothFacesAreWithinItsError) {
-  SceneHeatRequest r = steady(290, 300);
-  for (HeatWeather& w : r.weather) {
-    w.sun = {0, 0, -1};
-    w.before = w.after = {700, 100, 300};
-    w.wind_m_s = 1;
-  }
-  r.beneath = {.surface_z_m = INFINITY, .temperature_k = 290, .emissivity = 1, .solar_albedo = 0};
-  r.part = {{0.7, 0.9, 0u, 0}};
-  r.build_up = {steel(InnerSide::kOpen)};
-  r.build_up[0].layers = {{0.02, 0.1, 600, 1500}};
-  std::vector<float> kelvin;
-  for (const bool up : {true, false}) {
-    const Vec<Body> u = up ? Vec<Body>{0, 1, 0} : Vec<Body>{1, 0, 0},
-                    v = up ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0};
-    const auto result =
-        solve_scene_heat(target_of(plate("sheet", {0, 0, 0}, u, v, 1), {part("sheet", true)}), r);
-    ASSERT_TRUE(result.ok()) << result.status();
-    kelvin.push_back(result->kelvin[1][0]);
-    // Conducted, through 0.2 m2 K/W, is what the lower face loses.
-    const double middle = static_cast<double>(result->kelvin[1][0]),
-                 half = static_cast<double>(result->error_k[1][0]);
-    EXPECT_GT(half, 5);
-    const auto lost = [](double t) {
-      return 0.9 * kStefanBoltzmannWM2K4 * (std::pow(t, 4) - std::pow(290, 4)) + 3 * (t - 290);
-    };
-    double low = 290, high = middle;
-    for (int i = 0; i < 60; ++i) {
-      const double t = 0.5 * (low + high);
-      (lost(t) < 2 * (middle - t) / 0.2 ? low : high) = t;
-    }
-    EXPECT_GT(half, 0.8 * (middle - low));
-    EXPECT_LT(half, 1.6 * (middle - low));
-  }
-  EXPECT_NEAR(kelvin[0], kelvin[1], 0.05);
 }
 
 // A deck half of whose facets stand inside a deckhouse: what is seen of them has all of its sun.
