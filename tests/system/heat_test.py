@@ -336,6 +336,8 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
         self.refused(sweep(LAYER='[{ thickness_m = 1, conductivity_w_m_k = 1, density_kg_m3 = -3, specific_heat_j_kg_k = 1 }]'),
                      "density_kg_m3 = -3")
         self.refused(sweep(BUILD_UP=""), "wrong.toml")
+        self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 300 }]'), "thickness_m = 300, expected", "is it in mm? 300 mm are 0.3 m")
+        self.refused(sweep(BUILD_UP='build_up = "wall"\ntemperature_k = 300'), "part[0].build_up stands beside temperature_k, which would be taken")
         steel = '[{ thickness_m = 1e-30, conductivity_w_m_k = 1e-10, density_kg_m3 = 7850, specific_heat_j_kg_k = 460 }]'
         self.refused(sweep(LAYER=steel), "thickness_m = 1e-30, expected", "conductivity_w_m_k = 1e-10, expected a number from 1e-09 to 1e+12")
         self.refused(sweep(LAYER='[{ solid = "steel", thickness_m = 0.5 }]', INSIDE='inside = "heat_flux"\ninside_heat_flux_w_m2 = 1e7'),
@@ -350,7 +352,10 @@ inside_schedule = [{ time = "06:30+01:00", temperature_k = 330 }, { time = "18:3
                      "wrong.toml:21:38: build_up[0].inside_schedule[0].temperature_k = 20, expected a number from 100 to 5000",
                      "20 C are 293.15 K")
         self.refused(sweep(HEAT="element_size_m = 0.01", MODEL='generate = "box"\ntriangles = 48\nlength_m = 500\ndraft_m = 0'),
-                     "heat.element_size_m")
+                     "heat.element_size_m", "m large")
+        (self.path / "huge.obj").write_text("g body\nv 0 0 0\nv 20 0 0\nv 0 20 -5\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+        huge = 'file = "huge.obj"\nunit_m = 1000\nforward_axis = "+x"\nup_axis = "+z"\noffset_m = [0, 0, 5001]'
+        self.refused(sweep(HEAT="element_size_m = 2", MODEL=huge), "heat.element_size_m", "is model.unit_m = 1000 right?")
         self.refused(sweep().replace("wind_from_deg = 240\n", ""), "wind_from_deg")
         self.refused(sweep().replace("sun = true", "sun = false"), "transport.sun = false, but [heat]")
 

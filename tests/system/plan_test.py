@@ -114,6 +114,8 @@ class Plan(unittest.TestCase):
     def test_a_pilot_leaves_nothing_behind_and_changes_no_result(self):
         irsig("run", self.sweep, "--db", self.db, "--plan")
         self.assertEqual(len(self.prediction()), 1)
+        again = subprocess.run([IRSIG, "run", self.sweep, "--db", self.db, "--plan"], capture_output=True, text=True, timeout=300)
+        self.assertIn("nothing is predicted here", again.stderr)
         other = self.path / "other.sigdb"
         irsig("run", self.sweep, "--db", other)
         self.assertEqual(irsig("digest", other), irsig("digest", self.db))

@@ -47,6 +47,8 @@ SWEEPS = [
     (r"^wind_speed_m_s = .*", "wind_speed_m_s = 90", r"wind_speed_m_s = 90, expected a number from 0 to 20"),
     (r"^latitude_deg = .*", "latitude_deg = 110.1", r"latitude_deg = 110.1, expected a number from -90 to 90"),
     (r"^latitude_deg = .*", "latitude_deg = 54,3", r"numbers have a decimal point"),
+    (r'^kind = "ring"\ncount = 12\nelevation_deg = .*', 'kind = "fibonacci"\ncount = 12\nelevation_min_deg = -20',
+     r"wrong\.toml:\d+:\d+: .*lies under water, and \d+ more, expected sensors above the sea: a larger elevation_min_deg"),
     (r"^elevation_deg = .*", "elevation_deg = [-3, 10]", r"elevation -3, .*lies under water, and 11 more, expected sensors above the sea"),
     (r"^count = 12", "count = 20.5", r"count = 20.5, expected a whole number from 1 to 1e\+06"),
     (r"^elevation_deg = .*", "elevation_deg = [100]", r"elevation_deg\[0\] = 100, expected a number from -90 to 90"),

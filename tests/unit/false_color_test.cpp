@@ -203,6 +203,21 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
   EXPECT_EQ(scaled->range.high, 80);
 }
 
+// Pixels at an edge are covered in part: dark there, or bright where a path has met little.
+TEST(RadiancePicture, TheScaleIsOfPixelsThatAreCovered) {
+  Stored stored;
+  for (auto& s : stored.db.signatures) s.target_paths = 100000;
+  stored.read = [](const std::string&) -> absl::StatusOr<StoredPixels> {
+    return StoredPixels{4, 4, {0, 5, 5, 0, 5, 30, 40, 5, 5, 35, 50, 900, 5, 5, 5, 5}};
+  };
+  const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
+  ASSERT_TRUE(picture.ok()) << picture.status();
+  // Of the inner four, those beside a corner without a path are not sure to be covered.
+  EXPECT_EQ(picture->range.low, 35);
+  EXPECT_EQ(picture->range.high, 50);
+  EXPECT_THAT(picture->subtitle, HasSubstr("edges are covered in part"));
+}
+
 TEST(RadiancePicture, TheTemperaturesOfABandWithAResponseAreItsOwn) {
   Stored stored;
   schema::Band& band = *stored.db.sweeps["box ship"].resolved.mutable_sweep()->mutable_band(1);

@@ -272,6 +272,9 @@ TEST(Table, TextHasUnitsAndAlignedColumns) {
 TEST(Quantity, UnitsComeFromTheSuffix) {
   EXPECT_EQ(quantity_of("spectral_intensity_stderr_w_sr_um").noun, "spectral intensity stderr");
   EXPECT_EQ(quantity_of("spectral_intensity_stderr_w_sr_um").cf_unit, "W sr-1 um-1");
+  EXPECT_EQ(quantity_of("conductivity_w_m_k").unit, "W/(m K)");
+  EXPECT_EQ(quantity_of("density_kg_m3").unit, "kg/m3");
+  EXPECT_EQ(quantity_of("specific_heat_j_kg_k").cf_unit, "J kg-1 K-1");
   EXPECT_EQ(quantity_of("background_radiance_w_m2_sr").unit, "W/(m2 sr)");
   EXPECT_EQ(quantity_of("projected_area_m2").unit, "m2");
   EXPECT_EQ(quantity_of("range_m").unit, "m");

@@ -56,6 +56,17 @@ TEST_F(UserFile, WhatIsNoRegularFileIsRefusedAtOnce) {
   EXPECT_FALSE(front_of_user_file("/dev/zero", 16).ok());
 }
 
+TEST_F(UserFile, WhatAFileNamesLiesBesideIt) {
+  const std::string sweep = write("sweep.toml", ""), model = write("ship.obj", "v 0 0 0");
+  EXPECT_EQ(*read_file_beside(sweep, "ship.obj", 1000), "v 0 0 0");
+  EXPECT_EQ(*read_file_beside("elsewhere/sweep.toml", model, 1000), "v 0 0 0");
+  EXPECT_EQ(read_file_beside(sweep, "shp.obj", 1000).status().message(),
+            "No such file or directory (looked for beside " + sweep + ")");
+  for (const std::string& naming : {std::string("sweep.toml"), sweep})
+    EXPECT_EQ(read_file_beside(naming, folder_.file("shp.obj"), 1000).status().message(),
+              "No such file or directory");
+}
+
 TEST_F(UserFile, SizeIsLimited) {
   const std::string path = write("a", std::string(1000, 'a'));
   EXPECT_EQ(read_user_file(path, 1000)->size(), 1000U);
