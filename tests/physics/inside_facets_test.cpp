@@ -104,10 +104,29 @@ TEST(InsideFacets, WhatHotWallsWarmUnevenlyIsItsError) {
   }
 }
 
-// Rationale: a sheet that conducts badly has two temperatures, and views take one of them for both
-//   sides. Expected: the same one whichever side its facets call their front, and an error that
-//   covers both faces. Source: the balance of each of them, which lie on both sides of it.
-TEST(InsideFacets, OfASheetBothFacesAreWithinItsError) {
+// The same of warm ground under a ceiling, half of which a screen of the air's temperature hides.
+TEST(InsideFacets, WhatTheGroundWarmsUnevenlyIsItsError) {
+  constexpr int kFine = 12;
+  const auto scene = [](int n) {
+    Mesh mesh = plate("ceiling", {-4, -4, -3}, {8, 0, 0}, {0, 8, 0}, n);
+    append(mesh, plate("screen", {-4, -4, -2.5}, {8, 0, 0}, {0, 4, 0}, 1));
+    return target_of(mesh, {part("ceiling"), part("screen", true)});
+  };
+  SceneHeatRequest r = steady(290, 400);
+  r.beneath = {.surface_z_m = 0, .temperature_k = 340, .emissivity = 1, .solar_albedo = 0};
+  r.build_up = {steel(InnerSide::kAdiabatic)};
+  r.part = {{0.7, 0.9, 0u, 0}, {0.7, 1, std::nullopt, 290}};
+  r.rays = 1024;
+  const auto rough = solve_scene_heat(scene(1), r), exact = solve_scene_heat(scene(kFine), r);
+  ASSERT_TRUE(rough.ok() && exact.ok());
+  const auto [rms, error] = inside(*exact, *rough, 1, kFine);
+  std::printf("ceiling: inside %.2f K rms, stated %.2f K\n", rms, error);
+  EXPECT_GT(rms, 5);
+  EXPECT_LT(rms, 1.5 * error);
+  EXPECT_LT(error, 3 * rms);
+}
+
+SceneHeatRequest plywood_in_the_sun() {
   SceneHeatRequest r = steady(290, 300);
   for (HeatWeather& w : r.weather) {
     w.sun = {0, 0, -1};
@@ -118,12 +137,22 @@ TEST(InsideFacets, OfASheetBothFacesAreWithinItsError) {
   r.part = {{0.7, 0.9, 0u, 0}};
   r.build_up = {steel(InnerSide::kOpen)};
   r.build_up[0].layers = {{0.02, 0.1, 600, 1500}};
+  return r;
+}
+Target level_sheet(bool front_up) {
+  const Vec<Body> x{1, 0, 0}, y{0, 1, 0};
+  return target_of(plate("sheet", {0, 0, 0}, front_up ? y : x, front_up ? x : y, 1),
+                   {part("sheet", true)});
+}
+
+// Rationale: a sheet that conducts badly has two temperatures, and views take one of them for both
+//   sides. Expected: the same one whichever side its facets call their front, and an error that
+//   covers both faces. Source: the balance of each of them, which lie on both sides of it.
+TEST(InsideFacets, OfASheetBothFacesAreWithinItsError) {
+  const SceneHeatRequest r = plywood_in_the_sun();
   std::vector<float> kelvin;
   for (const bool up : {true, false}) {
-    const Vec<Body> u = up ? Vec<Body>{0, 1, 0} : Vec<Body>{1, 0, 0},
-                    v = up ? Vec<Body>{1, 0, 0} : Vec<Body>{0, 1, 0};
-    const auto result =
-        solve_scene_heat(target_of(plate("sheet", {0, 0, 0}, u, v, 1), {part("sheet", true)}), r);
+    const auto result = solve_scene_heat(level_sheet(up), r);
     ASSERT_TRUE(result.ok()) << result.status();
     kelvin.push_back(result->kelvin[1][0]);
     // Conducted, through 0.2 m2 K/W, is what the lower face loses.
@@ -142,6 +171,20 @@ TEST(InsideFacets, OfASheetBothFacesAreWithinItsError) {
     EXPECT_LT(half, 1.6 * (middle - low));
   }
   EXPECT_NEAR(kelvin[0], kelvin[1], 0.05);
+}
+
+TEST(InsideFacets, ASheetChangesAlikeWhicheverIsItsFront) {
+  const SceneHeatRequest r = plywood_in_the_sun();
+  SceneHeatRequest darker = r;
+  darker.part[0].solar_absorptance = 0.8;
+  std::vector<float> change;
+  for (const bool up : {true, false}) {
+    const auto changes = solve_scene_heat_changes(level_sheet(up), r, {{darker}});
+    ASSERT_TRUE(changes.ok()) << changes.status();
+    change.push_back((*changes)[0][1][0]);
+  }
+  EXPECT_GT(change[0], 0.5);
+  EXPECT_NEAR(change[0], change[1], 0.02);
 }
 
 }  // namespace
