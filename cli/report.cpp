@@ -1,6 +1,7 @@
+#include <algorithm>
 #include <cstdio>
-#include <regex>
 #include <string>
+#include <string_view>
 
 #include "cli/commands.h"
 #include "view/print.h"
@@ -9,9 +10,17 @@ namespace irsig {
 namespace {
 
 // "sweep.toml:12:3: ...", as editors look for it.
-bool begins_with_place(const std::string& text) {
-  static const std::regex kPlace("[^:\n]+:[0-9]+:[0-9]+: ");
-  return std::regex_search(text, kPlace, std::regex_constants::match_continuous);
+bool begins_with_place(std::string_view text) {
+  const std::size_t name = text.find_first_of(":\n");
+  if (name == 0 || name == text.npos) return false;
+  text.remove_prefix(name);
+  for (int number = 0; number < 2; ++number) {
+    if (!text.starts_with(':')) return false;
+    const std::size_t end = std::min(text.find_first_not_of("0123456789", 1), text.size());
+    if (end == 1) return false;
+    text.remove_prefix(end);
+  }
+  return text.starts_with(": ");
 }
 
 }  // namespace

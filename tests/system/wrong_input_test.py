@@ -168,6 +168,11 @@ class WrongInput(unittest.TestCase):
         self.assertEqual(before, sorted(p.name for p in self.path.iterdir()), "something was left behind")
         self.assertEqual((self.path / "copy").read_bytes()[:15], b"SQLite format 3")
 
+    def test_names_without_end(self):
+        for name in ("a" * 100000, ":" * 5000, "1:" * 30000, ":1:1: x", "a\n:1:1: b"):
+            found = self.irsig("query", name, code=2).stderr
+            self.assertTrue(found.startswith("irsig: "), found[:80])
+
     def test_the_nearest_viewpoint_may_be_far(self):
         found = self.irsig("query", "few.sigdb", "--aspect", "90,89", "--nearest", 1)
         self.assertRegex(found.stderr, r"note: the viewpoints found are up to \d\d deg away from aspect 90,89")
