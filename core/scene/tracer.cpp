@@ -157,7 +157,7 @@ class EmbreeTracer final : public Tracer {
     float end[16];
     std::memcpy(end, packet.tfar, sizeof(end));
     rtcIntersect16(valid, scene_, &context, reinterpret_cast<RTCRayHit16*>(&packet));
-    if (is_large_) look_again(packet, count, context);
+    if (is_large_) look_again(packet, count, end, context);
     if (guard_ == nullptr || all_miss(packet)) return;
     Sides sides;
     find_sides(packet, sides);
@@ -222,7 +222,7 @@ class EmbreeTracer final : public Tracer {
 
   // Of surfaces that are closer to each other than a distance from afar is known, the nearer one:
   // by rays that begin shortly before what was met.
-  void look_again(RayPacket& p, int count, RTCIntersectContext& context) const {
+  void look_again(RayPacket& p, int count, const float* end, RTCIntersectContext& context) const {
     constexpr double kBefore = 0x1p-14;  // of the distance: hundreds of its roundings
     alignas(64) int valid[16] = {};
     RayPacket near{};
@@ -244,7 +244,8 @@ class EmbreeTracer final : public Tracer {
       near.dir_x[i] = p.dir_x[i];
       near.dir_y[i] = p.dir_y[i];
       near.dir_z[i] = p.dir_z[i];
-      near.tfar[i] = static_cast<float>(2 * kBefore * t);
+      near.tfar[i] =
+          static_cast<float>(std::min(2 * kBefore * t, static_cast<double>(end[i]) - start));
       near.mask[i] = p.mask[i];
       near.triangle[i] = near.geometry[i] = near.instance[i] = RayPacket::kMiss;
     }

@@ -60,6 +60,21 @@ TEST_P(AtOffset, NoRayIsLostAndNoHitInvented) {
 
 INSTANTIATE_TEST_SUITE_P(Watertight, AtOffset, testing::Values(0.0, 1e3, 1e5, 6.4e6));
 
+// A thousand times as large: rays look again (tracer.h), by origins that are rounded anew.
+TEST(Watertight, LargeMeshesLoseNoRayEither) {
+  for (NamedMesh hard : hard_closed_meshes(5'000)) {
+    for (Vec<Body>& v : hard.mesh.vertex) v = 1000.0 * v;
+    for (const AimedAt aimed_at : {AimedAt::kRandom, AimedAt::kEdges, AimedAt::kVertices}) {
+      WatertightCheck what;
+      what.aimed_at = aimed_at;
+      what.rays = 40'000;
+      const WatertightCounts counts = check(hard.mesh, what);
+      EXPECT_EQ(counts.failures(), 0u) << hard.name << ", " << counts.first_failure;
+      EXPECT_LE(counts.within_tolerance, what.rays / 50) << hard.name;
+    }
+  }
+}
+
 // The check can fail: without the caps vertices leak, without ROBUST edges do as well.
 TEST(Watertight, TheCheckSeesWhatItLooksFor) {
   const Mesh mesh = generate_mesh({"sphere", 2000}).value();
@@ -126,18 +141,23 @@ void aim(RayPacket& p, int lane, const float* origin, const float* to) {
 }
 
 // What a ray meets must not depend on the rays that share its packet: jobs may be cut anywhere.
-TEST(Tracer, BitsDoNotDependOnThePacketsOtherRays) {
-  const Soup soup = soup_of(generate_mesh({"frigate", 20'000}).value());
+class BitsOfRays : public testing::TestWithParam<float> {};
+
+// Of a frigate, and of one 20 times as long, where rays look again.
+TEST_P(BitsOfRays, DoNotDependOnThePacketsOtherRays) {
+  const float size = GetParam();
+  Soup soup = soup_of(generate_mesh({"frigate", 20'000}).value());
+  for (float& x : soup.vertex) x *= size;
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(0, 1);
   constexpr int kRays = 4'096;
   std::vector<float> origin(3 * kRays), to(3 * kRays);
   for (std::size_t i = 0; i < kRays; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) origin[3 * i + j] = 160 * (unit(random) - 0.5f);
+    for (std::size_t j = 0; j < 3; ++j) origin[3 * i + j] = 160 * size * (unit(random) - 0.5f);
     // A third at vertices, the others near them.
     const std::size_t v = random() % (soup.vertex.size() / 3);
     for (std::size_t j = 0; j < 3; ++j)
-      to[3 * i + j] = soup.vertex[3 * v + j] + (i % 3 == 0 ? 0.0f : unit(random) - 0.5f);
+      to[3 * i + j] = soup.vertex[3 * v + j] + (i % 3 == 0 ? 0.0f : size * (unit(random) - 0.5f));
   }
   for (const TracerIsa isa : available_isas()) {
     const auto tracer = tracer_of(soup, isa);
@@ -174,6 +194,8 @@ TEST(Tracer, BitsDoNotDependOnThePacketsOtherRays) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Tracer, BitsOfRays, testing::Values(1.0F, 20.0F));
 
 // A sheet drawn twice, once for each side: every ray meets the facet that faces it.
 TEST(Tracer, OfTwoFacetsInOnePlaceTheOneThatFacesTheRay) {
