@@ -97,10 +97,11 @@ void add_serve(CLI::App& app, int& exit_code) {
                    "The accuracy.html of irsig accuracy, to be shown beside the database")
       ->type_name("FILE");
   command
-      ->add_option("--address", options.address,
-                   "IP address to listen at; another than a loopback address lets the network read "
-                   "the databases, without a password (default: " +
-                       options.address + ")")
+      ->add_option(
+          "--address", options.address,
+          "IP address to listen at; with another than a loopback address the secret in the "
+          "printed address crosses the network unencrypted (default: " +
+              options.address + ")")
       ->type_name("IP");
   command
       ->add_option(

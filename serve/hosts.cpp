@@ -42,9 +42,10 @@ absl::StatusOr<ListenAddress> parse_listen_address(const std::string& text) {
   return ListenAddress{text, ip->loopback};
 }
 
-std::string page_url(const ListenAddress& address, int port) {
+std::string page_url(const ListenAddress& address, int port, std::string_view secret) {
   const bool v6 = address.address.find(':') != std::string::npos;
-  return fmt::format("http://{}{}{}:{}/", v6 ? "[" : "", address.address, v6 ? "]" : "", port);
+  return fmt::format("http://{}{}{}:{}/{}/", v6 ? "[" : "", address.address, v6 ? "]" : "", port,
+                     secret);
 }
 
 bool is_our_host(std::string_view host, bool loopback_only) {

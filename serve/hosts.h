@@ -16,8 +16,8 @@ struct ListenAddress {
 // INVALID_ARGUMENT: neither an IP address nor localhost.
 [[nodiscard]] absl::StatusOr<ListenAddress> parse_listen_address(const std::string& text);
 
-// "http://127.0.0.1:8017/"
-[[nodiscard]] std::string page_url(const ListenAddress& address, int port);
+// Returns "http://127.0.0.1:8017/SECRET/": every route of the page lies below it.
+[[nodiscard]] std::string page_url(const ListenAddress& address, int port, std::string_view secret);
 
 // Whether a request with this Host header was meant for us: localhost or an IP address, with any
 // port (it may have been forwarded), and a loopback address where that is all that is listened to.

@@ -1,152 +1,95 @@
 #include "serve/serve.h"
 
 #include <fmt/format.h>
-#include <httplib.h>
-#include <pthread.h>
-#include <sys/socket.h>
+#include <sys/random.h>
 
-#include <atomic>
-#include <csignal>
+#include <algorithm>
+#include <array>
 #include <memory>
-#include <thread>
 #include <utility>
 
 #include "schema/store/store.h"
 #include "serve/answers.h"
 #include "serve/hosts.h"
+#include "serve/http_server.h"
+#include "serve/target.h"
 
 namespace irsig {
 namespace {
 
-// A connection takes a thread, and is closed after one answer, so that idle ones hold none.
-constexpr std::size_t kThreads = 12;
-constexpr std::size_t kAnswersPerConnection = 1;
-constexpr time_t kFirstByteTimeout_s = 1, kReadTimeout_s = 5, kWriteTimeout_s = 30;
+constexpr std::size_t kLongestTarget = 8192;
+constexpr std::size_t kSecretBytes = 16;
 
-// Nothing but what this server sends is loaded, run or shown, and nobody shows it inside their own
-// page.
-const httplib::Headers kHeaders = {
-    {"Content-Security-Policy",
-     "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+// A browser loads, runs and shows nothing but what this server sends, and no other page frames it.
+constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"X-Content-Type-Options", "nosniff"},
     {"Referrer-Policy", "no-referrer"},
     {"Cross-Origin-Opener-Policy", "same-origin"},
     {"Cross-Origin-Resource-Policy", "same-origin"},
     {"Cache-Control", "no-store"},
+    {"Accept-Ranges", "none"},
 };
-
-constexpr const char* kSelfContained =
+constexpr const char* kPolicy =
+    "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+constexpr const char* kSelfContainedPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
 
-void send(const PageReply& reply, httplib::Response& response) {
-  response.status = reply.status;
-  if (reply.is_self_contained) {
-    response.headers.erase("Content-Security-Policy");
-    response.set_header("Content-Security-Policy", kSelfContained);
-  }
+HttpReply http_reply(PageReply reply) {
+  HttpReply out{reply.status, {}, std::move(reply.body)};
+  for (const auto& [name, value] : kHeaders) out.headers.emplace_back(name, value);
+  out.headers.emplace_back("Content-Security-Policy",
+                           reply.is_self_contained ? kSelfContainedPolicy : kPolicy);
+  out.headers.emplace_back("Content-Type", std::move(reply.type));
   if (!reply.file_name.empty())
-    response.set_header("Content-Disposition",
-                        fmt::format("attachment; filename=\"{}\"", reply.file_name));
-  // By a provider of known length: bodies that are set are compressed, slower than they are sent.
-  const auto body = std::make_shared<const std::string>(reply.body);
-  response.set_content_provider(
-      body->size(), reply.type,
-      [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-        return sink.write(body->data() + offset, length);
-      });
+    out.headers.emplace_back("Content-Disposition",
+                             fmt::format("attachment; filename=\"{}\"", reply.file_name));
+  if (reply.status == 405) out.headers.emplace_back("Allow", "GET, HEAD");
+  return out;
+}
+
+HttpReply refused(int status) {
+  return http_reply(error_reply(status, status == 500
+                                            ? "the answer could not be made (out of memory?)"
+                                            : fmt::format("the request was refused ({})", status)));
+}
+
+// 128 random bits as hexadecimal digits.
+absl::StatusOr<std::string> new_secret() {
+  std::array<unsigned char, kSecretBytes> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    return absl::UnavailableError("this system gives no random bytes (getrandom)");
+  return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
 class Page {
  public:
-  Page(const ServeOptions& options, bool loopback_only)
+  Page(const ServeOptions& options, std::string_view secret, bool loopback_only)
       : sources_{options.database, options.detector, options.extent_of, options.farm,
                  options.accuracy_page},
+        root_(fmt::format("/{}/", secret)),
         loopback_only_(loopback_only) {}
 
-  [[nodiscard]] PageReply reply_to(const httplib::Request& request) const {
-    if (request.get_header_value_count("Host") != 1 ||
-        !is_our_host(request.get_header_value("Host"), loopback_only_))
+  // The secret comes first: nothing else of a request is looked at before it is right.
+  [[nodiscard]] PageReply reply_to(const HttpRequest& request) const {
+    const std::string_view target = request.target;
+    if (!equal_in_constant_time(target.substr(0, root_.size()), root_))
+      return error_reply(403, "open the address that irsig serve printed");
+    if (request.host.size() != 1 || !is_our_host(request.host[0], loopback_only_))
       return error_reply(403, "this page answers to localhost and to IP addresses only");
     if (request.method != "GET" && request.method != "HEAD")
       return error_reply(405, "this page is only read: GET and HEAD");
-    return answer(sources_, request.path, request.params);
+    if (target.size() > kLongestTarget)
+      return error_reply(414, fmt::format("the address is longer than {} bytes", kLongestTarget));
+    const auto below = parse_target(target.substr(root_.size() - 1));
+    if (!below.ok()) return error_reply(400, std::string(below.status().message()));
+    return answer(sources_, below->path, below->parameters);
   }
 
  private:
   PageSources sources_;
+  std::string root_;
   bool loopback_only_;
-};
-
-void set_up(httplib::Server& server, const Page& page) {
-  server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
-  server.set_keep_alive_max_count(kAnswersPerConnection);
-  server.set_keep_alive_timeout(kFirstByteTimeout_s);
-  server.set_read_timeout(kReadTimeout_s);
-  server.set_write_timeout(kWriteTimeout_s);
-  server.set_payload_max_length(1);
-  server.set_default_headers(kHeaders);
-  // Without SO_REUSEPORT, by which a second server could take the same port.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  });
-  // Before routing, so that a path is compared and never matched with a pattern.
-  server.set_pre_routing_handler(
-      [&page](const httplib::Request& request, httplib::Response& response) {
-        PageReply reply = page.reply_to(request);
-        if (reply.status == 405) response.set_header("Allow", "GET, HEAD");
-        send(reply, response);
-        return httplib::Server::HandlerResponse::Handled;
-      });
-  // What httplib refuses by itself: a request that is none, or too long.
-  const httplib::Server::HandlerWithResponse refused = [](const httplib::Request&,
-                                                          httplib::Response& response) {
-    if (response.content_length_ > 0 || !response.body.empty())
-      return httplib::Server::HandlerResponse::Unhandled;
-    const PageReply reply =
-        error_reply(response.status, fmt::format("the request was refused ({})", response.status));
-    response.set_content(reply.body, "application/json; charset=utf-8");
-    return httplib::Server::HandlerResponse::Handled;
-  };
-  server.set_error_handler(refused);
-  server.set_exception_handler(
-      [](const httplib::Request&, httplib::Response& response, std::exception_ptr) {
-        // The libraries below throw nothing on purpose: out of memory, mostly.
-        send(error_reply(500, "the answer could not be made (out of memory?)"), response);
-      });
-}
-
-// Ends a server at the first SIGINT or SIGTERM, which no other thread gets.
-class StopOnSignal {
- public:
-  explicit StopOnSignal(httplib::Server& server) {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &signals, &before_);
-    thread_ = std::thread([this, &server, signals] {
-      int signal = 0;
-      sigwait(&signals, &signal);
-      while (!done_ && !server.is_running()) std::this_thread::sleep_for(kPoll);
-      if (!done_) server.stop();
-    });
-  }
-  ~StopOnSignal() {
-    done_ = true;
-    pthread_kill(thread_.native_handle(), SIGTERM);
-    thread_.join();
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
-
- private:
-  static constexpr std::chrono::milliseconds kPoll{2};
-  sigset_t before_{};
-  std::atomic<bool> done_ = false;
-  std::thread thread_;
 };
 
 }  // namespace
@@ -159,26 +102,21 @@ absl::Status serve(const ServeOptions& options) {
         fmt::format("--port {}: expected 0 (a free one) to 65535", options.port));
   for (const std::string& database : options.database)
     if (const auto reader = StoreReader::open(database); !reader.ok()) return reader.status();
+  const auto secret = new_secret();
+  if (!secret.ok()) return secret.status();
+  const auto server = HttpServer::listen(address->address, options.port);
+  if (!server.ok()) return server.status();
 
-  httplib::Server server;
-  const Page page(options, address->loopback);
-  set_up(server, page);
-  const StopOnSignal stop(server);
-  const int port = options.port == 0 ? server.bind_to_any_port(address->address)
-                   : server.bind_to_port(address->address, options.port) ? options.port
-                                                                         : -1;
-  if (port <= 0)
-    return absl::UnavailableError(
-        fmt::format("cannot listen at {}, port {}: it is taken, or not ours (--port 0 takes one "
-                    "that is free)",
-                    address->address, options.port));
-  options.on_ready(page_url(*address, port),
-                   address->loopback ? ""
-                                     : fmt::format("whoever reaches {} on the network can read "
-                                                   "these databases: there is no password and no "
-                                                   "encryption",
-                                                   address->address));
-  if (!server.listen_after_bind()) return absl::UnavailableError("the page's server stopped");
+  const Page page(options, *secret, address->loopback);
+  options.on_ready(
+      page_url(*address, (*server)->port(), *secret),
+      address->loopback
+          ? ""
+          : fmt::format("whoever knows the address below and reaches {} can read these databases; "
+                        "nothing is encrypted, so that whoever can listen to the network learns it",
+                        address->address));
+  (*server)->run(
+      {[&](const HttpRequest& request) { return http_reply(page.reply_to(request)); }, refused});
   return absl::OkStatus();
 }
 

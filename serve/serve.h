@@ -45,8 +45,8 @@ struct ServeOptions {
   std::function<void(const std::string& url, const std::string& warning)> on_ready;
 };
 
-// Serves the page of signature databases until SIGINT or SIGTERM, which it takes for itself: they
-// must not be handled elsewhere in the process. Only reads. The errors of StoreReader::open;
+// Serves the page of signature databases until SIGINT or SIGTERM, which no other code of the process
+// may handle. Only reads. The errors of StoreReader::open;
 // INVALID_ARGUMENT: an address or port that is none; UNAVAILABLE: the port is taken.
 [[nodiscard]] absl::Status serve(const ServeOptions& options);
 

@@ -170,7 +170,7 @@ function hideImage(words) {
 function showImage(k) {
   if (!shown || k < 0) return;
   if (!sweepOf(state, "", contents)?.thumbnails) return hideImage("This sweep was computed without images.");
-  const address = addressOf("/api/thumbnail.png", rowOf(k));
+  const address = addressOf("api/thumbnail.png", rowOf(k));
   const where = aspectText(shown.azimuth[k], shown.elevation[k]);
   if (image.dataset.address === address) return undefined;
   image.dataset.address = address;
@@ -202,15 +202,15 @@ function showRow(mine) {
   return fill("values", mine, async () => {
     let row, other = null;
     try {
-      [row, other] = await Promise.all([ask("/api/row", asked), shown.b_row ? ask("/api/row", detail(chosen, "b_")) : null]);
+      [row, other] = await Promise.all([ask("api/row", asked), shown.b_row ? ask("api/row", detail(chosen, "b_")) : null]);
     } catch (error) {
       for (const id of ["budget", "ledger"]) if (mine === run) panel[id].fail(error.message);
       throw error;
     }
     if (mine !== run) return;
     panel.values.show(...values(row, other, differenceOf(row, other)));
-    panel.values.offer(other ? `${row.command}\n${other.command}` : row.command, [["CSV", addressOf("/file/row.csv", asked)]]);
-    offer(imageTools, row.image_command, [["PNG", addressOf("/file/image.png", rowOf(chosen))]]);
+    panel.values.offer(other ? `${row.command}\n${other.command}` : row.command, [["CSV", addressOf("file/row.csv", asked)]]);
+    offer(imageTools, row.image_command, [["PNG", addressOf("file/image.png", rowOf(chosen))]]);
     const parts = budget(row);
     if (parts) {
       panel.budget.show(...parts);
@@ -224,15 +224,15 @@ function showRow(mine) {
 function showSpectrum(mine) {
   return fill("spectrum", mine, async () => {
     const asked = detail(chosen);
-    const [a, b] = await Promise.all([ask("/api/spectrum", asked), shown.b_row ? ask("/api/spectrum", detail(chosen, "b_")) : null]);
+    const [a, b] = await Promise.all([ask("api/spectrum", asked), shown.b_row ? ask("api/spectrum", detail(chosen, "b_")) : null]);
     if (mine !== run) return;
     const stacked = state.quantity === "intensity";
     const entries = [["a", `${b ? "A" : a.title}, band ±2 standard errors`], ...(b ? [["b", "B"]] : [])];
     if (stacked) for (const c of causesOf(a)) entries.push([c.id, CAUSES.find(([id]) => id === c.id)[1]]);
     readouts.spectrum.textContent = stacked ? "" : "Causes are known of the source intensity.";
     panel.spectrum.show(drawSpectrum(a, b, stacked, readouts.spectrum), legend(entries));
-    const files = [["CSV", addressOf("/file/spectrum.csv", asked)]];
-    if (state.range_m === "") files.push(["SVG", addressOf("/file/spectrum.svg", asked)]);
+    const files = [["CSV", addressOf("file/spectrum.csv", asked)]];
+    if (state.range_m === "") files.push(["SVG", addressOf("file/spectrum.svg", asked)]);
     panel.spectrum.offer(b ? `${a.command}\n${b.command}` : a.command, files);
   });
 }
@@ -242,16 +242,16 @@ function showCut(mine) {
     const asked = { ...selectionA(), elevation_deg: state.elevation_deg };
     elevation.min = Math.max(-89, Math.floor(shown.elevation.reduce((x, y) => Math.min(x, y), 90)));
     elevation.max = Math.min(89, Math.ceil(shown.elevation.reduce((x, y) => Math.max(x, y), -90)));
-    const a = await ask("/api/cut", asked);
+    const a = await ask("api/cut", asked);
     const ofB = { ...selectionParameters(state, "b_"), quantity: state.quantity, elevation_deg: a.elevation_deg };
-    const b = shown.b_row ? await ask("/api/cut", ofB) : null;
+    const b = shown.b_row ? await ask("api/cut", ofB) : null;
     if (mine !== run) return;
     elevation.value = a.elevation_deg;
     elevation.nextElementSibling.textContent = degrees(a.elevation_deg);
     readouts.cut.textContent = a.interpolated ? `Interpolated between viewpoints, band ±2σ; marks: viewpoints within ${a.near_deg}°.` : "Marks: viewpoints, bars ±2σ.";
     panel.cut.show(drawCut(b ? [a, b] : [a], shown.azimuth[chosen], readouts.cut), legend(b ? [["a", "A"], ["b", "B"]] : [["a", a.title]]));
     panel.cut.offer(b ? `${a.command}\n${b.command}` : a.command,
-      [["CSV", addressOf("/file/cut.csv", { ...asked, elevation_deg: a.elevation_deg })], ["SVG", addressOf("/file/cut.svg", { ...asked, elevation_deg: a.elevation_deg })]]);
+      [["CSV", addressOf("file/cut.csv", { ...asked, elevation_deg: a.elevation_deg })], ["SVG", addressOf("file/cut.svg", { ...asked, elevation_deg: a.elevation_deg })]]);
   });
 }
 
@@ -263,10 +263,10 @@ function showBands(mine) {
   fillBandForm($("bands-form"), state, contents.detector, change);
   return fill("bands", mine, async () => {
     const asked = { ...selectionParameters(state), ...bandParameters(state) };
-    const answer = await ask("/api/bands", asked);
+    const answer = await ask("api/bands", asked);
     if (mine !== run) return;
     panel.bands.show(drawBands(answer, panel.bands.readout), html("div", {}, ...bestWindows(answer)));
-    panel.bands.offer(answer.command, [["CSV", addressOf("/file/bands.csv", asked)], ["SVG", addressOf("/file/bands.svg", asked)]]);
+    panel.bands.offer(answer.command, [["CSV", addressOf("file/bands.csv", asked)], ["SVG", addressOf("file/bands.svg", asked)]]);
   });
 }
 
@@ -279,7 +279,7 @@ async function watch() {
   let wait = 15000;
   try {
     if (!document.hidden) {
-      const answer = await askAnew("/api/progress"), { database, farm } = answer;
+      const answer = await askAnew("api/progress"), { database, farm } = answer;
       const open = $("workers")?.open;
       $("progress").replaceChildren(...progress(answer));
       if (open && $("workers")) $("workers").open = true;
@@ -288,7 +288,7 @@ async function watch() {
       if (done !== null && now !== done) {
         forget();
         const known = sweepsOf(contents);
-        contents = await ask("/api/contents");
+        contents = await ask("api/contents");
         complete({ asked: true });
         if (sweepsOf(contents) !== known) fillControls($("controls"), state, contents, change);
         refresh();
@@ -304,7 +304,7 @@ async function watch() {
 
 function describe() {
   $("about").textContent = contents.database.map((d) => `${d.name}: ${d.error ? "cannot be read" : d.sweep.length === 0 ? "no sweep yet" : d.sweep.map((s) => `${s.rows} of ${s.whole_rows} rows from ${s.viewpoints} viewpoints`).join(", ")}`).join("; ");
-  if (contents.accuracy_page) $("about").append("; ", html("a", { href: "/accuracy" }, "what accuracy costs"));
+  if (contents.accuracy_page) $("about").append("; ", html("a", { href: "accuracy" }, "what accuracy costs"));
   document.title = `irsig: ${contents.database.map((d) => d.name).join(", ")}`;
 }
 
@@ -346,7 +346,7 @@ async function start() {
   state = readAddress();
   listen();
   try {
-    contents = await ask("/api/contents");
+    contents = await ask("api/contents");
   } catch (error) {
     $("about").textContent = "";
     $("trouble").textContent = error.message;

@@ -13,14 +13,14 @@ export async function askMap(state, contents) {
   });
   if (state.compare) {
     const both = { ...a, ...selectionParameters(state, "b_", "b_") };
-    const c = sweepOf(state, "b_", contents) && await besides("/api/compare", both, "Nothing is compared, shown is A alone");
+    const c = sweepOf(state, "b_", contents) && await besides("api/compare", both, "Nothing is compared, shown is A alone");
     if (c) return ofTwo(c, both, state.show);
   }
-  const m = await ask("/api/map", a);
+  const m = await ask("api/map", a);
   const map = { ...m, azimuth: m.azimuth_deg, elevation: m.elevation_deg, around0: false, shown_unit: m.unit, shown_title: m.title,
-    files: [["CSV", addressOf("/file/rows.csv", a)], ["SVG", addressOf("/file/map.svg", a)]],
+    files: [["CSV", addressOf("file/rows.csv", a)], ["SVG", addressOf("file/map.svg", a)]],
     words: (k) => withError(m.value[k], m.error[k], m.unit) };
-  const l = !state.compare && state.show === "left_out" && await besides("/api/left_out", a, "Shown are the values");
+  const l = !state.compare && state.show === "left_out" && await besides("api/left_out", a, "Shown are the values");
   return l ? leftOut(map, l, a) : { ...map, reason };
 }
 
@@ -29,7 +29,7 @@ function ofTwo(c, both, asked) {
   const difference = show === "difference";
   return { ...c, azimuth: c.azimuth_deg, elevation: c.elevation_deg, row: c.a_row, value: difference ? c.sigmas : c[show], around0: difference,
     shown_unit: difference ? "σ" : c.unit, shown_title: difference ? `B − A of the ${c.title.toLowerCase()}` : `${c.title} of ${show.toUpperCase()}`,
-    files: [["CSV", addressOf("/file/compare.csv", both)]],
+    files: [["CSV", addressOf("file/compare.csv", both)]],
     words: (k) => `A ${withError(c.a[k], c.a_error[k], c.unit)}, B ${withError(c.b[k], c.b_error[k], c.unit)}, B − A ${brief(c.sigmas[k], 3)} σ` };
 }
 
@@ -41,7 +41,7 @@ function leftOut(map, l, a) {
   const upto = 100 * sorted[Math.floor(0.95 * (sorted.length - 1))];
   return { ...map, command: l.command, upto, shown_unit: "%", shown_title: `Error of interpolation from the other viewpoints: ${map.title.toLowerCase()}`,
     value: map.row.map((row) => (at.has(row) ? 100 * l.relative_deviation[at.get(row)] : null)),
-    files: [["CSV", addressOf("/file/left_out.csv", a)]],
+    files: [["CSV", addressOf("file/left_out.csv", a)]],
     words: (k) => {
       const i = at.get(map.row[k]);
       if (i === undefined) return `${map.words(k)}; the others do not surround it`;

@@ -20,16 +20,16 @@ class Server:
         self.process = subprocess.Popen([program, "serve", *map(str, arguments), "--port", "0"], cwd=cwd, text=True,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.url = self.process.stdout.readline().strip()
-        if not re.fullmatch(r"http://\S+:\d+/", self.url):
+        if not re.fullmatch(r"http://\S+:\d+/[0-9a-f]{32}/", self.url):
             self.process.kill()
             raise AssertionError(f"no address: {self.url!r} {self.process.communicate()}")
         where = urllib.parse.urlsplit(self.url)
-        self.host, self.port = where.hostname, where.port
+        self.host, self.port, self.root = where.hostname, where.port, where.path.rstrip("/")
 
     def request(self, target, method="GET", headers=None, body=None):
-        """(status, headers, bytes) of one request; target is sent as it is."""
+        """(status, headers, bytes) of one request below the secret; target is sent as it is."""
         connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
-        connection.putrequest(method, target, skip_host=headers is not None and "Host" in headers)
+        connection.putrequest(method, self.root + target, skip_host=headers is not None and "Host" in headers)
         for name, value in (headers or {}).items():
             connection.putheader(name, value)
         if body is not None:

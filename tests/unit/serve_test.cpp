@@ -10,6 +10,7 @@
 #include "serve/command_line.h"
 #include "serve/hosts.h"
 #include "serve/question.h"
+#include "serve/target.h"
 #include "tests/unit/fake_store_reader.h"
 #include "view/compare.h"
 #include "view/error_budget.h"
@@ -36,6 +37,22 @@ TEST(Hosts, OnlyAddressesAndLocalhost) {
   EXPECT_FALSE(is_our_host("example.org", false));
 }
 
+TEST(Target, IsDecodedOnceAndRefusesBrokenEscapes) {
+  const auto target = parse_target("/a%2Fb+c?x=1+2%2B&y&&=z&x=%25%34");
+  ASSERT_TRUE(target.ok());
+  EXPECT_EQ(target->path, "/a/b+c");
+  EXPECT_EQ(target->parameters, (Parameters{{"x", "1 2+"}, {"x", "%4"}, {"y", ""}, {"", "z"}}));
+  for (const char* broken : {"/%", "/%4", "/%zz", "/%-1", "/?a=%", "/?%0g=1", "/?a=b%2"})
+    EXPECT_EQ(parse_target(broken).status().code(), absl::StatusCode::kInvalidArgument) << broken;
+}
+
+TEST(Target, ComparesWholeTexts) {
+  EXPECT_TRUE(equal_in_constant_time("", ""));
+  EXPECT_TRUE(equal_in_constant_time("/abc/", "/abc/"));
+  for (const char* other : {"", "/abc", "/abc//", "/abd/", "Xabc/", "/abcX"})
+    EXPECT_FALSE(equal_in_constant_time("/abc/", other)) << other;
+}
+
 TEST(Hosts, ListenAddresses) {
   EXPECT_TRUE(parse_listen_address("localhost")->loopback);
   EXPECT_TRUE(parse_listen_address("::1")->loopback);
@@ -43,8 +60,8 @@ TEST(Hosts, ListenAddresses) {
   EXPECT_FALSE(parse_listen_address("192.168.1.5")->loopback);
   for (const char* text : {"", "example.org", "1.2.3", "127.0.0.1:80", "[::1]"})
     EXPECT_FALSE(parse_listen_address(text).ok()) << text;
-  EXPECT_EQ(page_url(*parse_listen_address("::1"), 80), "http://[::1]:80/");
-  EXPECT_EQ(page_url(*parse_listen_address("localhost"), 8017), "http://127.0.0.1:8017/");
+  EXPECT_EQ(page_url(*parse_listen_address("::1"), 80, "0f"), "http://[::1]:80/0f/");
+  EXPECT_EQ(page_url(*parse_listen_address("localhost"), 8017, "0f"), "http://127.0.0.1:8017/0f/");
 }
 
 Parameters selection() {

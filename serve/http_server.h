@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// The head of a request. Bodies are never read.
+struct HttpRequest {
+  std::string method;             // as sent: "GET"
+  std::string target;             // as sent, not decoded: "/map?season=winter"
+  std::vector<std::string> host;  // every Host header
+};
+
+struct HttpReply {
+  int status = 200;
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::string body;  // sent whole: Range headers are ignored
+};
+
+// A server of HTTP/1.1 with one request a connection, whose memory and threads do not depend on who
+// connects.
+//
+// - A request head has 10 s and 64 kB; longer or slower ones are refused before anything is made of
+// them.
+// - 256 connections are kept, 64 of each peer that is not on this machine. One more ends the oldest
+// connection that
+//   has not sent its head, or whose answer is sent and that has not closed; then the oldest that
+//   reads its answer. Where all wait for answers, the new connection is closed.
+// - A reply must be taken within 30 s and 1 s for each 10 kB.
+class HttpServer {
+ public:
+  // Listens at an IP address; port 0 takes a free one. From then on SIGINT and SIGTERM end run().
+  // UNAVAILABLE: the port is taken or the address not ours.
+  [[nodiscard]] static absl::StatusOr<std::unique_ptr<HttpServer>> listen(
+      const std::string& address, int port);
+  virtual ~HttpServer() = default;
+
+  [[nodiscard]] virtual int port() const = 0;
+
+  // Answers requests until SIGINT or SIGTERM. `answer` is called by several threads at
+  // once; `refused` makes the
+  // reply to a request that is not valid HTTP (400), too large (413, 431), or for which `answer`
+  // throws (500).
+  struct Answers {
+    std::function<HttpReply(const HttpRequest&)> answer;
+    std::function<HttpReply(int status)> refused;
+  };
+  virtual void run(const Answers& answers) = 0;
+};
+
+}  // namespace irsig
