@@ -27,9 +27,9 @@ class Server:
         self.host, self.port, self.root = where.hostname, where.port, where.path.rstrip("/")
 
     def request(self, target, method="GET", headers=None, body=None):
-        """(status, headers, bytes) of one request below the secret; target is sent as it is."""
+        """(status, headers, bytes) of one request below the secret; target is sent as it is, a link of the page or a path."""
         connection = http.client.HTTPConnection(self.host, self.port, timeout=60)
-        connection.putrequest(method, self.root + target, skip_host=headers is not None and "Host" in headers)
+        connection.putrequest(method, self.root + (target if target.startswith("/") else "/" + target), skip_host=headers is not None and "Host" in headers)
         for name, value in (headers or {}).items():
             connection.putheader(name, value)
         if body is not None:
