@@ -1,6 +1,5 @@
 #include "coordinator/doorkeeper.h"
 
-#include <grpc/grpc_security_constants.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -33,13 +32,14 @@ std::string stamp_of(const std::string& path) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Doorkeeper>> Doorkeeper::make(std::shared_ptr<const TlsIdentity> tls,
+                                                             const Visitors& visitors,
                                                              std::string crl_path,
                                                              Clock unix_clock) {
   if (!tls && !crl_path.empty())
     return absl::InvalidArgumentError(
         "--tls-crl is for ports with TLS: --tls-cert, --tls-key and --tls-ca");
   std::unique_ptr<Doorkeeper> out(
-      new Doorkeeper(std::move(tls), std::move(crl_path), std::move(unix_clock)));
+      new Doorkeeper(std::move(tls), visitors, std::move(crl_path), std::move(unix_clock)));
   const double now = out->unix_clock_();
   if (auto status = out->read_revocations(now); !status.ok()) return status;
   out->log_warnings(now);
@@ -66,14 +66,10 @@ absl::Status Doorkeeper::read_revocations(double now_unix_s) {
   return absl::OkStatus();
 }
 
-absl::Status Doorkeeper::look(const grpc::ServerContextBase& context, std::string_view call,
+absl::Status Doorkeeper::look(const std::string& pem, std::string_view call,
                               const std::set<Role>& enough, std::string& who) {
   const double now = unix_clock_();
-  const auto auth = context.auth_context();
-  const auto shown = auth ? auth->FindPropertyValues(GRPC_X509_PEM_CERT_PROPERTY_NAME)
-                          : std::vector<grpc::string_ref>();
-  if (shown.empty()) return absl::UnauthenticatedError("no certificate was shown");
-  const std::string pem(shown.front().data(), shown.front().size());
+  if (pem.empty()) return absl::UnauthenticatedError("no certificate was shown");
   auto caller = callers_.find(pem);
   if (caller == callers_.end()) {
     auto facts = certificate_facts(pem);
@@ -107,11 +103,13 @@ absl::Status Doorkeeper::look(const grpc::ServerContextBase& context, std::strin
 absl::Status Doorkeeper::admit(const grpc::ServerContextBase& context, std::string_view call,
                                const std::set<Role>& enough) {
   if (!tls_) return absl::OkStatus();
+  const auto visitor = visitors_.find(context.peer());
+  if (!visitor) return absl::CancelledError("the connection has ended");
   const std::lock_guard lock(mutex_);
   std::string who = "a caller without a certificate";
-  const absl::Status status = look(context, call, enough, who);
+  const absl::Status status = look(visitor->certificate, call, enough, who);
   const double now = unix_clock_();
-  if (!status.ok()) log_refusal(call, absl::StrCat(who, " from ", context.peer()), status, now);
+  if (!status.ok()) log_refusal(call, absl::StrCat(who, " from ", visitor->address), status, now);
   if (now - warned_unix_s_ >= kWarningsAreLookedForEvery_s) log_warnings(now);
   return status;
 }

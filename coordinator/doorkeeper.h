@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "coordinator/client/certificate.h"
 #include "coordinator/farm.h"
+#include "coordinator/visitors.h"
 
 namespace irsig {
 
@@ -25,10 +26,12 @@ class Doorkeeper {
   // tls: null without TLS. crl_path: a file that is read anew when it has changed; empty: none.
   // INVALID_ARGUMENT: the list cannot be read, or is not the authority's.
   static absl::StatusOr<std::unique_ptr<Doorkeeper>> make(std::shared_ptr<const TlsIdentity> tls,
+                                                          const Visitors& visitors,
                                                           std::string crl_path, Clock unix_clock);
 
   // PERMISSION_DENIED: none of the roles that do; UNAUTHENTICATED: revoked, or expired since it
-  // connected. Both leave a line in the log: the call, who, and why.
+  // connected. Both leave a line in the log: the call, who, and why. CANCELLED: the connection has
+  // ended meanwhile.
   absl::Status admit(const grpc::ServerContextBase& context, std::string_view call,
                      const std::set<Role>& enough);
 
@@ -41,10 +44,14 @@ class Doorkeeper {
     CertificateFacts facts;
     double seen_unix_s;
   };
-  Doorkeeper(std::shared_ptr<const TlsIdentity> tls, std::string crl_path, Clock unix_clock)
-      : tls_(std::move(tls)), crl_path_(std::move(crl_path)), unix_clock_(std::move(unix_clock)) {}
-  absl::Status look(const grpc::ServerContextBase& context, std::string_view call,
-                    const std::set<Role>& enough, std::string& who);
+  Doorkeeper(std::shared_ptr<const TlsIdentity> tls, const Visitors& visitors, std::string crl_path,
+             Clock unix_clock)
+      : tls_(std::move(tls)),
+        visitors_(visitors),
+        crl_path_(std::move(crl_path)),
+        unix_clock_(std::move(unix_clock)) {}
+  absl::Status look(const std::string& pem, std::string_view call, const std::set<Role>& enough,
+                    std::string& who);
   absl::Status read_revocations(double now_unix_s);
   std::vector<std::string> find_warnings(double now_unix_s);
   void log_warnings(double now_unix_s);
@@ -52,6 +59,7 @@ class Doorkeeper {
                    double now_unix_s);
 
   const std::shared_ptr<const TlsIdentity> tls_;
+  const Visitors& visitors_;
   const std::string crl_path_;
   const Clock unix_clock_;
 

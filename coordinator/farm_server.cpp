@@ -1,6 +1,5 @@
 #include "coordinator/farm_server.h"
 
-#include <grpc/support/log.h>
 #include <grpcpp/security/server_credentials.h>
 #include <grpcpp/server.h>
 #include <grpcpp/server_builder.h>
@@ -12,26 +11,25 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <optional>
 #include <random>
-#include <string_view>
 
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/channel.h"
-#include "coordinator/client/farm_log.h"
 #include "coordinator/commit_loop.h"
 #include "coordinator/farm_service.h"
 #include "coordinator/front_gate.h"
-#include "coordinator/once_a_second.h"
+#include "coordinator/visitors.h"
 
 namespace irsig {
 namespace {
 
 // From the connection to the first words of HTTP/2. Clients give up after kConnectTimeoutMs.
 constexpr int kHandshakeMs = 2 * kConnectTimeoutMs;
+// Of one connection, as its client is told; the gate closes it at a few more (FrameLimits).
+constexpr int kMostStreams = 16;
 constexpr auto kLastCalls = std::chrono::seconds(2);  // for calls under way when the server stops
 
 absl::Status in_use(const Address& listen) {
@@ -74,38 +72,6 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-std::shared_ptr<grpc::ServerCredentials> credentials(const Address& listen) {
-  if (!listen.tls) return grpc::InsecureServerCredentials();
-  grpc::SslServerCredentialsOptions options(
-      GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  options.pem_root_certs = listen.tls->ca;
-  options.pem_key_cert_pairs.push_back({listen.tls->key, listen.tls->certificate});
-  return grpc::SslServerCredentials(options);
-}
-
-// Of gRPC's own lines those that say why somebody was refused before any call. How many of them a
-// second is up to whoever is refused: one is logged, the others are counted.
-void log_handshakes() {
-  if (std::getenv("GRPC_VERBOSITY") != nullptr) return;
-  gpr_set_log_verbosity(GPR_LOG_SEVERITY_DEBUG);  // it takes silence for nothing worse
-  gpr_set_log_function([](gpr_log_func_args* line) {
-    static OnceASecond refused, silent;
-    const std::string_view message = line->message;
-    if (message.find("Handshake failed") != std::string_view::npos) {
-      if (const auto more = refused.may_tell())
-        log_line(LogLevel::warn, {}, "refused: a TLS handshake ({} more before): {}", *more,
-                 message);
-    } else if (message.starts_with("Security handshake failed") &&
-               message.find("Handshake read failed") != std::string_view::npos) {
-      if (const auto more = silent.may_tell())
-        log_line(LogLevel::warn, {},
-                 "closed: a TLS handshake that its client left, or did not end within {} s "
-                 "({} more before)",
-                 kHandshakeMs / 1000, *more);
-    }
-  });
-}
-
 std::string random_id() {
   std::random_device device;
   return absl::StrCat(absl::Hex(device(), absl::kZeroPad8), absl::Hex(device(), absl::kZeroPad8));
@@ -121,7 +87,8 @@ class Server final : public FarmServer {
   ~Server() override { (void)stop(); }
 
   absl::Status start() {
-    auto door = Doorkeeper::make(options_.listen.tls, options_.tls_crl, options_.unix_clock);
+    auto door =
+        Doorkeeper::make(options_.listen.tls, visitors_, options_.tls_crl, options_.unix_clock);
     if (!door.ok()) return door.status();
     door_ = *std::move(door);
     auto store = StoreWriter::open(options_.db_path);
@@ -143,10 +110,12 @@ class Server final : public FarmServer {
 
   absl::Status stop() override {
     service_.stop();
-    if (gate_) gate_->stop();
+    if (gate_) gate_->close_door();
     if (server_) server_->Shutdown(std::chrono::system_clock::now() + kLastCalls);
     loop_.stop();
+    if (gate_) gate_->stop();
     server_.reset();
+    gate_.reset();
     if (!options_.listen.unix_path.empty() && bound_) unlink(options_.listen.unix_path.c_str());
     bound_ = false;
     absl::Status status;
@@ -174,14 +143,17 @@ class Server final : public FarmServer {
 
   absl::Status bind() {
     const Address& listen = options_.listen;
-    const bool is_unix = !listen.unix_path.empty();
-    if (is_unix) {
+    if (!listen.unix_path.empty()) {
       if (auto status = prepare_socket(listen); !status.ok()) return status;
     }
     silence_grpc();
-    if (listen.tls) log_handshakes();
+    auto gate = FrontGate::open(listen, visitors_);
+    if (absl::IsAlreadyExists(gate.status())) return in_use(listen);
+    if (!gate.ok())
+      return absl::InvalidArgumentError(
+          absl::StrCat("cannot listen on ", listen.text, ": ", gate.status().message()));
+    bound_ = true;
     grpc::ServerBuilder builder;
-    builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
     // Each connection keeps what it had to read at once, up to 4 MB: a thousand of them, much.
     builder.AddChannelArgument(GRPC_ARG_TCP_MAX_READ_CHUNK_SIZE, 16 << 10);
     builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kKeepaliveMs);
@@ -192,52 +164,36 @@ class Server final : public FarmServer {
     builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS,
                                kKeepaliveMs / 4);
     builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMostStreams);
     // Nobody of ours compresses, and a limit of what arrives would be none of what it inflates to.
     for (const auto how : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP})
       builder.SetCompressionAlgorithmSupportStatus(how, false);
     builder.SetMaxReceiveMessageSize(kMaxRequestBytes);
     builder.SetMaxSendMessageSize(kMaxMessageBytes);
     builder.RegisterService(&service_);
-    if (!is_unix) return start_behind_a_gate(builder);
-    int port = -1;
-    builder.AddListeningPort(listen.target, credentials(listen), &port);
-    const mode_t before = umask(0177);  // the socket is born with mode 0600
-    server_ = builder.BuildAndStart();
-    umask(before);
-    if (!server_ || port < 0) {
-      server_.reset();
-      return in_use(listen);
-    }
-    bound_ = true;
-    return absl::OkStatus();
-  }
-
-  absl::Status start_behind_a_gate(grpc::ServerBuilder& builder) {
-    const Address& listen = options_.listen;
-    const std::string place = listen.target.substr(listen.target.find(':') + 1);
-    auto gate = FrontGate::open(place);
-    if (absl::IsAlreadyExists(gate.status())) return in_use(listen);
-    if (!gate.ok())
-      return absl::InvalidArgumentError(
-          absl::StrCat("cannot listen on ", listen.text, ": ", gate.status().message()));
+    // Sockets of this process alone: the gate has ended TLS, and knows who is at the other end.
     auto connections = builder.experimental().AddExternalConnectionAcceptor(
         grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
-        credentials(listen));
+        grpc::InsecureServerCredentials());
     server_ = builder.BuildAndStart();
     if (!server_) return absl::InternalError("no server could be started");
     gate_ = *std::move(gate);
-    gate_->start(std::move(connections));
-    address_ = absl::StrCat(place.substr(0, place.rfind(':')), ":", gate_->port());
+    gate_->start(std::move(connections), kHandshakeMs);
+    if (listen.unix_path.empty()) {
+      const std::string place = listen.target.substr(listen.target.find(':') + 1);
+      address_ = absl::StrCat(place.substr(0, place.rfind(':')), ":", gate_->port());
+    }
     return absl::OkStatus();
   }
 
   FarmServerOptions options_;
   CommitLoop loop_;
+  Visitors visitors_;
   std::unique_ptr<Doorkeeper> door_;
   FarmService service_;
   std::string address_;
   std::unique_ptr<grpc::Server> server_;
-  std::unique_ptr<FrontGate> gate_;  // of a port
+  std::unique_ptr<FrontGate> gate_;
   bool bound_ = false;
   std::atomic<bool> failed_ = false;
   std::unique_ptr<StoreWriter> store_;

@@ -4,46 +4,37 @@
 
 #include <memory>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "absl/status/statusor.h"
-#include "coordinator/once_a_second.h"
+#include "coordinator/client/address.h"
+#include "coordinator/visitors.h"
 
 namespace irsig {
 
-// Takes the connections of a port and hands them to a gRPC server. gRPC's own listener gives up for
-// ever at the first connection for which there is no file descriptor; this one turns the last ones
-// away, and goes on: the database needs some, too. Belongs to one thread.
+// Stands in front of a gRPC server: takes the connections of an address, ends their TLS, counts
+// what their clients ask for (frame_meter.h) and carries the bytes on (relay.h). gRPC's own
+// listener gives up for ever at the first connection for which there is no file descriptor; this
+// one turns the last ones away, and goes on: the database needs some, too. Belongs to one thread.
 class FrontGate {
  public:
   // More than the usual 1024, as far as the hard limit of this process allows.
   static void raise_open_files();
 
-  // Holds the port (0: any free one) of an IPv4 address, an [IPv6] one or a name: "HOST:PORT".
+  // Holds the address: the port (0: any free one) of an IPv4 address, an [IPv6] one or a name, or a
+  // Unix socket of mode 0600, which replaces a file at its path.
   // ALREADY_EXISTS: another process has it; INVALID_ARGUMENT: the host is none of this machine's.
-  static absl::StatusOr<std::unique_ptr<FrontGate>> open(const std::string& host_port);
-  ~FrontGate() { stop(); }
-  FrontGate(const FrontGate&) = delete;
-  FrontGate& operator=(const FrontGate&) = delete;
+  static absl::StatusOr<std::unique_ptr<FrontGate>> open(const Address& address,
+                                                         Visitors& visitors);
+  virtual ~FrontGate() = default;
 
-  [[nodiscard]] int port() const { return port_; }
-  // From here on, until stop(); the server must have started, and be stopped later.
-  void start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server);
-  void stop();
-
- private:
-  FrontGate() = default;
-  void run();
-  void take(int listening);
-
-  std::vector<int> listening_;
-  int port_ = 0;
-  int most_fd_ = 0;  // a connection with a higher number is turned away
-  int wake_ = -1;
-  OnceASecond waiting_, refused_;
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server_;
-  std::thread thread_;
+  [[nodiscard]] virtual int port() const = 0;
+  // Connections that say nothing for so long are put out. The server must have started.
+  virtual void start(std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> server,
+                     int patience_ms) = 0;
+  // No more connections; those that there are go on.
+  virtual void close_door() = 0;
+  // After the server has been shut down: what it has said last is sent.
+  virtual void stop() = 0;
 };
 
 }  // namespace irsig

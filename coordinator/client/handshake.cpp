@@ -65,15 +65,6 @@ class IgnoredSigpipe {
 using Context = std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>>;
 using Session = std::unique_ptr<SSL, Freed<SSL_free>>;
 
-void use(const TlsIdentity& tls, SSL_CTX* context) {
-  SSL_CTX_set_cert_store(context, store_of(certificates_of(tls.ca)).release());
-  SSL_CTX_set_verify(context, SSL_VERIFY_PEER, nullptr);
-  const auto chain = certificates_of(tls.certificate);
-  SSL_CTX_use_certificate(context, chain.front().get());
-  for (std::size_t i = 1; i < chain.size(); ++i) SSL_CTX_add1_chain_cert(context, chain[i].get());
-  SSL_CTX_use_PrivateKey(context, private_key_of(tls.key).get());
-}
-
 void expect_host(const std::string& host, SSL* session) {
   X509_VERIFY_PARAM* param = SSL_get0_param(session);
   if (X509_VERIFY_PARAM_set1_ip_asc(param, host.c_str()) == 1) return;
@@ -125,7 +116,10 @@ absl::StatusOr<Outcome> try_once(const Address& coordinator) {
   const Socket socket(coordinator.host, coordinator.text.substr(coordinator.text.rfind(':') + 1));
   if (socket.fd() < 0) return Outcome::kUnknown;
   const Context context(SSL_CTX_new(TLS_client_method()));
-  if (coordinator.tls) use(*coordinator.tls, context.get());
+  if (coordinator.tls) {
+    SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+    if (!use_identity(*coordinator.tls, context.get()).ok()) return Outcome::kUnknown;
+  }
   const Session session(SSL_new(context.get()));
   constexpr unsigned char kHttp2[] = {2, 'h', '2'};
   SSL_set_alpn_protos(session.get(), kHttp2, sizeof(kHttp2));

@@ -2,11 +2,15 @@
 
 #include <openssl/evp.h>
 #include <openssl/pem.h>
+#include <openssl/ssl.h>
 #include <openssl/x509.h>
 
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "absl/status/status.h"
+#include "coordinator/client/tls.h"
 
 namespace irsig {
 
@@ -31,5 +35,8 @@ PrivateKey private_key_of(const std::string& pem);
 std::string hex_of(const ASN1_INTEGER* serial);
 // Of an authority.
 CertificateStore store_of(const std::vector<Certificate>& trusted);
+// Shows the identity's certificate, with the others of its chain, and trusts its authority.
+// INVALID_ARGUMENT: OpenSSL does not take it.
+[[nodiscard]] absl::Status use_identity(const TlsIdentity& tls, SSL_CTX* context);
 
 }  // namespace irsig

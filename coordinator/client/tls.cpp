@@ -1,6 +1,7 @@
 #include "coordinator/client/tls.h"
 
 #include <openssl/err.h>
+#include <openssl/ssl.h>
 #include <openssl/x509_vfy.h>
 #include <sys/stat.h>
 
@@ -87,6 +88,21 @@ CertificateStore store_of(const std::vector<Certificate>& trusted) {
   for (const Certificate& certificate : trusted)
     X509_STORE_add_cert(store.get(), certificate.get());
   return store;
+}
+
+absl::Status use_identity(const TlsIdentity& tls, SSL_CTX* context) {
+  SSL_CTX_set_cert_store(context, store_of(certificates_of(tls.ca)).release());
+  const auto chain = certificates_of(tls.certificate);
+  const PrivateKey key = private_key_of(tls.key);
+  bool taken = !chain.empty() && key && SSL_CTX_use_certificate(context, chain.front().get()) == 1;
+  for (std::size_t i = 1; taken && i < chain.size(); ++i)
+    taken = SSL_CTX_add1_chain_cert(context, chain[i].get()) == 1;
+  if (taken && SSL_CTX_use_PrivateKey(context, key.get()) == 1) return absl::OkStatus();
+  const char* why = ERR_reason_error_string(ERR_peek_error());
+  auto status = absl::InvalidArgumentError(
+      absl::StrCat("the certificate cannot be used: ", why == nullptr ? "unknown error" : why));
+  ERR_clear_error();
+  return status;
 }
 
 absl::StatusOr<TlsIdentity> read_tls(const TlsFiles& files) {

@@ -160,7 +160,7 @@ TEST_F(Roles, EachCallNeedsItsOwn) {
       submit(address(server_->address(), "who2"), frigate_sweep(1), {}, 1).status();
   EXPECT_EQ(refused.message(), "Submit needs the role submit; the certificate \"who2\" has work");
   EXPECT_THAT(log_.str(), HasSubstr("refused: Status by \"who2\" (certificate "));
-  EXPECT_THAT(log_.str(), HasSubstr("from ipv4:127.0.0.1:"));
+  EXPECT_THAT(log_.str(), HasSubstr("from 127.0.0.1:"));
 }
 
 // A sweep by three people: one submits, one computes, one looks.

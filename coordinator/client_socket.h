@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "coordinator/client/tls.h"
+
+namespace irsig {
+
+// The connected socket of a client, with or without TLS, for one thread that waits by itself: no
+// call of it blocks. The descriptor stays the caller's.
+class ClientSocket {
+ public:
+  // What came of a call: bytes were moved (0: the handshake is done), the call is to be made again
+  // when the descriptor can be read or written, or nothing more comes of this connection.
+  enum class Next { kGoOn, kAfterReading, kAfterWriting, kEnded };
+  struct Step {
+    Next next;
+    std::size_t bytes = 0;
+  };
+
+  virtual ~ClientSocket() = default;
+  virtual Step shake_hands() = 0;
+  virtual Step read(char* into, std::size_t room) = 0;
+  virtual Step write(const char* from, std::size_t size) = 0;
+  // Why the handshake ended; empty: the client left it.
+  [[nodiscard]] virtual std::string problem() const = 0;
+  // What the client has shown, in PEM; empty without TLS.
+  [[nodiscard]] virtual std::string certificate() const = 0;
+};
+
+// Makes them: one way for all connections of a port.
+class ClientSockets {
+ public:
+  virtual ~ClientSockets() = default;
+  [[nodiscard]] virtual std::unique_ptr<ClientSocket> make(int fd) = 0;
+};
+
+[[nodiscard]] std::unique_ptr<ClientSockets> plain_sockets();
+// Mutual TLS 1.2 or 1.3 for HTTP/2: who shows no certificate of the authority does not get in.
+// INVALID_ARGUMENT: OpenSSL does not take the identity, although read_tls() did.
+[[nodiscard]] absl::StatusOr<std::unique_ptr<ClientSockets>> tls_sockets(const TlsIdentity& tls);
+
+}  // namespace irsig

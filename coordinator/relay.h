@@ -1,0 +1,37 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "coordinator/client_socket.h"
+#include "coordinator/frame_meter.h"
+#include "coordinator/once_a_second.h"
+#include "coordinator/visitors.h"
+
+namespace irsig {
+
+// What the connections of a gate share. Belongs to the gate's thread.
+struct RelayDesk {
+  explicit RelayDesk(Visitors& registry) : visitors(registry) {}
+
+  std::unique_ptr<ClientSockets> sockets;
+  Visitors& visitors;
+  FrameTotals totals{FrameLimits()};
+  int most_fd = 0;                   // a descriptor with a higher number is given back at once
+  std::function<void(int)> hand_on;  // gives the descriptor to gRPC
+  int under_way = 0;                 // connections
+  OnceASecond refused, silent, too_much, crowded;
+  std::vector<char> scratch = std::vector<char>(64 << 10);  // between two waits one relay needs it
+  boost::asio::io_context loop{1};  // the last member: what waits in it uses the others
+};
+
+// From here on, until it ends: takes over the descriptor of a client, shakes hands with it, makes a
+// pair of sockets of which gRPC gets one, and carries bytes between the client and the other one.
+// What the client asks for is held against FrameLimits before gRPC sees it. A client that has said
+// nothing within `patience_ms` is put out.
+void start_relay(RelayDesk& desk, int client_fd, std::string address, int patience_ms);
+
+}  // namespace irsig
