@@ -27,13 +27,13 @@ std::optional<std::string> decoded(std::string_view text, bool plus_is_space = t
 
 }  // namespace
 
-absl::StatusOr<Target> parse_target(std::string_view target) {
+absl::StatusOr<RequestTarget> parse_target(std::string_view target) {
   const absl::Status damaged =
       absl::InvalidArgumentError("the address has a % that no two hexadecimal digits follow");
   const std::size_t question = target.find('?');
   const auto path = decoded(target.substr(0, question), false);
   if (!path) return damaged;
-  Target out{*path, {}};
+  RequestTarget out{*path, {}};
   if (question == std::string_view::npos) return out;
   for (std::string_view left = target.substr(question + 1); !left.empty();) {
     const std::string_view one = left.substr(0, left.find('&'));

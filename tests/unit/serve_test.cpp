@@ -37,7 +37,7 @@ TEST(Hosts, OnlyAddressesAndLocalhost) {
   EXPECT_FALSE(is_our_host("example.org", false));
 }
 
-TEST(Target, IsDecodedOnceAndRefusesBrokenEscapes) {
+TEST(RequestTarget, IsDecodedOnceAndRefusesBrokenEscapes) {
   const auto target = parse_target("/a%2Fb+c?x=1+2%2B&y&&=z&x=%25%34");
   ASSERT_TRUE(target.ok());
   EXPECT_EQ(target->path, "/a/b+c");
@@ -46,7 +46,7 @@ TEST(Target, IsDecodedOnceAndRefusesBrokenEscapes) {
     EXPECT_EQ(parse_target(broken).status().code(), absl::StatusCode::kInvalidArgument) << broken;
 }
 
-TEST(Target, ComparesWholeTexts) {
+TEST(RequestTarget, ComparesWholeTexts) {
   EXPECT_TRUE(equal_in_constant_time("", ""));
   EXPECT_TRUE(equal_in_constant_time("/abc/", "/abc/"));
   for (const char* other : {"", "/abc", "/abc//", "/abd/", "Xabc/", "/abcX"})
