@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <string>
 #include <vector>
@@ -88,6 +89,8 @@ std::string version() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A file at its limit (ulimit -f) is a full disk, for the programs that this one starts, too.
+  std::signal(SIGXFSZ, SIG_IGN);
   int exit_code = 0;
   CLI::App app(kAbout, "irsig");
   app.set_version_flag("--version", version);

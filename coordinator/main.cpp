@@ -98,6 +98,7 @@ int main(int argc, char** argv) {
   if (auto begun = irsig::start_log("coordinator", log); !begun.ok()) return report(begun);
   sem_init(&end_asked, 0, 0);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit (ulimit -f) is a full disk
   irsig::FrontGate::raise_open_files();
 
   std::mutex mutex;

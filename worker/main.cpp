@@ -111,6 +111,7 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, ask_to_stop);
   std::signal(SIGINT, ask_to_stop);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit (ulimit -f) is a full disk
   const auto status = irsig::run_lease_loop(plan, make_runner, stop_asked);
   return status.ok() ? 0 : report(status);
 }

@@ -45,6 +45,15 @@ absl::Status status_of(int code, std::string message) {
   }
 }
 
+// SQLite says "disk I/O error" of every write that fails, unless the disk is full.
+std::string message_of(sqlite3* handle) {
+  const bool write = sqlite3_extended_errcode(handle) == SQLITE_IOERR_WRITE;
+  return absl::StrCat(sqlite3_errmsg(handle),
+                      write ? ": a file could not be written; its size limit (ulimit -f) or a "
+                              "quota may be reached"
+                            : "");
+}
+
 std::string percent_encoded(std::string_view path) {
   std::string out;
   for (const char c : path) {
@@ -75,7 +84,7 @@ absl::StatusOr<bool> Rows::next() {
   if (code == SQLITE_DONE) return false;
   sqlite3* handle = sqlite3_db_handle(statement_);
   const char* file = sqlite3_db_filename(handle, "main");
-  return status_of(code, absl::StrCat(file == nullptr ? "" : file, ": ", sqlite3_errmsg(handle)));
+  return status_of(code, absl::StrCat(file == nullptr ? "" : file, ": ", message_of(handle)));
 }
 
 std::int64_t Rows::integer() { return sqlite3_column_int64(statement_, column_++); }
@@ -166,7 +175,7 @@ absl::StatusOr<sqlite3_stmt*> Database::prepared(const char* sql) {
 
 absl::Status Database::error(const std::string& doing) const {
   const int code = sqlite3_extended_errcode(handle_);
-  return status_of(code, absl::StrCat(path_, ": ", sqlite3_errmsg(handle_), " (", doing, ")"));
+  return status_of(code, absl::StrCat(path_, ": ", message_of(handle_), " (", doing, ")"));
 }
 
 bool Database::bind(sqlite3_stmt* statement, int parameter, std::int64_t value) {

@@ -189,6 +189,32 @@ class Door(unittest.TestCase):
         self.refused_at_once("out.sigdb", preexec_fn=full)
         self.assertEqual(self.beside(), [])
 
+    def test_a_file_at_its_limit_is_a_full_disk(self):
+        # The kernel sends SIGXFSZ where `ulimit -f` ends: the run ends with the reason instead, and --resume computes the rest.
+        calm = self.path / "calm.sigdb"
+        done = self.start("run", "sweep.toml", "--db", calm)
+        done.communicate(timeout=PATIENCE_S)
+        self.assertEqual(done.returncode, 0)
+        whole = calm.stat().st_size
+        kilobytes = -(-whole // 4096) * 4
+        stopped = 0
+        for fraction in (0.7, 0.8, 0.9):  # a new database takes most of it
+            limit = int(kilobytes * fraction) * 1024
+            code, _, err = self.run_sweep(preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, resource.RLIM_INFINITY)))
+            self.assertEqual(code, 1, err)
+            self.assertIn("(ulimit -f)", err)
+            self.assertNotIn("killed by signal", err)
+            stopped += self.db.exists()
+            code, _, err = self.run_sweep(*(["--resume"] if self.db.exists() else []))
+            self.assertEqual(code, 0, err)
+            self.assertEqual(self.rows(), 8)
+            digests = [subprocess.run([IRSIG, "digest", db], capture_output=True, text=True, timeout=PATIENCE_S).stdout.split()[0]
+                       for db in (calm, self.db)]
+            self.assertEqual(*digests)
+            self.assertEqual(self.beside(), ["out.sigdb"])
+            self.db.unlink()
+        self.assertGreater(stopped, 0)
+
     def test_a_lock_file_that_is_a_link_or_a_pipe(self):
         precious = self.path / "precious"
         lock = self.path / "out.sigdb-lock"
