@@ -248,7 +248,7 @@ struct BandsCommand {
           "{:g} um{}",
           min_width_um.value_or(0), search->edges_um().front(), search->edges_um().back(),
           pairs.empty() ? "" : ", for two of them"));
-    const auto stored = (*reader)->sweep(rows->front().signature.sweep);
+    const auto stored = (*reader)->sweep(rows->front().signature.sweep, SweepFiles::kNone);
     if (!stored.ok()) return stored.status();
     const WindowChoice choice = search->compare(*of, found->best);
     print_note("irsig: note: {} {}, {} rows, {}; detector {}\n", found->judged,

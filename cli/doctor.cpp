@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/output_options.h"
 #include "schema/store/examine.h"
+#include "view/print.h"
 #include "view/table.h"
 
 namespace irsig {
@@ -26,12 +27,32 @@ const char* name_of(StoreFinding::Kind kind) {
 struct DoctorCommand {
   explicit DoctorCommand(CLI::App& command) : output(command, {"text", "csv", "json"}) {
     command.add_option("DB", database, "the database")->required();
+    command.add_flag("--accept", accept,
+                     "make one plain file of a database whose header asks for a journal "
+                     "(DB-wal), if nothing in it is damaged: what it holds is the database then, "
+                     "also where the journal is missing");
   }
   OutputOptions output;
   std::string database;
+  bool accept = false;
+
+  [[nodiscard]] absl::StatusOr<std::vector<StoreFinding>> findings_of() const {
+    if (!accept) return examine(database, physics_version());
+    auto accepted = accept_file(database, physics_version());
+    if (!accepted.ok()) return accepted.status();
+    if (accepted->made_plain) {
+      print_note(
+          "irsig: {}: is one plain file now; what it holds is the database: {} sweep{}, {} "
+          "rows\n",
+          database, accepted->sweeps, accepted->sweeps == 1 ? "" : "s", accepted->rows);
+    } else if (!accepted->damaged) {
+      print_note("irsig: {}: is one plain file already: nothing to accept\n", database);
+    }
+    return std::move(accepted->findings);
+  }
 
   [[nodiscard]] absl::Status run() const {
-    const auto findings = examine(database, physics_version());
+    const auto findings = findings_of();
     if (!findings.ok()) return findings.status();
     const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
       if (format == "text" && findings->empty()) {
@@ -47,7 +68,8 @@ struct DoctorCommand {
     if (!written.ok()) return written;
     for (const StoreFinding& f : *findings)
       if (f.kind == StoreFinding::Kind::kDamaged)
-        return absl::DataLossError(database + " is damaged");
+        return absl::DataLossError(database +
+                                   (accept ? " is damaged, and stays as it is" : " is damaged"));
     return absl::OkStatus();
   }
 };
@@ -58,7 +80,8 @@ void add_doctor(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "doctor",
       "Read all of a database and say what is damaged, missing or old: the file, references, "
-      "hashes, numbers, spectra, images, jobs. Exit code 1: damaged");
+      "hashes, numbers, spectra, images, jobs. Exit code 1: damaged. With --accept, a database "
+      "whose journal is missing becomes one plain file");
   const auto options = std::make_shared<DoctorCommand>(*command);
   command->callback([options, &exit_code] { exit_code = report(options->run()); });
 }

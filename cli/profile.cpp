@@ -30,7 +30,7 @@ struct ProfileCommand {
     std::set<std::string> sweeps;
     for (const StoredProfileRow& r : *rows) sweeps.insert(r.sweep);
     for (const std::string& name : sweeps) {
-      const auto sweep = (*reader)->sweep(name);
+      const auto sweep = (*reader)->sweep(name, SweepFiles::kNone);
       if (!sweep.ok()) return sweep.status();
       for (const std::string& note : profile_notes(*rows, sweep->resolved.sweep()))
         print_note("irsig: note: {}\n", note);

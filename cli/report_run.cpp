@@ -194,7 +194,7 @@ struct SweepReport {
 absl::StatusOr<SweepReport> gather(StoreReader& reader, const SweepProgress& progress) {
   SweepReport report;
   report.progress = progress;
-  auto sweep = reader.sweep(progress.name);
+  auto sweep = reader.sweep(progress.name, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   report.sweep = *std::move(sweep);
   auto jobs = reader.job_costs(progress.name);

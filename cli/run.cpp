@@ -45,6 +45,19 @@ struct RunAsked {
 
 constexpr double kMuchMemory = 1e9;  // is said before it is taken
 
+// False, and said: what is stored of the sweep's files is damaged. Submitted again, they replace
+// it.
+absl::StatusOr<bool> has_its_files(const RunAsked& asked, const std::string& sweep) {
+  const auto reader = StoreReader::open(asked.db_path);
+  if (!reader.ok()) return reader.status();
+  const auto stored = (*reader)->sweep(sweep);
+  if (!absl::IsDataLoss(stored.status()))
+    return stored.ok() ? true : absl::StatusOr<bool>(stored.status());
+  print_note("irsig: {}: a file of the sweep \"{}\" is damaged there, and is stored again\n",
+             asked.db_path, sweep);
+  return false;
+}
+
 // What an existing database means for this sweep: OK to go on, or what the user has to decide. A
 // sweep that a time budget once became is taken over with its samples.
 absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& asked,
@@ -56,7 +69,7 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
     if (same_name && has_time_budget(loaded.resolved)) {
       const auto reader = StoreReader::open(asked.db_path);
       if (!reader.ok()) return reader.status();
-      const auto kept = (*reader)->sweep(sweep.name());
+      const auto kept = (*reader)->sweep(sweep.name(), SweepFiles::kNone);
       if (!kept.ok()) return kept.status();
       if (kept->resolved.slice_size() > 0)
         return absl::InvalidArgumentError(fmt::format(
@@ -70,7 +83,7 @@ absl::StatusOr<bool> is_complete_already(const LocalFarm& farm, const RunAsked& 
     }
     const bool same =
         same_name && sweep.sweep_sha256() == sha256_hex(canonical_encoding(loaded.resolved));
-    if (same && sweep.done() == sweep.jobs()) return true;
+    if (same && sweep.done() == sweep.jobs()) return has_its_files(asked, sweep.name());
     const bool open = settled_jobs(sweep) < sweep.jobs() || (same && sweep.done() < sweep.jobs());
     if (open && (same || !same_name) && !asked.resume) {
       return absl::InvalidArgumentError(fmt::format(
@@ -146,7 +159,7 @@ absl::StatusOr<schema::StatusReply> watch(LocalFarm& farm, const RunAsked& asked
 absl::StatusOr<std::string> shortfall(StoreReader& reader, const std::string& sweep) {
   const auto outcome = reader.outcome(sweep);
   if (!outcome.ok()) return outcome.status();
-  const auto stored = reader.sweep(sweep);
+  const auto stored = reader.sweep(sweep, SweepFiles::kNone);
   if (!stored.ok()) return stored.status();
   if (const std::string text = backface_text(*outcome); !text.empty())
     print_note("irsig: warning: {}: {}\n", sweep, text);
@@ -211,7 +224,7 @@ absl::Status check_what_is_replaced(const RunAsked& asked, const schema::Resolve
   if (!rows.ok()) return rows.status();
   if (rows->empty()) return absl::OkStatus();
   if (sweep.has_shard()) {
-    const auto stored = (*reader)->sweep(name);
+    const auto stored = (*reader)->sweep(name, SweepFiles::kNone);
     if (!stored.ok()) return stored.status();
     if (auto s = check_may_replace(stored->resolved, sweep); !s.ok()) return s;
   }

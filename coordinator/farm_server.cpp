@@ -129,6 +129,11 @@ class Server final : public FarmServer {
   absl::Status take_over() {
     if (auto status = store_->begin(); !status.ok()) return status;
     if (auto status = store_->release_all(); !status.ok()) return status;
+    const auto damaged = store_->reopen_damaged();
+    if (!damaged.ok()) return damaged.status();
+    if (*damaged > 0)
+      log_line(LogLevel::warn, {}, "{} heat jobs wait again: their stored temperatures are damaged",
+               *damaged);
     return store_->commit();
   }
 

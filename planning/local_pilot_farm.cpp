@@ -55,7 +55,7 @@ class LocalPilotFarm final : public PilotFarm {
       auto rows = (*reader)->find(filter);
       if (!rows.ok()) return rows.status();
       stage.rows = *std::move(rows);
-      const auto stored = (*reader)->sweep(filter.sweep);
+      const auto stored = (*reader)->sweep(filter.sweep, SweepFiles::kTemperatures);
       if (!stored.ok()) return stored.status();
       const auto heat = HeatEffects::make(*stored);
       if (!heat.ok()) return heat.status();

@@ -46,12 +46,60 @@ def open(path: str | os.PathLike) -> "Database":  # noqa: A001: irsig.open is wh
     return Database(path)
 
 
+def _uri(path: pathlib.Path, *options: str) -> str:
+    return f"file:{urllib.parse.quote(str(path))}?" + "&".join(("mode=ro", *options))
+
+
+def _has_its_journal(path: pathlib.Path) -> bool:
+    """Whether all that the database holds can be read: as schema/store/whole_file.h has it."""
+    for _ in range(3):  # a run that begins or ends changes header, journal and lock file one after the other
+        if _size(path, "-wal") > 32 or _size(path, "-journal") >= 0:
+            return True
+        # Without locks SQLite refuses a file in write-ahead mode. (To open it by other means and close it would end the locks of all
+        # connections of this process.)
+        asked = sqlite3.connect(_uri(path, "nolock=1"), uri=True)
+        try:
+            asked.execute("PRAGMA schema_version").fetchone()
+            return True
+        except sqlite3.OperationalError as error:
+            if "unable to open" not in str(error):
+                return True  # what is wrong with it comes out when it is read
+        except sqlite3.DatabaseError:
+            return True
+        finally:
+            asked.close()
+        lock, here = path.with_name(path.name + "-lock"), path.stat()
+        try:
+            told = lock.read_text(errors="replace") if lock.is_file() else ""
+        except OSError:
+            told = ""
+        if told == f"whole {here.st_dev} {here.st_ino}\n":
+            return True
+    return not os.access(path, os.R_OK)  # SQLite says why
+
+
+def _size(path: pathlib.Path, suffix: str) -> int:
+    """-1: there is no such file."""
+    try:
+        return path.with_name(path.name + suffix).stat().st_size
+    except OSError:
+        return -1
+
+
 class Database:
     def __init__(self, path):
-        self.path = pathlib.Path(path)
+        self.path = pathlib.Path(path).resolve()  # a journal lies beside the file, not beside a link to it
         if not self.path.is_file():
             raise Error(f"{path}: there is no such file")
-        self._sql = sqlite3.connect(f"file:{urllib.parse.quote(str(self.path.absolute()))}?mode=ro", uri=True)
+        if sqlite3.sqlite_version_info < (3, 37):
+            raise Error(f"{path}: Python's SQLite is {sqlite3.sqlite_version}, expected 3.37 or later (2021): use a newer Python, or the "
+                        f"tables that `irsig export {path} --out rows.csv` writes")
+        if not _has_its_journal(self.path):
+            raise Error(f"{path}: its header says that a journal belongs to it, but {self.path}-wal is missing or empty: the file is an "
+                        "incomplete copy, or a hard link to a file whose journal lies beside its other name, or another SQLite program "
+                        "closed it after a kill. Copy the database again, with its -wal; if no -wal exists any more, `irsig doctor "
+                        f"--accept {path}` reads all of it, lists the jobs without rows and makes it a plain file")
+        self._sql = sqlite3.connect(_uri(self.path), uri=True)
         try:
             (application,) = self._sql.execute("PRAGMA application_id").fetchone()
             (self.format,) = self._sql.execute("PRAGMA user_version").fetchone()

@@ -46,7 +46,7 @@ absl::StatusOr<Answer> search_of(const PageSources& sources, const Question& q) 
                                              : Detector{{}, ConstantNoise{q.bands.nei_w_m2}};
   auto search = BandSearch::make(*std::move(population), detector);
   if (!search.ok()) return search.status();
-  const auto sweep = (*reader)->sweep(q.a.sweep);
+  const auto sweep = (*reader)->sweep(q.a.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   auto found = search->search(q.bands.merit, search->step_um(), kCompared);
   return Answer{*std::move(search), std::move(found), sweep->resolved.sweep().accuracy(),

@@ -172,9 +172,7 @@ absl::StatusOr<PageReply> answer_progress(const PageSources& sources) {
       sources, [&](std::size_t database, StoreReader& reader, JsonObject& out) -> absl::Status {
         const auto progress = reader.progress();
         if (!progress.ok()) return progress.status();
-        std::error_code ignored;
-        // The writer's lock lies beside the database as long as there is one.
-        out.flag("writing", std::filesystem::exists(sources.database[database] + "-lock", ignored));
+        out.flag("writing", has_writer_lock(sources.database[database]));
         std::vector<std::string> sweeps;
         for (const SweepProgress& sweep : *progress) sweeps.push_back(describe(sweep));
         out.objects("sweep", sweeps);

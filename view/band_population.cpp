@@ -181,7 +181,7 @@ absl::StatusOr<BandPopulation> band_population(StoreReader& reader, std::span<co
     if (added) aspect.push_back({s.aspect_azimuth_deg, s.aspect_elevation_deg});
     aspect_of.push_back(at->second);
   }
-  const auto sweep = reader.sweep(any.sweep);
+  const auto sweep = reader.sweep(any.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   const auto weights = weights_of(rows, aspect, aspect_of, weight, own_weights, sweep->resolved);
   if (!weights.ok()) return weights.status();

@@ -243,7 +243,7 @@ absl::StatusOr<std::vector<InBand>> in_band(StoreReader& reader, std::span<const
   for (const QueryRow& row : rows) {
     const auto [own, is_new] = known.try_emplace({row.signature.sweep, row.signature.band});
     if (is_new) {
-      const auto sweep = reader.sweep(row.signature.sweep);
+      const auto sweep = reader.sweep(row.signature.sweep, SweepFiles::kNone);
       if (!sweep.ok()) return sweep.status();
       auto found = response_of(*sweep, row.signature.band);
       if (!found.ok()) return found.status();

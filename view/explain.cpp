@@ -75,7 +75,7 @@ absl::StatusOr<Explained> read(StoreReader& reader, const std::string& sweep, st
     if (!temperatures.ok()) return temperatures.status();
     out.temperature = *std::move(temperatures);
   }
-  const auto stored = reader.sweep(out.signature().sweep);
+  const auto stored = reader.sweep(out.signature().sweep, SweepFiles::kTemperatures);
   if (!stored.ok()) return stored.status();
   out.accuracy = stored->resolved.sweep().accuracy();
   out.slice.assign(stored->resolved.slice().begin(), stored->resolved.slice().end());

@@ -518,7 +518,7 @@ absl::Status write_modes(StoreReader& reader, NetcdfFile& file, const std::vecto
 // One sweep's cube, where the file is.
 absl::Status write_cube(StoreReader& reader, const std::vector<QueryRow>& rows, NetcdfFile& file) {
   const S& any = rows.front().signature;
-  const auto sweep = reader.sweep(any.sweep);
+  const auto sweep = reader.sweep(any.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   const Layout layout(rows);
   file.attribute("Conventions", kConventions);

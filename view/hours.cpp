@@ -154,7 +154,7 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
   if (absl::Status status = check_computed(signatures, query.quantity); !status.ok()) return status;
 
   Hours out{rows->front().signature.sweep, query.quantity, std::nullopt, {}, {}};
-  const auto sweep = reader.sweep(out.sweep);
+  const auto sweep = reader.sweep(out.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   if (sweep->resolved.sweep().has_place())
     out.solar_offset_h = sweep->resolved.sweep().place().longitude_deg() / 15;

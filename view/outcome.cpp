@@ -55,7 +55,7 @@ absl::StatusOr<std::vector<std::string>> floor_notes(StoreReader& reader,
   }
   std::vector<std::string> out;
   for (const auto& [sweep, count] : floor) {
-    const auto stored = reader.sweep(sweep);
+    const auto stored = reader.sweep(sweep, SweepFiles::kNone);
     if (!stored.ok()) return stored.status();
     const schema::Accuracy& accuracy = stored->resolved.sweep().accuracy();
     out.push_back(fmt::format(

@@ -34,7 +34,7 @@ struct SweepBand {
 };
 
 absl::StatusOr<SweepBand> band_of(StoreReader& reader, const StoredSignature& s) {
-  const auto sweep = reader.sweep(s.sweep);
+  const auto sweep = reader.sweep(s.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   for (const schema::Band& b : sweep->resolved.sweep().band()) {
     if (b.name() != s.band) continue;

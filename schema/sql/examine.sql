@@ -6,6 +6,12 @@ PRAGMA integrity_check(10);
 -- name: foreign_key_check
 SELECT "table", count(*) FROM pragma_foreign_key_check GROUP BY "table";
 
+-- name: count_sweeps
+SELECT count(*) FROM sweep;
+
+-- name: count_signatures
+SELECT count(*) FROM signature;
+
 -- name: assets
 SELECT sha256, bytes FROM asset;
 
@@ -31,6 +37,14 @@ SELECT w.name, v.jobs, v.waiting + v.leased, v.quarantined, v.cancelled, w.viewp
         WHERE j.sweep_id = w.sweep_id AND j.superseded = 0 AND c.superseded = 0 AND b.superseded = 0),
        (SELECT count(*) FROM job j WHERE j.sweep_id = w.sweep_id AND j.superseded = 1), w.resolved_sweep
 FROM sweep w JOIN sweep_view v USING (sweep_id) ORDER BY w.name;
+
+-- Jobs without rows, or without temperatures, by their state (a leased one is a waiting one); of done ones views only.
+-- name: jobs_without_rows
+SELECT w.name, iif(j.state = 1, 0, j.state), j.job_index
+FROM job j JOIN sweep w USING (sweep_id)
+WHERE j.superseded = 0
+  AND (j.state <> 2 OR (j.kind = 1 AND NOT EXISTS (SELECT 1 FROM signature s WHERE s.job_id = j.job_id)))
+ORDER BY w.name, j.job_index;
 
 -- name: physics_versions
 SELECT w.name, p.physics_version, count(*)

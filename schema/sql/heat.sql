@@ -57,7 +57,7 @@ VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8);
 -- A done job of another sweep with the same key (?2), computed in the same determinism class (?3), of which all ?4
 -- temperatures are still there.
 -- name: done_twin
-SELECT twin.job_id FROM job twin JOIN heat_job h USING (job_id) JOIN provenance p USING (job_id)
+SELECT twin.job_id, h.output_sha256 FROM job twin JOIN heat_job h USING (job_id) JOIN provenance p USING (job_id)
 WHERE twin.job_id <> ?1 AND twin.job_key = ?2 AND p.determinism_class = ?3 AND twin.state = 2
   AND h.output_sha256 IS NOT NULL AND (SELECT count(*) FROM computed_temperature t WHERE t.job_id = twin.job_id) = ?4
 ORDER BY twin.job_id LIMIT 1;
@@ -89,12 +89,11 @@ FROM provenance WHERE job_id = ?2;
 
 -- What the done heat jobs of a sweep have left, in the order of its heat runs.
 -- name: heat_outputs_of_sweep
-SELECT a.bytes
+SELECT h.output_sha256
 FROM sweep w
 JOIN job j ON j.sweep_id = w.sweep_id AND j.superseded = 0 AND j.state = 2
 JOIN heat_job h USING (job_id)
-JOIN asset a ON a.sha256 = h.output_sha256
-WHERE w.name = ?1
+WHERE w.name = ?1 AND h.output_sha256 IS NOT NULL
 ORDER BY h.heat_index;
 
 -- ?1 sweep, ?2 season, ?3 time_utc ('': any).

@@ -155,6 +155,10 @@ SELECT m.ours FROM temp.of_job m
 JOIN main.heat_job a ON a.job_id = m.theirs JOIN merged.heat_job b ON b.job_id = m.ours
 WHERE m.known = 1 AND (a.output_sha256 IS NOT b.output_sha256 OR a.warning <> b.warning) LIMIT 1;
 
+-- name: merge_heat_outputs
+SELECT DISTINCT a.output_sha256 FROM temp.of_job m JOIN main.heat_job a ON a.job_id = m.theirs
+WHERE m.known = 0 AND a.output_sha256 IS NOT NULL;
+
 -- name: merge_temperatures
 INSERT INTO merged.asset
   SELECT * FROM main.asset

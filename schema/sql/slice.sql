@@ -71,6 +71,10 @@ INSERT INTO slice.asset SELECT * FROM main.asset WHERE sha256 = ?1 ON CONFLICT D
 -- name: slice_sweep_asset
 INSERT INTO slice.sweep_asset SELECT * FROM main.sweep_asset WHERE sweep_id = ?1 AND sha256 = ?2;
 
+-- name: slice_heat_outputs
+SELECT DISTINCT output_sha256 FROM main.heat_job
+WHERE output_sha256 IS NOT NULL AND job_id IN (SELECT job_id FROM temp.kept_heat);
+
 -- Everything but what belongs to single signatures; order: what is referred to comes first.
 -- name: slice_definitions
 INSERT INTO temp.kept_job SELECT job_id FROM temp.kept_heat;

@@ -39,19 +39,6 @@ UPDATE sweep SET determinism_class = NULL
 WHERE sweep_id = ?1
   AND NOT EXISTS (SELECT 1 FROM job WHERE job.sweep_id = ?1 AND superseded = 0 AND state IN (1, 2));
 
--- name: asset_bytes
-SELECT bytes FROM asset WHERE sha256 = ?1;
-
--- name: asset_exists
-SELECT count(*) FROM asset WHERE sha256 = ?1;
-
--- name: insert_asset
-INSERT INTO asset (sha256, bytes) VALUES (?1, ?2) ON CONFLICT DO NOTHING;
-
--- As many zeros, to be written over piece by piece.
--- name: insert_empty_asset
-INSERT INTO asset (sha256, bytes) VALUES (?1, zeroblob(?2)) ON CONFLICT DO NOTHING RETURNING rowid;
-
 -- name: clear_sweep_assets
 DELETE FROM sweep_asset WHERE sweep_id = ?1;
 

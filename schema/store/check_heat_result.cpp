@@ -135,8 +135,13 @@ absl::Status check_parts(const schema::HeatJobResult& result, const schema::Heat
 }  // namespace
 
 absl::Status check_heat_result(const schema::JobResult& result, const std::string& job_key,
-                               const schema::HeatRun& run) {
+                               const schema::HeatRun& run, std::uint64_t seed) {
   IRSIG_STORE_TRY(check_job_key(result, job_key));
+  IRSIG_STORE_TRY(check_seed(result));
+  if (const std::string expected = absl::StrCat(absl::Hex(seed, absl::kZeroPad16));
+      result.seed_hex() != expected)
+    return absl::InvalidArgumentError(absl::StrCat("result: seed_hex is ", result.seed_hex(),
+                                                   ", expected that of the sweep, ", expected));
   if (result.kind_case() != schema::JobResult::kHeat)
     return absl::InvalidArgumentError("result: kind is not the job's: temperatures");
   schema::HeatField field;

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/printable.h"
 #include "schema/store/check_picture.h"
+#include "schema/store/check_result.h"
 #include "schema/store/database.h"
 
 namespace irsig {
@@ -264,7 +265,7 @@ absl::Status check_row(const schema::SignatureRow& row, const std::string& path)
 
 absl::Status check_plausible(const schema::JobResult& result) {
   IRSIG_STORE_TRY(check_text(result.job_key(), 200, "job_key"));
-  IRSIG_STORE_TRY(check_text(result.seed_hex(), 200, "seed_hex"));
+  IRSIG_STORE_TRY(check_seed(result));
   IRSIG_STORE_TRY(check_text(result.determinism_class(), 1000, "determinism_class"));
   IRSIG_STORE_TRY(check_text(result.build_id(), 1000, "build_id"));
   IRSIG_STORE_TRY(check_ranges(result, "job"));

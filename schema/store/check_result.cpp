@@ -210,6 +210,7 @@ absl::Status check_row(const schema::SignatureRow& row, const ExpectedResult& ex
 
 absl::Status check_result(const schema::JobResult& result, const ExpectedResult& expected) {
   IRSIG_STORE_TRY(check_job_key(result, expected.job_key));
+  IRSIG_STORE_TRY(check_seed(result));
   std::set<std::pair<std::uint32_t, std::uint32_t>> missing;
   for (const std::uint32_t condition : expected.condition_index) {
     for (const std::uint32_t band : expected.band_index) missing.emplace(condition, band);
@@ -236,6 +237,13 @@ absl::Status check_result(const schema::JobResult& result, const ExpectedResult&
 absl::Status check_job_key(const schema::JobResult& result, const std::string& job_key) {
   if (result.job_key() == job_key) return absl::OkStatus();
   return wrong("job_key", absl::StrCat("is ", result.job_key(), ", the leased job's is ", job_key));
+}
+
+absl::Status check_seed(const schema::JobResult& result) {
+  const std::string& seed = result.seed_hex();
+  if (seed.size() == 16 && seed.find_first_not_of("0123456789abcdef") == std::string::npos)
+    return absl::OkStatus();
+  return wrong("seed_hex", "is not of 16 hexadecimal digits (0-9, a-f)");
 }
 
 absl::Status check_every_number(const schema::JobResult& result) {

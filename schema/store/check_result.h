@@ -29,10 +29,12 @@ struct ExpectedResult {
 [[nodiscard]] absl::Status check_result(const schema::JobResult& result,
                                         const ExpectedResult& expected);
 
-// What holds for results of every kind: the key is the leased job's; numbers are finite, errors and
-// areas not negative, and counts fit into a signed column.
+// What holds for results of every kind: the key is the leased job's; the seed is one; numbers are
+// finite, errors and areas not negative, and counts fit into a signed column.
 [[nodiscard]] absl::Status check_job_key(const schema::JobResult& result,
                                          const std::string& job_key);
+// Sixteen hexadecimal digits. That of a view is made of its geometry, which is the worker's matter.
+[[nodiscard]] absl::Status check_seed(const schema::JobResult& result);
 [[nodiscard]] absl::Status check_every_number(const schema::JobResult& result);
 
 }  // namespace irsig

@@ -216,6 +216,12 @@ absl::Status Database::write_blob(const char* table, const char* column, std::in
 
 void Database::wait_for_locks_ms(int milliseconds) { sqlite3_busy_timeout(handle_, milliseconds); }
 
+absl::Status Database::keep_journal_on_close() {
+  return sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr) == SQLITE_OK
+             ? absl::OkStatus()
+             : error("keep the journal");
+}
+
 std::int64_t Database::last_insert_rowid() const { return sqlite3_last_insert_rowid(handle_); }
 
 std::uint64_t Database::changes() const {

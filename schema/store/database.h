@@ -60,7 +60,7 @@ class Database {
   enum class Mode {
     kReadWriteCreate,
     kReadOnly,
-    kImmutable,  // read-only, and nobody writes: needs no lock and no journal
+    kImmutable,  // read-only, and nobody writes: without lock, without journal
   };
   // attaches: whether another database may be attached for writing, whatever this one's mode.
   static absl::StatusOr<std::unique_ptr<Database>> open(const std::string& path, Mode mode,
@@ -115,6 +115,10 @@ class Database {
   // How long statements wait for a lock that another connection holds (as opened: 5 s).
   void wait_for_locks_ms(int milliseconds);
 
+  // The last connection to close otherwise folds the journal into the file and removes it.
+  absl::Status keep_journal_on_close();
+
+  [[nodiscard]] const std::string& path() const { return path_; }
   [[nodiscard]] std::int64_t last_insert_rowid() const;
   [[nodiscard]] std::uint64_t changes() const;  // rows changed by the last statement
   [[nodiscard]] bool in_transaction() const;

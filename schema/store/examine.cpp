@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/quantities.h"
@@ -14,6 +16,8 @@
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
 #include "schema/store/store.h"
+#include "schema/store/stored_asset.h"
+#include "schema/store/whole_file.h"
 
 namespace irsig {
 namespace {
@@ -35,8 +39,8 @@ static_assert(std::size(kCountInfinite) == kQuantities.size());
 // Findings of one kind of damage, of which the first few are named.
 class Named {
  public:
-  Named(std::vector<StoreFinding>& findings, std::string what)
-      : findings_(findings), what_(std::move(what)) {}
+  Named(std::vector<StoreFinding>& findings, std::string what, std::string remedy = "")
+      : findings_(findings), what_(std::move(what)), remedy_(std::move(remedy)) {}
   void add(const std::string& which) {
     if (++count_ <= kMostNamed) absl::StrAppend(&which_, which_.empty() ? "" : ", ", which);
   }
@@ -44,15 +48,47 @@ class Named {
     if (count_ == 0) return;
     const std::string more =
         count_ > kMostNamed ? absl::StrCat(" and ", count_ - kMostNamed, " more") : "";
-    findings_.push_back({StoreFinding::Kind::kDamaged, absl::StrCat(what_, ": ", which_, more)});
+    findings_.push_back(
+        {StoreFinding::Kind::kDamaged,
+         absl::StrCat(what_, ": ", which_, more, remedy_.empty() ? "" : "; ", remedy_)});
   }
   Named(const Named&) = delete;
   Named& operator=(const Named&) = delete;
 
  private:
   std::vector<StoreFinding>& findings_;
-  std::string what_, which_;
+  std::string what_, remedy_, which_;
   std::size_t count_ = 0;
+};
+
+// Places in a list, in increasing order, as text: "0, 7 to 23".
+class Places {
+ public:
+  void add(std::int64_t place) {
+    if (!ranges_.empty() && ranges_.back().last + 1 == place) {
+      ranges_.back().last = place;
+    } else if (ranges_.size() < kMostRanges) {
+      ranges_.push_back({place, place});
+    } else {
+      ++more_;
+    }
+  }
+  [[nodiscard]] std::string text() const {
+    std::string out;
+    for (const auto& [first, last] : ranges_) {
+      absl::StrAppend(&out, out.empty() ? "" : ", ", first);
+      if (last > first) absl::StrAppend(&out, last == first + 1 ? ", " : " to ", last);
+    }
+    return more_ > 0 ? absl::StrCat(out, " and ", more_, " more") : out;
+  }
+
+ private:
+  static constexpr std::size_t kMostRanges = 20;
+  struct Range {
+    std::int64_t first, last;
+  };
+  std::vector<Range> ranges_;
+  std::size_t more_ = 0;
 };
 
 // Calls read(row) for each row of a statement without parameters.
@@ -81,10 +117,17 @@ bool modes_fit(const schema::Spectrum& s) {
 
 class Examination {
  public:
-  Examination(Database& database, StoreReader& reader) : database_(database), reader_(reader) {}
+  // reader: of the same file; nullptr: its tables are an earlier version's.
+  Examination(Database& database, StoreReader* reader) : database_(database), reader_(reader) {}
 
   absl::Status run(int physics_version) {
     IRSIG_STORE_TRY(structure());
+    if (reader_ == nullptr) {
+      found(Kind::kOld,
+            "the format: an earlier version's, of which no more than the structure is looked at");
+      return absl::OkStatus();
+    }
+    IRSIG_STORE_TRY(directions());
     IRSIG_STORE_TRY(assets());
     IRSIG_STORE_TRY(numbers());
     IRSIG_STORE_TRY(contents());
@@ -94,9 +137,9 @@ class Examination {
   [[nodiscard]] std::vector<StoreFinding> take() { return std::move(findings_); }
 
  private:
-  void found(StoreFinding::Kind kind, std::string what) {
-    findings_.push_back({kind, std::move(what)});
-  }
+  using Kind = StoreFinding::Kind;
+
+  void found(Kind kind, std::string what) { findings_.push_back({kind, std::move(what)}); }
 
   absl::Status structure() {
     IRSIG_STORE_TRY(for_each(database_, sql::integrity_check, [&](Rows& row) {
@@ -108,6 +151,10 @@ class Examination {
       found(StoreFinding::Kind::kDamaged,
             absl::StrCat("table ", table, ": ", row.integer(), " rows refer to what is not there"));
     }));
+    return absl::OkStatus();
+  }
+
+  absl::Status directions() {
     const auto undirected = database_.integer(sql::count_viewpoints_without_direction);
     if (!undirected.ok()) return undirected.status();
     if (*undirected > 0)
@@ -118,11 +165,18 @@ class Examination {
   }
 
   absl::Status assets() {
-    Named damaged(findings_, "assets that are not those of their SHA-256");
-    return for_each(database_, sql::assets, [&](Rows& row) {
+    std::vector<std::string> damaged;
+    IRSIG_STORE_TRY(for_each(database_, sql::assets, [&](Rows& row) {
       const std::string sha256 = row.text();
-      if (sha256_of(row.blob()) != sha256) damaged.add(sha256);
-    });
+      if (sha256_of(row.blob()) != sha256) damaged.push_back(sha256);
+    }));
+    Named named(findings_, "assets that are not those of their SHA-256",
+                how_to_replace_asset(database_.path()));
+    for (const std::string& sha256 : damaged) {
+      const absl::StatusOr<std::string> what = describe_asset(database_, sha256);
+      named.add(what.ok() ? *what : sha256);
+    }
+    return absl::OkStatus();
   }
 
   absl::Status numbers() {
@@ -159,7 +213,7 @@ class Examination {
         modes(findings_, "modes of errors that do not fit their spectra"),
         images(findings_, "images that are damaged");
     for (const Signature& s : signatures) {
-      const auto spectrum = reader_.spectrum(s.id);
+      const auto spectrum = reader_->spectrum(s.id);
       if (absl::IsNotFound(spectrum.status()) || absl::IsDataLoss(spectrum.status())) {
         spectra.add(s.name);
       } else if (!spectrum.ok()) {
@@ -167,7 +221,7 @@ class Examination {
       } else if (!modes_fit(*spectrum)) {
         modes.add(s.name);
       }
-      const auto thumbnail = reader_.thumbnail(s.id);
+      const auto thumbnail = reader_->thumbnail(s.id);
       if (!thumbnail.ok()) return thumbnail.status();
       if (*thumbnail && !check_thumbnail(**thumbnail, s.name).ok()) images.add(s.name);
     }
@@ -175,6 +229,17 @@ class Examination {
   }
 
   absl::Status coverage() {
+    std::map<std::pair<std::string, JobState>, Places> without;
+    IRSIG_STORE_TRY(for_each(database_, sql::jobs_without_rows, [&](Rows& row) {
+      const std::string sweep = row.text();
+      const auto state = static_cast<JobState>(row.integer());
+      without[{sweep, state}].add(row.integer());
+    }));
+    for (const auto& [of, jobs] : without)
+      if (of.second == JobState::kDone)
+        found(StoreFinding::Kind::kDamaged,
+              absl::StrCat("sweep ", of.first,
+                           ": jobs that are done, but have no rows: ", jobs.text()));
     return for_each(database_, sql::coverage, [&](Rows& row) {
       const std::string sweep = row.text();
       const std::int64_t jobs = row.integer(), open = row.integer(), given_up = row.integer(),
@@ -190,16 +255,20 @@ class Examination {
           : resolved.has_shard()    ? static_cast<std::int64_t>(shard_size(resolved)) *
                                        resolved.condition_size() * resolved.sweep().band_size()
                                  : lists;
-      const auto say = [&](StoreFinding::Kind kind, std::int64_t count, const char* what) {
+      const auto say = [&](std::int64_t count, const char* what, JobState state) {
         if (count > 0)
-          found(kind, absl::StrCat("sweep ", sweep, ": ", count, " of ", jobs, " jobs ", what));
+          found(Kind::kMissing, absl::StrCat("sweep ", sweep, ": ", count, " of ", jobs, " jobs ",
+                                             what, " (jobs ", without[{sweep, state}].text(), ")"));
       };
-      using Kind = StoreFinding::Kind;
-      say(Kind::kMissing, open, "are not done: the same `irsig run` with --resume goes on");
-      say(Kind::kMissing, given_up,
-          "were given up: the same `irsig run` with --resume tries again");
-      say(Kind::kMissing, cancelled, "were cancelled: submit the sweep again");
-      say(Kind::kOld, replaced, "are of an earlier version of the sweep, until they are replaced");
+      say(open, "are not done: the same `irsig run` with --resume goes on", JobState::kWaiting);
+      say(given_up, "were given up: the same `irsig run` with --resume tries again",
+          JobState::kQuarantined);
+      say(cancelled, "were cancelled: submit the sweep again", JobState::kCancelled);
+      if (replaced > 0)
+        found(Kind::kOld,
+              absl::StrCat("sweep ", sweep, ": ", replaced, " of ", jobs,
+                           " jobs are of an earlier version of the sweep, until they are "
+                           "replaced"));
       if (open + given_up + cancelled == 0 && stored != wanted)
         found(Kind::kDamaged, absl::StrCat("sweep ", sweep, ": ", stored, " signatures for ",
                                            wanted, " rows, though all jobs are done"));
@@ -218,9 +287,36 @@ class Examination {
   }
 
   Database& database_;
-  StoreReader& reader_;
+  StoreReader* reader_;
   std::vector<StoreFinding> findings_;
 };
+
+std::vector<StoreFinding> look_at(Database& database, StoreReader* reader, int physics_version) {
+  Examination examination(database, reader);
+  // A file so broken that a statement fails is damaged, too; what was found before stays.
+  const absl::Status status = examination.run(physics_version);
+  std::vector<StoreFinding> findings = examination.take();
+  if (!status.ok())
+    findings.push_back({StoreFinding::Kind::kDamaged,
+                        absl::StrCat("it cannot be read to its end: ", status.message())});
+  return findings;
+}
+
+// By itself, whatever its header says of a journal.
+absl::StatusOr<std::vector<StoreFinding>> examine_as_it_is(const std::string& path,
+                                                           int physics_version) {
+  const auto opened = open_as_it_is(path);
+  if (!opened.ok()) return opened.status();
+  if (opened->is_older) return look_at(*opened->database, nullptr, physics_version);
+  const auto reader = StoreReader::open_as_it_is(path);
+  if (!reader.ok()) return reader.status();
+  return look_at(*opened->database, reader->get(), physics_version);
+}
+
+bool is_damaged(const std::vector<StoreFinding>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const StoreFinding& f) { return f.kind == StoreFinding::Kind::kDamaged; });
+}
 
 }  // namespace
 
@@ -229,14 +325,44 @@ absl::StatusOr<std::vector<StoreFinding>> examine(const std::string& path, int p
   if (!database.ok()) return database.status();
   const auto reader = StoreReader::open(path);
   if (!reader.ok()) return reader.status();
-  Examination examination(**database, **reader);
-  // A file so broken that a statement fails is damaged, too; what was found before stays.
-  const absl::Status status = examination.run(physics_version);
-  std::vector<StoreFinding> findings = examination.take();
-  if (!status.ok())
-    findings.push_back({StoreFinding::Kind::kDamaged,
-                        absl::StrCat("it cannot be read to its end: ", status.message())});
-  return findings;
+  return look_at(**database, reader->get(), physics_version);
+}
+
+absl::StatusOr<AcceptedFile> accept_file(const std::string& path, int physics_version) {
+  AcceptedFile out;
+  const std::string real = real_path(path);
+  if (const absl::StatusOr<FileHeader> header = read_file_header(real);
+      !header.ok() || !header->write_ahead_log) {
+    auto findings = examine(path, physics_version);
+    if (!findings.ok()) return findings.status();
+    out.findings = *std::move(findings);
+    out.damaged = is_damaged(out.findings);
+    return out;
+  }
+  WritableDatabase opened;
+  opened.path = real;
+  auto lock = WriterLock::acquire(real, path);
+  if (!lock.ok()) return lock.status();
+  opened.lock = *std::move(lock);
+  IRSIG_STORE_TRY(check_has_one_name(path, real));
+  auto findings =
+      has_journal(real) ? examine(path, physics_version) : examine_as_it_is(path, physics_version);
+  if (!findings.ok()) return findings.status();
+  out.findings = *std::move(findings);
+  out.damaged = is_damaged(out.findings);
+  if (out.damaged) return out;
+  auto database = Database::open(real, Database::Mode::kReadWriteCreate);
+  if (!database.ok()) return database.status();
+  opened.database = *std::move(database);
+  IRSIG_STORE_TRY(end_write_ahead(opened));
+  out.made_plain = true;
+  for (const auto& [count, sql] :
+       {std::pair{&out.sweeps, sql::count_sweeps}, {&out.rows, sql::count_signatures}}) {
+    const absl::StatusOr<std::int64_t> there = opened.database->integer(sql);
+    if (!there.ok()) return there.status();
+    *count = static_cast<std::uint64_t>(*there);
+  }
+  return out;
 }
 
 }  // namespace irsig

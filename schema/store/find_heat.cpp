@@ -1,6 +1,9 @@
 #include "schema/store/find_heat.h"
 
+#include <utility>
+
 #include "schema/store/statements.h"
+#include "schema/store/stored_asset.h"
 
 namespace irsig {
 
@@ -12,7 +15,9 @@ absl::StatusOr<HeatOutputs> find_heat_outputs(Database& database, const std::str
     const absl::StatusOr<bool> found = row->next();
     if (!found.ok()) return found.status();
     if (!*found) return out;
-    out.push_back(row->text());
+    absl::StatusOr<std::string> output = read_asset(database, row->text());
+    if (!output.ok()) return output.status();
+    out.push_back(*std::move(output));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -12,11 +13,17 @@
 #include "schema/store/ingest.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
+#include "schema/store/stored_asset.h"
 
 namespace irsig {
 namespace {
 
-absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job) {
+struct AskedRun {
+  schema::HeatRun run;
+  std::uint64_t seed;
+};
+
+absl::StatusOr<AskedRun> run_of(Database& database, const LeasedJob& job) {
   absl::StatusOr<Rows> row = database.query(sql::resolved_sweep_by_id, job.sweep_id);
   if (!row.ok()) return row.status();
   const absl::StatusOr<bool> found = row->next();
@@ -26,7 +33,8 @@ absl::StatusOr<schema::HeatRun> run_of(Database& database, const LeasedJob& job)
       job.heat_index >= static_cast<std::uint32_t>(sweep.heat_size()))
     return absl::DataLossError(
         absl::StrCat("the stored sweep of job ", job.job_key, " has no such heat run"));
-  return sweep.heat(static_cast<int>(job.heat_index));
+  return AskedRun{std::move(*sweep.mutable_heat(static_cast<int>(job.heat_index))),
+                  sweep.sweep().seed()};
 }
 
 // What this run has replaced.
@@ -46,43 +54,57 @@ std::int64_t computed_temperatures_of(const schema::HeatRun& run) {
 }
 
 absl::Status store_heat(Database& database, const LeasedJob& job, const schema::JobResult& result) {
-  const absl::StatusOr<schema::HeatRun> run = run_of(database, job);
-  if (!run.ok()) return run.status();
-  IRSIG_STORE_TRY(check_heat_result(result, job.job_key, *run));
+  const absl::StatusOr<AskedRun> asked = run_of(database, job);
+  if (!asked.ok()) return asked.status();
+  const schema::HeatRun& run = asked->run;
+  IRSIG_STORE_TRY(check_heat_result(result, job.job_key, run, asked->seed));
   const absl::StatusOr<std::vector<std::int64_t>> parts = part_ids(database, job.sweep_id);
   if (!parts.ok()) return parts.status();
-  if (parts->size() != static_cast<std::size_t>(run->part_temperature_k_size()))
+  if (parts->size() != static_cast<std::size_t>(run.part_temperature_k_size()))
     return absl::DataLossError(absl::StrCat("the stored sweep of job ", job.job_key, " has ",
                                             parts->size(), " parts, its heat run ",
-                                            run->part_temperature_k_size()));
+                                            run.part_temperature_k_size()));
   const std::string sha256 = sha256_of(result.heat().field());
-  IRSIG_STORE_TRY(database.run(sql::insert_asset, sha256, Blob{result.heat().field()}));
+  IRSIG_STORE_TRY(store_asset(database, sha256, result.heat().field()));
   IRSIG_STORE_TRY(database.run(sql::set_heat_output, job.job_id, sha256,
                                absl::StrJoin(result.heat().warning(), "\n")));
   IRSIG_STORE_TRY(database.run(sql::delete_computed_temperatures, job.job_id));
   for (const schema::PartTemperature& part : result.heat().part()) {
     IRSIG_STORE_TRY(database.run(sql::insert_computed_temperature, job.job_id, part.time_index(),
-                                 run->time_utc(static_cast<int>(part.time_index())),
+                                 run.time_utc(static_cast<int>(part.time_index())),
                                  (*parts)[part.part_index()], part.mean_k(), part.coldest_k(),
                                  part.hottest_k(), part.error_k()));
   }
-  return delete_superseded(database, job.sweep_id, *run);
+  return delete_superseded(database, job.sweep_id, run);
 }
 
 absl::StatusOr<bool> copy_twin(Database& database, const LeasedJob& job,
                                const std::string& determinism_class) {
   if (job.kind != JobKind::kHeat) return false;
-  const absl::StatusOr<schema::HeatRun> run = run_of(database, job);
-  if (!run.ok()) return run.status();
-  const absl::StatusOr<std::int64_t> twin = database.integer(
-      sql::done_twin, job.job_id, job.job_key, determinism_class, computed_temperatures_of(*run));
-  if (absl::IsNotFound(twin.status())) return false;
-  if (!twin.ok()) return twin.status();
-  IRSIG_STORE_TRY(database.run(sql::copy_heat_output, job.job_id, *twin));
+  const absl::StatusOr<AskedRun> asked = run_of(database, job);
+  if (!asked.ok()) return asked.status();
+  const schema::HeatRun& run = asked->run;
+  std::int64_t twin = 0;
+  std::string output;
+  {
+    absl::StatusOr<Rows> row = database.query(sql::done_twin, job.job_id, job.job_key,
+                                              determinism_class, computed_temperatures_of(run));
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> found = row->next();
+    if (!found.ok()) return found.status();
+    if (!*found) return false;
+    twin = row->integer();
+    output = row->text();
+  }
+  // What is damaged there is computed again here, and mends both.
+  const absl::Status whole = check_asset(database, output);
+  if (absl::IsDataLoss(whole) || absl::IsNotFound(whole)) return false;
+  IRSIG_STORE_TRY(whole);
+  IRSIG_STORE_TRY(database.run(sql::copy_heat_output, job.job_id, twin));
   IRSIG_STORE_TRY(database.run(sql::delete_computed_temperatures, job.job_id));
-  IRSIG_STORE_TRY(database.run(sql::copy_computed_temperatures, job.job_id, *twin, job.sweep_id));
-  IRSIG_STORE_TRY(database.run(sql::copy_provenance, job.job_id, *twin));
-  IRSIG_STORE_TRY(delete_superseded(database, job.sweep_id, *run));
+  IRSIG_STORE_TRY(database.run(sql::copy_computed_temperatures, job.job_id, twin, job.sweep_id));
+  IRSIG_STORE_TRY(database.run(sql::copy_provenance, job.job_id, twin));
+  IRSIG_STORE_TRY(delete_superseded(database, job.sweep_id, run));
   return true;
 }
 

@@ -11,6 +11,8 @@
 #include "schema/store/new_database.h"
 #include "schema/store/open_database.h"
 #include "schema/store/statements.h"
+#include "schema/store/stored_asset.h"
+#include "schema/store/whole_file.h"
 
 namespace irsig {
 namespace {
@@ -332,6 +334,7 @@ class Taking {
       IRSIG_STORE_TRY(compare_jobs(compared->only_here.c_str(), table, 0, kAll));
       IRSIG_STORE_TRY(compare_jobs(compared->only_there.c_str(), table, 0, kAll));
     }
+    IRSIG_STORE_TRY(check_assets(database_, sql::merge_heat_outputs));
     IRSIG_STORE_TRY(database_.script(sql::merge_temperatures));
     for (const Statements* copied : {&provenance_, &temperature_, &attempt_, &aside_})
       IRSIG_STORE_TRY(database_.run(copied->copy.c_str(), 0, kAll));

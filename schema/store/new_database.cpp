@@ -53,7 +53,7 @@ absl::Status make_new_database(const std::string& to,
 absl::Status make_empty_database(const std::string& path) {
   absl::StatusOr<WritableDatabase> made = open_for_writing(path);
   if (!made.ok()) return made.status();
-  return made->database->script("PRAGMA journal_mode = DELETE");
+  return end_write_ahead(*made);
 }
 
 }  // namespace irsig

@@ -1,7 +1,6 @@
 #include "schema/store/open_database.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "schema/store/check_schema.h"
 #include "schema/store/statements.h"
+#include "schema/store/whole_file.h"
 
 namespace irsig {
 namespace {
@@ -43,6 +43,17 @@ absl::Status refuse(const std::string& path, std::uint32_t application_id, std::
   return absl::OkStatus();
 }
 
+// SQLite reads a journal with the help of a file beside it, which it has to make if there is none.
+absl::Status cannot_share(const std::string& path, const FileHeader& header,
+                          const absl::Status& status) {
+  if (!absl::IsPermissionDenied(status) || !header.write_ahead_log) return status;
+  return absl::PermissionDeniedError(
+      absl::StrCat(status.message(),
+                   ": it has a journal (a run writes it, or was killed), which cannot be read "
+                   "where nothing can be written: copy ",
+                   path, " and ", path, "-wal together into a folder that you may write to"));
+}
+
 // What can be told from the bytes alone, before SQLite gets to touch the file.
 absl::Status check_header(const std::string& path, const FileHeader& header) {
   if (!header.is_sqlite)
@@ -56,13 +67,6 @@ absl::Status check_pragmas(const std::string& path, Database& database) {
   const absl::StatusOr<std::int64_t> version = database.integer("PRAGMA user_version");
   if (!version.ok()) return version.status();
   return refuse(path, static_cast<std::uint32_t>(*id), *version);
-}
-
-absl::Status no_lock_file(const std::string& path) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(path,
-                   ": is no regular file, but irsig locks the database by a file of this "
-                   "name: remove it"));
 }
 
 bool exists(const std::string& path) {
@@ -89,14 +93,49 @@ absl::Status name_the_reader(const std::string& path, const absl::Status& status
       ": another program is reading it (a query, a viewer, a copy): try again when it is done"));
 }
 
-absl::Status write_ahead(const std::string& path, Database& database) {
-  absl::StatusOr<Rows> rows = database.query("PRAGMA journal_mode = WAL");
+absl::StatusOr<std::string> journal_mode(Database& database, const char* pragma) {
+  absl::StatusOr<Rows> rows = database.query(pragma);
   if (!rows.ok()) return rows.status();
-  const absl::StatusOr<bool> changed = rows->next();
-  if (!changed.ok()) return changed.status();
-  if (*changed && rows->text() == "wal") return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(
-      path, ": its file system cannot share memory between processes: use a local disk"));
+  const absl::StatusOr<bool> told = rows->next();
+  if (!told.ok()) return told.status();
+  return *told ? rows->text() : std::string();
+}
+
+// Puts a commit into the journal that changes nothing: from then on the header does not ask for a
+// journal that is empty.
+absl::Status begin_journal(Database& database) {
+  return database.script(absl::StrCat("PRAGMA user_version = ", kVersion));
+}
+
+// After a change of the journal's mode that failed: the lock file keeps what it says as long as the
+// header asks for a journal that is not there.
+void say_no_more_than_needed(WritableDatabase& out) {
+  const absl::StatusOr<FileHeader> header = read_file_header(out.path);
+  if (!header.ok() || exists(out.path + "-journal")) return;
+  if (!header->write_ahead_log || has_journal(out.path)) out.lock->say_nothing();
+}
+
+absl::Status write_ahead(const std::string& path, WritableDatabase& out) {
+  Database& database = *out.database;
+  const auto change = [&]() -> absl::Status {
+    const auto mode = journal_mode(database, "PRAGMA journal_mode = WAL");
+    if (!mode.ok()) return mode.status();
+    if (*mode != "wal")
+      return absl::FailedPreconditionError(absl::StrCat(
+          path, ": its file system cannot share memory between processes: use a local disk"));
+    // A close without end_write_ahead() leaves the journal as it is.
+    IRSIG_STORE_TRY(database.keep_journal_on_close());
+    const absl::Status begun = begin_journal(database);
+    if (!begun.ok())
+      static_cast<void>(journal_mode(database, "PRAGMA journal_mode = DELETE").status());
+    return begun;
+  };
+  const auto before = journal_mode(database, "PRAGMA journal_mode");
+  if (!before.ok()) return before.status();
+  if (*before != "wal") out.lock->say_whole_without_journal();
+  const absl::Status changed = change();
+  say_no_more_than_needed(out);
+  return changed;
 }
 
 absl::Status run_steps(Database& database, std::int64_t from,
@@ -155,65 +194,8 @@ absl::Status create(Database& database) {
 
 }  // namespace
 
-std::string real_path(const std::string& path) {
-  std::error_code error, absent;
-  fs::path real = fs::weakly_canonical(path, error);
-  // A link to what does not exist yet: where SQLite will make it.
-  for (int links = 0; !error && links < 40 && fs::is_symlink(fs::symlink_status(real, absent));
-       ++links) {
-    const fs::path target = fs::read_symlink(real, error);
-    if (!error) real = fs::weakly_canonical(real.parent_path() / target, error);
-  }
-  return error || real.empty() ? path : real.string();
-}
-
 void remove_database(const std::string& path) {
   for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink((path + suffix).c_str());
-}
-
-absl::StatusOr<std::unique_ptr<WriterLock>> WriterLock::acquire(const std::string& database_path) {
-  const std::string path = real_path(database_path) + "-lock";
-  // The file may be removed by its last holder between open and flock; then the lock is on a file
-  // without a name, and the next round opens the new one.
-  for (;;) {
-    // Through no link: what it names might be somebody else's. O_NONBLOCK: a FIFO does not wait.
-    const int descriptor =
-        ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600);
-    if (descriptor < 0) {
-      const int code = errno;
-      if (code == ELOOP || code == ENXIO || code == EISDIR) return no_lock_file(path);
-      const std::string message =
-          absl::StrCat(database_path, ": cannot be written: ", std::strerror(code));
-      if (code == ENOENT || code == ENOTDIR) return absl::NotFoundError(message);
-      if (code == ENOSPC) return absl::ResourceExhaustedError(message);
-      return absl::PermissionDeniedError(message);
-    }
-    std::unique_ptr<WriterLock> lock(new WriterLock(descriptor, path));
-    struct stat opened {};
-    if (::fstat(descriptor, &opened) != 0 || !S_ISREG(opened.st_mode)) {
-      lock->path_.clear();
-      return no_lock_file(path);
-    }
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      lock->path_.clear();  // the holder's to remove
-      return absl::FailedPreconditionError(absl::StrCat(
-          database_path, ": another irsig is writing this database (one writer at a time)"));
-    }
-    if (lock->holds()) return lock;
-    lock->path_.clear();
-  }
-}
-
-bool WriterLock::holds() const {
-  struct stat ours {};
-  struct stat named {};
-  return ::fstat(descriptor_, &ours) == 0 && ::lstat(path_.c_str(), &named) == 0 &&
-         ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
-}
-
-WriterLock::~WriterLock() {
-  if (!path_.empty() && holds()) ::unlink(path_.c_str());
-  ::close(descriptor_);
 }
 
 absl::Status migrate(Database& database, std::span<const MigrationStep> steps,
@@ -236,20 +218,22 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   IRSIG_STORE_TRY(check_regular(path));
   WritableDatabase out;
   out.path = real_path(path);
-  absl::StatusOr<std::unique_ptr<WriterLock>> lock = WriterLock::acquire(path);
+  absl::StatusOr<std::unique_ptr<WriterLock>> lock = WriterLock::acquire(out.path, path);
   if (!lock.ok()) return lock.status();
   out.lock = *std::move(lock);
 
-  const bool existed = exists(path);
+  const bool existed = exists(out.path);
   bool is_new = !existed;
   // With a hot rollback journal (a creation or migration that was killed) the bytes mean nothing
   // before SQLite has rolled it back; the pragmas are checked below.
-  if (existed && !exists(path + "-journal")) {
-    const absl::StatusOr<FileHeader> header = read_file_header(path);
+  if (existed && !exists(out.path + "-journal")) {
+    const absl::StatusOr<FileHeader> header = read_file_header(out.path);
     if (!header.ok()) return header.status();
     is_new = header->empty;
     if (!is_new) IRSIG_STORE_TRY(check_header(path, *header));
+    if (!is_new) IRSIG_STORE_TRY(check_has_its_journal(path, out.path, true));
   }
+  IRSIG_STORE_TRY(check_has_one_name(path, out.path));
   bool keep_file = existed;
   const absl::Cleanup remove_new_file = [&out, &keep_file] {
     if (keep_file) return;
@@ -259,7 +243,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
 
   if (!existed) IRSIG_STORE_TRY(make_private_file(out.path));
   absl::StatusOr<std::unique_ptr<Database>> database =
-      Database::open(path, Database::Mode::kReadWriteCreate);
+      Database::open(out.path, Database::Mode::kReadWriteCreate);
   if (!database.ok()) return database.status();
   out.database = *std::move(database);
   Database& opened = *out.database;
@@ -281,7 +265,7 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
     IRSIG_STORE_TRY(name_the_reader(path, migrate(opened, all_steps(), check)));
     IRSIG_STORE_TRY(check());
   }
-  IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, opened)));
+  IRSIG_STORE_TRY(name_the_reader(path, write_ahead(path, out)));
   // What a commit writes fits into the cache [kB]: otherwise pages go to the disk and come back.
   IRSIG_STORE_TRY(opened.script("PRAGMA synchronous = FULL; PRAGMA cache_size = -16384"));
   keep_file = true;
@@ -289,20 +273,58 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   return out;
 }
 
-absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path, bool attaches) {
+absl::Status end_write_ahead(WritableDatabase& written) {
+  Database& database = *written.database;
+  {
+    // All that is committed is in the file before anything says so.
+    absl::StatusOr<Rows> row = database.query("PRAGMA wal_checkpoint(FULL)");
+    if (!row.ok()) return row.status();
+    const absl::StatusOr<bool> told = row->next();
+    if (!told.ok()) return told.status();
+    const bool busy = row->integer() != 0;
+    const std::int64_t frames = row->integer();
+    if (busy || row->integer() != frames)
+      return absl::UnavailableError(absl::StrCat(written.path, ": is being read"));
+  }
+  written.lock->say_whole_without_journal();
+  absl::Status ended = journal_mode(database, "PRAGMA journal_mode = DELETE").status();
+  // The journal may be empty: another program may have folded it in.
+  if (!ended.ok() && !has_journal(written.path)) static_cast<void>(begin_journal(database));
+  say_no_more_than_needed(written);
+  return ended;
+}
+
+void leave_journal(WritableDatabase& written) {
+  const absl::StatusOr<FileHeader> header = read_file_header(written.path);
+  if (header.ok() && header->write_ahead_log && !has_journal(written.path))
+    static_cast<void>(begin_journal(*written.database));
+}
+
+namespace {
+
+// Up to what a file's own bytes and PRAGMAs say: a signature database, and not a newer one's.
+absl::StatusOr<std::unique_ptr<Database>> open_known(const std::string& path, bool as_it_is,
+                                                     bool attaches) {
   IRSIG_STORE_TRY(check_regular(path));
   if (!exists(path)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
-  const absl::StatusOr<FileHeader> header = read_file_header(path);
+  const std::string real = real_path(path);
+  const absl::StatusOr<FileHeader> header = read_file_header(real);
   if (!header.ok()) return header.status();
   IRSIG_STORE_TRY(check_header(path, *header));
-  // A file in write-ahead mode without its journal and without a writer is complete as it is
-  // (somebody copied it); opened in the ordinary way SQLite would create an empty journal beside
-  // it.
-  const bool alone = header->write_ahead_log && !exists(path + "-wal") && !exists(path + "-lock");
+  if (!as_it_is) IRSIG_STORE_TRY(check_has_its_journal(path, real));
   absl::StatusOr<std::unique_ptr<Database>> database = Database::open(
-      path, alone ? Database::Mode::kImmutable : Database::Mode::kReadOnly, attaches);
+      real, as_it_is ? Database::Mode::kImmutable : Database::Mode::kReadOnly, attaches);
   if (!database.ok()) return database.status();
-  IRSIG_STORE_TRY(check_pragmas(path, **database));
+  if (const absl::Status checked = check_pragmas(path, **database); !checked.ok())
+    return cannot_share(path, *header, checked);
+  return database;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path, bool attaches) {
+  absl::StatusOr<std::unique_ptr<Database>> database = open_known(path, false, attaches);
+  if (!database.ok()) return database.status();
   const absl::StatusOr<std::int64_t> version = (*database)->integer("PRAGMA user_version");
   if (!version.ok()) return version.status();
   if (*version < kVersion) {
@@ -312,6 +334,17 @@ absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& pa
   }
   IRSIG_STORE_TRY(check_schema(path, **database));
   return database;
+}
+
+absl::StatusOr<AsItIs> open_as_it_is(const std::string& path) {
+  absl::StatusOr<std::unique_ptr<Database>> database = open_known(path, true, false);
+  if (!database.ok()) return database.status();
+  const absl::StatusOr<std::int64_t> version = (*database)->integer("PRAGMA user_version");
+  if (!version.ok()) return version.status();
+  AsItIs out{*std::move(database), *version < kVersion};
+  IRSIG_STORE_TRY(out.is_older ? check_old_schema(path, *out.database)
+                               : check_schema(path, *out.database));
+  return out;
 }
 
 }  // namespace irsig

@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "schema/store/database.h"
+#include "schema/store/writer_lock.h"
 
 namespace irsig {
 
@@ -20,26 +21,6 @@ struct MigrationStep {
   const char* script;
 };
 
-// The exclusive right to write one database: an flock on "<database>-lock", so that the kernel
-// releases it when the holder dies in whatever way. (Not on the database itself: closing a
-// descriptor of that file would drop SQLite's own locks on it.) The file is removed when the lock
-// is given back.
-class WriterLock {
- public:
-  static absl::StatusOr<std::unique_ptr<WriterLock>> acquire(const std::string& database_path);
-  WriterLock(const WriterLock&) = delete;
-  WriterLock& operator=(const WriterLock&) = delete;
-  ~WriterLock();
-
-  // The lock file still lies where it was made: nobody else can hold a lock of this name.
-  [[nodiscard]] bool holds() const;
-
- private:
-  WriterLock(int descriptor, std::string path) : descriptor_(descriptor), path_(std::move(path)) {}
-  int descriptor_;
-  std::string path_;
-};
-
 struct WritableDatabase {
   std::unique_ptr<WriterLock> lock;  // outlives the connection
   std::unique_ptr<Database> database;
@@ -48,13 +29,17 @@ struct WritableDatabase {
 };
 
 // Creates or opens for writing, brings to the newest version, switches to write-ahead logging.
-// Files that it refuses (schema/store/check_schema.h) stay as they are; a new one is its owner's
-// alone (mode 0600); a file that it began to create does not stay behind when
-// it fails.
+// Files that it refuses (schema/store/check_schema.h, schema/store/whole_file.h) stay as they are;
+// a new one is its owner's alone (mode 0600); a file that it began to create does not stay behind
+// when it fails.
 [[nodiscard]] absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path);
 
-// Where a file lies or will be made, links followed; the path as it is where that cannot be told.
-[[nodiscard]] std::string real_path(const std::string& path);
+// Folds the journal in, so that one plain file remains. UNAVAILABLE: a reader has the file open;
+// the journal stays beside it.
+[[nodiscard]] absl::Status end_write_ahead(WritableDatabase& written);
+
+// Before a close without end_write_ahead(): another program may have emptied the journal.
+void leave_journal(WritableDatabase& written);
 
 // Removes a database and what SQLite keeps beside it. Only for who created it, holds its lock and
 // has closed it.
@@ -63,6 +48,13 @@ void remove_database(const std::string& path);
 // Never creates or changes anything. attaches: database.h.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<Database>> open_for_reading(const std::string& path,
                                                                          bool attaches = false);
+// The same for a file whose journal is missing (check_has_its_journal): what it holds by itself.
+// Nobody may write to it meanwhile. is_older: it has an earlier version's tables.
+struct AsItIs {
+  std::unique_ptr<Database> database;
+  bool is_older;
+};
+[[nodiscard]] absl::StatusOr<AsItIs> open_as_it_is(const std::string& path);
 
 // Runs the steps above the database's user_version, all in one transaction, which ends as it began
 // unless `check` is content with what they have left. INVALID_ARGUMENT: a newer version.

@@ -16,6 +16,7 @@
 #include "schema/store/spectrum_blob.h"
 #include "schema/store/statements.h"
 #include "schema/store/store.h"
+#include "schema/store/stored_asset.h"
 
 namespace irsig {
 namespace {
@@ -78,8 +79,8 @@ class SqliteReader final : public StoreReader {
     return spectrum;
   }
 
-  absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
-    return in_one_snapshot([&] { return stored_sweep(name); });
+  absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles files) override {
+    return in_one_snapshot([&] { return stored_sweep(name, files); });
   }
 
   absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) override {
@@ -178,7 +179,7 @@ class SqliteReader final : public StoreReader {
     return result;
   }
 
-  absl::StatusOr<StoredSweep> stored_sweep(const std::string& name) {
+  absl::StatusOr<StoredSweep> stored_sweep(const std::string& name, SweepFiles files) {
     absl::StatusOr<Rows> row = database_.query(sql::sweep_by_name, name);
     if (!row.ok()) return row.status();
     const absl::StatusOr<bool> found = row->next();
@@ -187,16 +188,17 @@ class SqliteReader final : public StoreReader {
     StoredSweep sweep;
     if (!sweep.resolved.ParseFromString(row->text()))
       return absl::DataLossError(absl::StrCat("the sweep \"", name, "\" cannot be read"));
+    if (files == SweepFiles::kNone) return sweep;
     absl::StatusOr<HeatOutputs> heat = find_heat_outputs(database_, name);
     if (!heat.ok()) return heat.status();
     if (heat->size() == static_cast<std::size_t>(sweep.resolved.heat_size()))
       sweep.heat = *std::move(heat);
+    if (files == SweepFiles::kTemperatures) return sweep;
     for (const std::string& sha256 : needed_assets(sweep.resolved)) {
-      absl::StatusOr<Rows> file = database_.query(sql::asset_bytes, sha256);
-      if (!file.ok()) return file.status();
-      const absl::StatusOr<bool> there = file->next();
-      if (!there.ok()) return there.status();
-      if (*there) sweep.assets[sha256] = file->text();
+      absl::StatusOr<std::string> bytes = read_asset(database_, sha256);
+      if (absl::IsNotFound(bytes.status())) continue;
+      if (!bytes.ok()) return bytes.status();
+      sweep.assets[sha256] = *std::move(bytes);
     }
     return sweep;
   }
@@ -219,6 +221,12 @@ absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open(const std::string
   absl::StatusOr<std::unique_ptr<Database>> database = open_for_reading(path);
   if (!database.ok()) return database.status();
   return std::make_unique<SqliteReader>(*std::move(database));
+}
+
+absl::StatusOr<std::unique_ptr<StoreReader>> StoreReader::open_as_it_is(const std::string& path) {
+  absl::StatusOr<AsItIs> opened = irsig::open_as_it_is(path);
+  if (!opened.ok()) return opened.status();
+  return std::make_unique<SqliteReader>(std::move(opened->database));
 }
 
 }  // namespace irsig

@@ -14,6 +14,7 @@
 #include "schema/store/open_database.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
+#include "schema/store/stored_asset.h"
 
 namespace irsig {
 namespace {
@@ -52,6 +53,7 @@ class Slicing {
       out_.source_digest = *std::move(digest);
     }
     IRSIG_STORE_TRY(copy_sweeps());
+    IRSIG_STORE_TRY(check_assets(database_, sql::slice_heat_outputs));
     IRSIG_STORE_TRY(database_.script(sql::slice_definitions));
     IRSIG_STORE_TRY(copy_signatures());
     IRSIG_STORE_TRY(database_.script(sql::slice_renumber));
@@ -133,6 +135,7 @@ class Slicing {
                                   conditions->size(), bands->size(),
                                   Blob{resolved.SerializeAsString()}));
     for (const std::string& asset : needed_assets(resolved)) {
+      IRSIG_STORE_TRY(check_asset(database_, asset));
       IRSIG_STORE_TRY(database_.run(sql::slice_asset, asset));
       IRSIG_STORE_TRY(database_.run(sql::slice_sweep_asset, sweep.id, asset));
     }

@@ -159,7 +159,7 @@ class StoreWriter {
                                           const std::vector<Asset>& assets) = 0;
 
   // The bytes of an asset, also of one that a job has left; under a sweep_sha256: the serialized
-  // ResolvedSweep.
+  // ResolvedSweep. DATA_LOSS: an asset's bytes are not those of its hash.
   virtual absl::StatusOr<std::string> asset(const std::string& sha256) = 0;
 
   // Replaces an earlier prediction of the same sweep, which need not have been added yet.
@@ -208,6 +208,8 @@ class StoreWriter {
   virtual absl::Status complete(std::uint64_t fencing_token, const schema::JobResult& result,
                                 const std::string& worker_name,
                                 const std::string& content_sha256 = {}) = 0;
+  // Done heat jobs whose output is damaged wait again; how many. Reads all of these outputs.
+  virtual absl::StatusOr<std::uint64_t> reopen_damaged() = 0;
   // Marks the job done with what a job of the same key has left in another sweep of the database,
   // computed in this determinism class; false: there is none, and the lease goes on. Views are
   // never taken over: their rows are of their own sweep's places.
@@ -429,12 +431,17 @@ struct StoredSweep {
   Assets assets;
   HeatOutputs heat;  // empty unless all its heat jobs are done
 };
+// What is read of them. A damaged file is an error only for those who asked for it.
+enum class SweepFiles { kNone, kTemperatures, kAll };
 
 // The reading side: any number of readers, also while the coordinator writes. One object belongs to
 // one thread.
 class StoreReader {
  public:
   static absl::StatusOr<std::unique_ptr<StoreReader>> open(const std::string& path);
+  // Of a file whose journal is missing (schema/store/whole_file.h), what it holds by itself: for
+  // the examination before it is accepted.
+  static absl::StatusOr<std::unique_ptr<StoreReader>> open_as_it_is(const std::string& path);
   virtual ~StoreReader() = default;
 
   // In row order; with a direction: nearest first.
@@ -449,8 +456,10 @@ class StoreReader {
   virtual absl::StatusOr<std::vector<StoredValue>> values(const ValueFilter& filter) = 0;
   // Arrays that were not computed are empty.
   virtual absl::StatusOr<schema::Spectrum> spectrum(std::int64_t signature_id) = 0;
-  // NOT_FOUND: no sweep of that name.
-  virtual absl::StatusOr<StoredSweep> sweep(const std::string& name) = 0;
+  // NOT_FOUND: no sweep of that name. DATA_LOSS: one of the files has other bytes than its SHA-256
+  // says.
+  virtual absl::StatusOr<StoredSweep> sweep(const std::string& name,
+                                            SweepFiles files = SweepFiles::kAll) = 0;
   virtual absl::StatusOr<std::vector<StoredPart>> parts(std::int64_t signature_id) = 0;
   virtual absl::StatusOr<StoredLedger> ledger(std::int64_t signature_id) = 0;
   // In the order of the grammar; none of a sweep without [uncertainty].
@@ -481,5 +490,9 @@ class StoreReader {
   // computed, in key order: schema/README.md.
   virtual absl::StatusOr<std::string> digest() = 0;
 };
+
+// Whether a writer's lock lies beside the database, links followed. That of a writer that was
+// killed lies there until the next one ends.
+[[nodiscard]] bool has_writer_lock(const std::string& path);
 
 }  // namespace irsig

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -20,6 +21,7 @@
 #include "schema/store/queue.h"
 #include "schema/store/sha256.h"
 #include "schema/store/statements.h"
+#include "schema/store/stored_asset.h"
 
 namespace irsig {
 namespace {
@@ -142,7 +144,7 @@ class SweepUpdate {
   }
 
   absl::Status put_assets(const std::vector<Asset>& assets, const std::string& sweep_sha256) {
-    IRSIG_STORE_TRY(database_.run(sql::clear_sweep_assets, sweep_id_));
+    std::set<std::string> known;
     for (const Asset& asset : assets) {
       // The sweep's own hash is that of its canonical encoding, not of its bytes; it is kept with
       // the sweep.
@@ -151,21 +153,22 @@ class SweepUpdate {
         return absl::InvalidArgumentError(
             absl::StrCat("the asset ", asset.sha256, " has other bytes than its name says"));
       }
-      IRSIG_STORE_TRY(asset.file
-                          ? put_file(asset)
-                          : database_.run(sql::insert_asset, asset.sha256, Blob{asset.bytes}));
-      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, asset.sha256));
+      IRSIG_STORE_TRY(store_asset(database_, asset));
+      known.insert(asset.sha256);
     }
     for (const std::string& sha256 : needed_assets(sweep_)) {
-      const absl::StatusOr<std::int64_t> there = database_.integer(sql::asset_exists, sha256);
-      if (!there.ok()) return there.status();
-      if (*there == 0) {
+      if (!known.insert(sha256).second) continue;
+      const absl::Status there = check_asset(database_, sha256);
+      if (absl::IsNotFound(there)) {
         return absl::InvalidArgumentError(
             absl::StrCat(sha256 == sweep_.model_sha256() ? "the model file " : "the file ", sha256,
                          " is not among the assets"));
       }
-      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sha256));
+      IRSIG_STORE_TRY(there);
     }
+    IRSIG_STORE_TRY(database_.run(sql::clear_sweep_assets, sweep_id_));
+    for (const std::string& sha256 : known)
+      IRSIG_STORE_TRY(database_.run(sql::insert_sweep_asset, sweep_id_, sha256));
     return absl::OkStatus();
   }
 
@@ -340,22 +343,6 @@ class SweepUpdate {
     return absl::OkStatus();
   }
 
-  // In pieces: a model may be larger than memory should hold.
-  absl::Status put_file(const Asset& asset) {
-    constexpr std::size_t kPieceBytes = 1 << 20;
-    const std::uint64_t size = asset.file->size();
-    const absl::StatusOr<std::int64_t> row =
-        database_.integer(sql::insert_empty_asset, asset.sha256, size);
-    if (absl::IsNotFound(row.status())) return absl::OkStatus();  // it is there already
-    if (!row.ok()) return row.status();
-    for (std::uint64_t at = 0; at < size; at += kPieceBytes) {
-      const absl::StatusOr<std::string> piece = asset.file->read(at, kPieceBytes);
-      if (!piece.ok()) return piece.status();
-      IRSIG_STORE_TRY(database_.write_blob("asset", "bytes", *row, at, *piece));
-    }
-    return absl::OkStatus();
-  }
-
   struct KnownJob {
     std::int64_t job_id;
     JobState state;
@@ -451,7 +438,9 @@ class SweepUpdate {
       const absl::StatusOr<std::int64_t> stored =
           database_.integer(sql::count_computed_temperatures, known->job_id);
       if (!stored.ok()) return stored.status();
-      if (*stored == computed_temperatures_of(run)) state = JobState::kDone;
+      const absl::Status output = check_heat_output(database_, known->job_id);
+      if (!output.ok() && !absl::IsNotFound(output) && !absl::IsDataLoss(output)) return output;
+      if (*stored == computed_temperatures_of(run) && output.ok()) state = JobState::kDone;
     }
     IRSIG_STORE_TRY(database_.run(sql::place_heat_run, known->job_id, spec.heat()));
     return database_.run(sql::revive_job, known->job_id, index, static_cast<int>(state));

@@ -10,6 +10,7 @@
 #include "schema/store/queue.h"
 #include "schema/store/statements.h"
 #include "schema/store/store.h"
+#include "schema/store/stored_asset.h"
 #include "schema/store/sweep_table.h"
 
 namespace irsig {
@@ -17,9 +18,8 @@ namespace {
 
 constexpr int kPatienceAtTheEnd_ms = 1000;
 
-absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
-                                     const std::string& sha256) {
-  absl::StatusOr<Rows> row = database.query(statement, sha256);
+absl::StatusOr<std::string> resolved_sweep(Database& database, const std::string& sha256) {
+  absl::StatusOr<Rows> row = database.query(sql::resolved_sweep_by_sha256, sha256);
   if (!row.ok()) return row.status();
   const absl::StatusOr<bool> found = row->next();
   if (!found.ok()) return found.status();
@@ -30,15 +30,13 @@ absl::StatusOr<std::string> bytes_of(Database& database, const char* statement,
 class SqliteWriter final : public StoreWriter {
  public:
   explicit SqliteWriter(WritableDatabase opened)
-      : lock_(std::move(opened.lock)),
-        owned_(std::move(opened.database)),
-        database_(*owned_),
-        path_(std::move(opened.path)),
-        created_(opened.created) {}
+      : opened_(std::move(opened)), database_(*opened_.database) {}
 
   // Without finish() the journal stays; the next writer, and every reader, goes on from it.
   ~SqliteWriter() override {
-    if (owned_) rollback();
+    if (!opened_.database) return;
+    rollback();
+    leave_journal(opened_);
   }
 
   absl::Status begin() override { return begin(true); }
@@ -80,9 +78,9 @@ class SqliteWriter final : public StoreWriter {
   }
 
   absl::StatusOr<std::string> asset(const std::string& sha256) override {
-    absl::StatusOr<std::string> bytes = bytes_of(database_, sql::asset_bytes, sha256);
+    absl::StatusOr<std::string> bytes = read_asset(database_, sha256);
     if (!absl::IsNotFound(bytes.status())) return bytes;
-    return bytes_of(database_, sql::resolved_sweep_by_sha256, sha256);
+    return resolved_sweep(database_, sha256);
   }
 
   absl::Status store_prediction(const StoredPrediction& prediction) override {
@@ -197,6 +195,12 @@ class SqliteWriter final : public StoreWriter {
     return absl::OkStatus();
   }
 
+  absl::StatusOr<std::uint64_t> reopen_damaged() override {
+    IRSIG_STORE_TRY(require_transaction());
+    counters_.forget();
+    return reopen_damaged_heat_jobs(database_);
+  }
+
   absl::StatusOr<bool> take_over(std::uint64_t fencing_token,
                                  const std::string& determinism_class) override {
     IRSIG_STORE_TRY(require_transaction());
@@ -267,22 +271,22 @@ class SqliteWriter final : public StoreWriter {
       return absl::FailedPreconditionError("finish() inside a transaction");
     // A reader between two queries is waited for, one that stays is not.
     database_.wait_for_locks_ms(kPatienceAtTheEnd_ms);
-    IRSIG_STORE_TRY(database_.script("PRAGMA wal_checkpoint(TRUNCATE)"));
-    const absl::Status ended = database_.script("PRAGMA journal_mode = DELETE");
+    const absl::Status ended = end_write_ahead(opened_);
     if (!absl::IsUnavailable(ended)) return ended;
+    const std::string& path = opened_.path;
     return absl::UnavailableError(absl::StrCat(
-        path_, ": another program is reading it; everything is stored, but part of it may lie in ",
-        path_, "-wal, which belongs to the database until the next run folds it in"));
+        path, ": another program is reading it; everything is stored, but part of it may lie in ",
+        path, "-wal, which belongs to the database until the next run folds it in"));
   }
 
   absl::StatusOr<bool> remove_if_unused() override {
-    if (!created_) return false;
+    if (!opened_.created) return false;
     rollback();
     const absl::StatusOr<std::int64_t> content = database_.integer(sql::content_count);
     if (!content.ok()) return content.status();
-    if (*content > 0 || !lock_->holds()) return false;
-    owned_.reset();
-    remove_database(path_);
+    if (*content > 0 || !opened_.lock->holds()) return false;
+    opened_.database.reset();
+    remove_database(opened_.path);
     return true;
   }
 
@@ -300,11 +304,8 @@ class SqliteWriter final : public StoreWriter {
     return absl::FailedPreconditionError("a change of the database outside begin() ... commit()");
   }
 
-  std::unique_ptr<WriterLock> lock_;  // given back after the connection is closed
-  std::unique_ptr<Database> owned_;
+  WritableDatabase opened_;
   Database& database_;
-  std::string path_;
-  bool created_;
   bool synced_ = true;
   ProgressCounters counters_;
 };

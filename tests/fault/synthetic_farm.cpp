@@ -241,7 +241,9 @@ schema::JobResult synthetic_result(const schema::ResolvedSweep& sweep, const sch
   result.set_target_paths(100000);
   result.set_rays(300000);
   result.set_seconds(0.1);
-  result.set_seed_hex("0123456789abcdef");
+  result.set_seed_hex(job.has_heat()
+                          ? absl::StrCat(absl::Hex(sweep.sweep().seed(), absl::kZeroPad16))
+                          : "0123456789abcdef");
   result.set_physics_version(1);
   result.set_determinism_class(kSyntheticClass);
   result.set_build_id("test");

@@ -212,4 +212,5 @@ class TemperatureFields(unittest.TestCase):
         self.refused(SWEEP.replace('temperature_field = "camera"\n\n[[band', 'part_temperature_k = { body = 300 }\n\n[[band'), good, r"is named by no season")
 
 
-unittest.main(argv=sys.argv[:1], verbosity=2)
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

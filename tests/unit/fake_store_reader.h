@@ -134,7 +134,7 @@ class FakeStoreReader : public StoreReader {
     return std::vector<StoredValue>();
   }
   absl::StatusOr<schema::Spectrum> spectrum(std::int64_t id) override { return spectra.at(id); }
-  absl::StatusOr<StoredSweep> sweep(const std::string& name) override {
+  absl::StatusOr<StoredSweep> sweep(const std::string& name, SweepFiles /*files*/) override {
     if (!sweeps.contains(name)) return absl::NotFoundError("no sweep " + name);
     return sweeps.at(name);
   }

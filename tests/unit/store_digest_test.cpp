@@ -154,7 +154,7 @@ TEST(StoreDigest, SeesEveryBitOfTheContent) {
         r.mutable_view()->mutable_row(2)->mutable_energy()->mutable_cut_off()->set_value(1e-9);
       },
       [](auto& r) { r.set_samples(1); },
-      [](auto& r) { r.set_seed_hex("ab"); },
+      [](auto& r) { r.set_seed_hex("00000000000000ab"); },
       [](auto& r) { r.set_physics_version(2); },
   };
   for (const auto& change : changes)

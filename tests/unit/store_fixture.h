@@ -168,6 +168,10 @@ inline schema::JobResult make_result(const schema::ResolvedSweep& sweep, const s
       row.set_band_index(b);
       fill_numbers(row, next);
       fill_inputs(sweep, row, next);
+      row.mutable_intensity_w_sr()->set_value(
+          row.emitted_w_sr().value() + row.sun_reflected_w_sr().value() +
+          row.sky_reflected_w_sr().value() + row.sea_reflected_w_sr().value() +
+          row.parts_reflected_w_sr().value());
       row.mutable_contrast_intensity_w_sr()->set_value(-row.contrast_intensity_w_sr().value());
       row.set_path_transmittance(1 / row.path_transmittance());
       row.set_backface_share(0);  // else a warning
@@ -301,6 +305,7 @@ inline schema::JobResult make_heat_result(const schema::ResolvedSweep& sweep,
   const schema::HeatRun& run = sweep.heat(static_cast<int>(job.heat().heat()));
   schema::JobResult result = make_result(sweep, schema::JobSpec());
   result.set_job_key(job.job_key());
+  result.set_seed_hex(absl::StrCat(absl::Hex(sweep.sweep().seed(), absl::kZeroPad16)));
   schema::HeatField field;
   field.set_facets(3);
   for (int time = 0; time < run.time_utc_size(); ++time) {
@@ -360,7 +365,12 @@ inline std::string without_what_came_after(int version) {
       "DROP INDEX job_given_up;"
       // The job table of version 6: views only, and nothing waits for anything.
       "DROP TABLE job_need; DROP INDEX job_waiting; ALTER TABLE job DROP COLUMN unmet_needs;"
-      "CREATE TABLE old_job AS SELECT * FROM job; ALTER TABLE old_job DROP COLUMN kind;"
+      "CREATE TABLE old_job (job_id INTEGER PRIMARY KEY, sweep_id INTEGER NOT NULL, job_index "
+      "INTEGER NOT NULL, superseded INTEGER NOT NULL, job_key TEXT NOT NULL, viewpoint_id INTEGER, "
+      "condition_index TEXT, band_index TEXT, state INTEGER NOT NULL, "
+      "failures INTEGER NOT NULL, failures_after_token INTEGER NOT NULL) STRICT;"
+      "INSERT INTO old_job SELECT job_id, sweep_id, job_index, superseded, job_key, viewpoint_id, "
+      "condition_index, band_index, state, failures, failures_after_token FROM job;"
       "PRAGMA legacy_alter_table = ON; DROP TABLE job; ALTER TABLE old_job RENAME TO job;"
       "DROP TABLE job_kind; DELETE FROM stop_reason WHERE name = 'floor_reached';"
       "ALTER TABLE condition DROP COLUMN temperature_field;"

@@ -172,6 +172,9 @@ TEST_F(StoreHeat, ResultsAreHeldAgainstTheirRun) {
     std::memcpy(bytes.data() + 4 * at, &value, 4);
   };
   refused([](auto& r, auto&) { r.set_job_key("other"); }, "job_key is other");
+  refused([](auto& r, auto&) { r.set_seed_hex("0000000000000001"); },
+          "seed_hex is 0000000000000001, expected that of the sweep, 0000000000000000");
+  refused([](auto& r, auto&) { r.set_seed_hex("0"); }, "seed_hex is not of 16 hexadecimal");
   refused([](auto& r, auto&) { r.mutable_view(); }, "kind is not the job's");
   refused([](auto& r, auto&) { r.mutable_heat()->set_field("rubbish"); }, "field cannot be read");
   refused([](auto&, auto& f) { f.set_unix_s(0, 1750469401); }, "field.unix_s[0] is not the time");

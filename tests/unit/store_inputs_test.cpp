@@ -133,9 +133,10 @@ TEST(HeatChanges, ThatWereNotAskedForAreRefused) {
     }
     schema::JobResult result;
     result.set_job_key("key");
+    result.set_seed_hex("0000000000000000");
     change(field, *result.mutable_heat());
     result.mutable_heat()->set_field(field.SerializeAsString());
-    return check_heat_result(result, "key", run);
+    return check_heat_result(result, "key", run, 0);
   };
   ASSERT_OK(checked([](auto&, auto&) {}));
   const auto refused = [&](auto change, const std::string& what) {

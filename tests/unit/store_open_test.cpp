@@ -82,21 +82,6 @@ TEST_F(StoreOpen, ReadingChangesNothing) {
   EXPECT_EQ(bytes_of(path_), before);
 }
 
-// Somebody copied the file while it was in write-ahead mode.
-TEST_F(StoreOpen, ReadingAFileInWriteAheadModeMakesNoJournal) {
-  ASSERT_NO_FATAL_FAILURE(write());
-  ASSERT_EQ(sqlite_text(path_, "PRAGMA journal_mode = WAL"), "wal");
-  ASSERT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
-  const std::string before = bytes_of(path_);
-  {
-    auto reader = StoreReader::open(path_);
-    ASSERT_OK(reader.status());
-    EXPECT_EQ((*reader)->find({})->size(), 16U);
-    EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});
-  }
-  EXPECT_EQ(bytes_of(path_), before);
-}
-
 TEST_F(StoreOpen, ReadersSeeCommitsWhileTheWriterWrites) {
   auto writer = StoreWriter::open(path_);
   ASSERT_OK(writer.status());

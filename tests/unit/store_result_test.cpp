@@ -31,6 +31,9 @@ TEST(StoreResult, WhatDoesNotMatchItsJobIsRefused) {
 
   const std::vector<Damage> damages = {
       {"job_key", [](auto& r) { r.set_job_key("another"); }},
+      {"seed_hex is not of 16", [](auto& r) { r.clear_seed_hex(); }},
+      {"seed_hex is not of 16", [](auto& r) { r.set_seed_hex("00000000000000AA"); }},
+      {"seed_hex is not of 16", [](auto& r) { r.set_seed_hex("000000000000000aa"); }},
       {"missing for condition 1, band 1",
        [](auto& r) { r.mutable_view()->mutable_row()->RemoveLast(); }},
       {"kind is not the job's", [](auto& r) { r.clear_view(); }},

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace irsig {
+
+// A database has its journal beside it, under its name: a name is taken for the file. These are
+// the cases in which it is not. `name` is what the user calls the database, `path` its real path
+// (real_path).
+
+// Where a file lies or will be made, links followed; the path as it is where that cannot be told.
+[[nodiscard]] std::string real_path(const std::string& path);
+
+// Whether a journal with at least one commit lies beside the database. An empty one is none: a
+// program that only reads leaves one beside an incomplete copy.
+[[nodiscard]] bool has_journal(const std::string& path);
+
+// INVALID_ARGUMENT: the header asks for a journal, and there is neither one nor a writer. What is
+// missing cannot be told from such a file alone: it is an incomplete copy, or a hard link whose
+// journal lies beside another name, or whole (another SQLite program folded the journal in after
+// a kill). holds_lock: the caller is the writer.
+[[nodiscard]] absl::Status check_has_its_journal(const std::string& name, const std::string& path,
+                                                 bool holds_lock = false);
+
+// INVALID_ARGUMENT: the file has several names (hard links). Each name would have a journal and a
+// lock of its own.
+[[nodiscard]] absl::Status check_has_one_name(const std::string& name, const std::string& path);
+
+}  // namespace irsig

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace irsig {
+
+// The exclusive right to write one database: an flock on "<database>-lock", so that the kernel
+// releases it when the holder dies in whatever way. (Not on the database itself: closing a
+// descriptor of that file would drop SQLite's own locks on it.) The file is removed when the lock
+// is given back.
+//
+// The lock file also tells the two moments in which a database's header asks for a journal that
+// is not there: between the header's change to write-ahead mode and the first commit, and between
+// the removal of the journal and the header's change back. The database is whole then; if the
+// writer is killed, the lock file stays and says so.
+class WriterLock {
+ public:
+  // database: its real path. name: what the user calls it, for messages.
+  static absl::StatusOr<std::unique_ptr<WriterLock>> acquire(const std::string& database,
+                                                             const std::string& name);
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+  ~WriterLock();
+
+  // The lock file still lies where it was made: nobody else can hold a lock of this name.
+  [[nodiscard]] bool holds() const;
+
+  // States in the lock file that the database, as the file that it is now (device and inode), is
+  // whole without a journal. The lock file then stays when the lock is given back. That it cannot
+  // be written is no error: after a kill the user is asked instead (schema/store/whole_file.h).
+  void say_whole_without_journal();
+  // A commit has gone into the journal, or the header asks for none.
+  void say_nothing();
+
+ private:
+  WriterLock(int descriptor, std::string path, std::string database)
+      : descriptor_(descriptor), path_(std::move(path)), database_(std::move(database)) {}
+  int descriptor_;
+  std::string path_;  // empty: not ours to remove
+  std::string database_;
+  bool said_ = false;
+};
+
+// What the lock file beside a database says, for those who do not hold the lock.
+struct LockFile {
+  bool held = false;                   // by a living writer
+  bool whole_without_journal = false;  // as say_whole_without_journal() has it, of this very file
+};
+[[nodiscard]] LockFile read_lock_file(const std::string& database);
+
+// The path of the lock file.
+[[nodiscard]] std::string lock_path(const std::string& database);
+
+}  // namespace irsig
