@@ -18,6 +18,7 @@
 #include "bridge/model_mesh.h"
 #include "bridge/spec_to_request.h"
 #include "core/base/hottest.h"
+#include "core/base/problems.h"
 #include "core/effects/effects.h"
 #include "core/geo/sun.h"
 #include "core/materials/total_emissivity.h"
@@ -25,10 +26,6 @@
 
 namespace irsig {
 namespace {
-
-absl::Status at(const std::string& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path, ": ", status.message())};
-}
 
 // Emissivities change little with temperature: taken at that of the outdoors.
 constexpr double kOutdoorsK = 290;
@@ -41,13 +38,13 @@ struct Surface {
 absl::StatusOr<Surface> surface_of(const schema::Material& material, const std::string& path,
                                    std::vector<std::string>& warning) {
   if (!material.has_solar_absorptance())
-    return absl::InvalidArgumentError(absl::StrCat(path, ".solar_absorptance: is missing"));
+    return keyed_problem(path + ".solar_absorptance", "is missing");
   if (material.has_thermal_emissivity())
     return Surface{material.solar_absorptance(), material.thermal_emissivity()};
   const auto spec = material_from_message(material);
-  if (!spec.ok()) return at(path, spec.status());
+  if (!spec.ok()) return at_key(path, spec.status());
   const auto total = total_emissivity(*spec, kOutdoorsK);
-  if (!total.ok()) return at(path, total.status());
+  if (!total.ok()) return at_key(path, total.status());
   if (total->covered < kCoveredShare)
     warning.push_back(absl::StrCat(path, ": the spectrum of \"", material.name(), "\" covers ",
                                    std::lround(100 * total->covered),
@@ -70,7 +67,8 @@ absl::StatusOr<WallBuildUp> build_up_of(const schema::BuildUp& message, const st
   for (const schema::Layer& l : message.layer())
     out.layers.push_back(
         {l.thickness_m(), l.conductivity_w_m_k(), l.density_kg_m3(), l.specific_heat_j_kg_k()});
-  if (const absl::Status status = check_layers(out.layers); !status.ok()) return at(path, status);
+  if (const absl::Status status = check_layers(out.layers); !status.ok())
+    return at_key(path, status);
   out.inner_side = *side;
   out.inner_k = message.inside_temperature_k();
   out.inner_h_w_m2_k = message.inside_h_w_m2_k();
@@ -185,7 +183,7 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
   out.warning.insert(out.warning.end(), weather->warning.begin(), weather->warning.end());
   for (int b = 0; b < sweep.build_up_size(); ++b) {
     const auto schedule = inside_schedule(sweep.build_up(b));
-    if (!schedule.ok()) return at(absl::StrCat("build_up[", b, "]"), schedule.status());
+    if (!schedule.ok()) return at_key(absl::StrCat("build_up[", b, "]"), schedule.status());
     if (*schedule)
       request.build_up[static_cast<std::size_t>(b)].inner_at =
           at_knots(**schedule, weather->knot_s);
@@ -208,8 +206,9 @@ absl::StatusOr<Asked> asked_of(const schema::Sweep& sweep, const schema::HeatRun
     else if (effect == Effect::kHeatDiffuseSun)
       request.diffuse_sun = false;
     else if (!effect || !is_of_plume(*effect))
-      return absl::InvalidArgumentError(
-          absl::StrCat("effects.without: \"", name, "\" is no effect of computed temperatures"));
+      return keyed_problem("effects.without", absl::StrCat("\"", name,
+                                                           "\" is no effect of computed "
+                                                           "temperatures"));
   }
   out.output_of_time = weather->output_of_time;
   return out;
@@ -254,10 +253,12 @@ absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRu
       const float kelvin = by_time.kelvin[o][f];
       if (std::isnan(kelvin) || (kelvin > 0 && static_cast<double>(kelvin) <= kHottestK)) continue;
       const schema::Part& part = sweep.part(static_cast<int>(target.facet[f].part));
-      return absl::InvalidArgumentError(absl::StrCat(
-          "part \"", part.name(), "\" would be at ", kelvin, " K at ",
-          heat.time_utc(static_cast<int>(o)), ": no weather makes up for what build_up \"",
-          part.build_up(), "\" says of its inside"));
+      return problem_status(
+          {{"", absl::StrCat("part[", target.facet[f].part, "].build_up"),
+            absl::StrCat("part \"", part.name(), "\" would be at ", kelvin, " K at ",
+                         heat.time_utc(static_cast<int>(o)),
+                         ": no weather makes up for what build_up \"", part.build_up(),
+                         "\" says of its inside")}});
     }
   return absl::OkStatus();
 }
@@ -273,11 +274,11 @@ absl::Status add_changes(const schema::ResolvedSweep& resolved, std::size_t run,
   for (const schema::InputMove& input : heat.input()) {
     const MovedSweep sweep = moved_sweep(alone, {input.name(), input.sigma()}, input.move());
     auto request = asked_of(sweep.sweep.sweep(), sweep.sweep.heat(0), target);
-    if (!request.ok()) return at(absl::StrCat("uncertainty.", input.name()), request.status());
+    if (!request.ok()) return at_key(absl::StrCat("uncertainty.", input.name()), request.status());
     moved.push_back(std::move(request->request));
   }
   auto changes = solve_scene_heat_changes(target, asked.request, moved);
-  if (!changes.ok()) return at("heat", changes.status());
+  if (!changes.ok()) return at_key("heat", changes.status());
   for (TemperatureChange& change : *changes) {
     for (std::vector<float>& row : change) fill_degenerate(target, asked.request.part, row);
     std::vector<std::vector<float>> by_time;
@@ -322,7 +323,7 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
   }
 
   auto solved = solve_scene_heat(*target, asked->request);
-  if (!solved.ok()) return at("heat", solved.status());
+  if (!solved.ok()) return at_key("heat", solved.status());
   // Times of several days may share a knot of the one that repeats.
   SceneHeatResult by_time;
   for (const std::size_t k : asked->output_of_time) {

@@ -11,6 +11,7 @@
 #include "bridge/environment/inside_schedule.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/base/constants.h"
+#include "core/base/problems.h"
 #include "core/geo/sun.h"
 #include "core/materials/optical/material_library.h"
 #include "core/materials/total_emissivity.h"
@@ -102,8 +103,9 @@ absl::StatusOr<Beneath> beneath_of(const schema::Sweep& sweep, const schema::Sur
       out.emissivity = total->value;
     }
   } else {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "surroundings.kind = \"", s.kind(), "\": temperatures are computed above a sea or ground"));
+    return problem_status({{"", "surroundings.kind",
+                            absl::StrCat("surroundings.kind = \"", s.kind(),
+                                         "\": temperatures are computed above a sea or ground")}});
   }
   out.solar_albedo = s.solar_albedo();
   return out;

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/heat_outputs.h"
 #include "bridge/material_from_message.h"
+#include "core/base/problems.h"
 #include "core/geo/sun.h"
 
 namespace irsig {
@@ -119,7 +120,7 @@ absl::StatusOr<SweepTemperatures> moved_temperatures(const SweepTemperatures& no
 }
 
 absl::Status at(const UncertainInput& input, const absl::Status& status) {
-  return {status.code(), absl::StrCat("uncertainty.", input.name, ": ", status.message())};
+  return at_key(absl::StrCat("uncertainty.", input.name), status);
 }
 
 void set(schema::Estimate* out, const Estimate& e) {

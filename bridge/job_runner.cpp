@@ -40,7 +40,7 @@ class CoreJobRunner final : public JobRunner {
   CoreJobRunner(schema::ResolvedSweep sweep, std::unique_ptr<Simulator> simulator,
                 std::shared_ptr<const Environment> environment, SweepTemperatures temperatures,
                 SweepPlumes plumes, Assets assets, std::size_t field_bytes,
-                std::optional<ThumbnailEncoder> encoder, std::vector<std::string> warnings,
+                std::optional<ThumbnailEncoder> encoder, std::vector<Problem> warnings,
                 std::optional<InputViews> inputs)
       : sweep_(std::move(sweep)),
         simulator_(std::move(simulator)),
@@ -65,7 +65,7 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
-  [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
+  [[nodiscard]] std::vector<Problem> warnings() const override { return warnings_; }
 
   [[nodiscard]] JobMemory memory() const override {
     return job_memory(sweep_, *simulator_, environment_.get(),
@@ -92,7 +92,7 @@ class CoreJobRunner final : public JobRunner {
   }
 
   absl::StatusOr<schema::JobResult> compute_heat_job(const schema::HeatJob& job) {
-    if (static_cast<int>(job.heat()) >= sweep_.heat_size())
+    if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
       return absl::InvalidArgumentError(
           absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
     auto computed = compute_heat(sweep_, assets_, job.heat());
@@ -164,7 +164,7 @@ class CoreJobRunner final : public JobRunner {
   Assets assets_;            // of a sweep with heat runs
   std::size_t field_bytes_;  // of the files of temperatures
   std::optional<ThumbnailEncoder> encoder_;
-  std::vector<std::string> warnings_;
+  std::vector<Problem> warnings_;
   std::optional<InputViews> inputs_;  // of a sweep with uncertain ones
 };
 
@@ -203,10 +203,11 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
         !status.ok())
       return status;
     if (v.range_m() > kMostRangeInSizes * target.radius_m)
-      return absl::InvalidArgumentError(
-          absl::StrCat("viewpoints.range_m: a sensor at ", v.range_m(), " m is more than ",
-                       kMostRangeInSizes, " times as far away as the target's radius, ",
-                       target.radius_m, " m: double precision no longer tells its sides apart"));
+      return keyed_problem(
+          "viewpoints.range_m",
+          absl::StrCat("a sensor at ", v.range_m(), " m is more than ", kMostRangeInSizes,
+                       " times as far away as the target's radius, ", target.radius_m,
+                       " m: double precision no longer tells its sides apart"));
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();

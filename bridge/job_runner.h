@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "bridge/job_memory.h"
 #include "bridge/thumbnail_encoder.h"
+#include "core/base/problems.h"
 #include "schema/assets.h"
 #include "schema/job.pb.h"
 #include "schema/result.pb.h"
@@ -23,8 +24,8 @@ inline constexpr double kAcceptedBackfaceShare = 0.01;
 // to one thread.
 class JobRunner {
  public:
-  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT and
-  // names the key's path in the sweep ("part[2].name: no group of the model matches \"funel\"").
+  // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT, of
+  // problems with their keys ("part[2].name: no group of the model matches \"funel\"").
   // heat: what the sweep's heat jobs have left, in their order. Without it the scene can be tried,
   // and the heat jobs of a sweep can be run; run() refuses its views with FAILED_PRECONDITION.
   // Without an encoder the scene can be tried, and jobs of a sweep without thumbnails can be run;
@@ -37,8 +38,8 @@ class JobRunner {
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
   [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
-  // For people, each as "part[2]: ..." or "model.file: ..." (model_warnings.h).
-  [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
+  // For people (model_warnings.h).
+  [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
   // Of a worker with this runner; nothing for runners that compute nothing.
   [[nodiscard]] virtual JobMemory memory() const { return {}; }
   // What the sweep's heat jobs leave, all together.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/scene/cut_edges.h"
 
 namespace irsig {
@@ -25,10 +26,6 @@ double size_m(const Mesh& mesh) {
   return length(high - low);
 }
 
-absl::Status at(const std::string& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path, ": ", status.message())};
-}
-
 absl::StatusOr<Mesh> mesh_as_it_is(const schema::ResolvedSweep& sweep, const Assets& assets) {
   const schema::Model& model = sweep.sweep().model();
   if (model.has_generate()) {
@@ -40,7 +37,7 @@ absl::StatusOr<Mesh> mesh_as_it_is(const schema::ResolvedSweep& sweep, const Ass
     generator.width_m = model.width_m();
     generator.height_m = model.height_m();
     auto mesh = generate_mesh(generator);
-    return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.generate", mesh.status()));
+    return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at_key("model.generate", mesh.status()));
   }
   MeshImport how;
   how.file_name = sweep.model_file_name();
@@ -49,7 +46,7 @@ absl::StatusOr<Mesh> mesh_as_it_is(const schema::ResolvedSweep& sweep, const Ass
   how.up_axis = model.up_axis();
   how.reference = model.reference();
   auto mesh = import_mesh(asset(assets, sweep.model_sha256()), how);
-  return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at("model.file", mesh.status()));
+  return mesh.ok() ? mesh : absl::StatusOr<Mesh>(at_key("model.file", mesh.status()));
 }
 
 absl::StatusOr<Mesh> placed_mesh(const schema::ResolvedSweep& sweep, const Assets& assets) {
@@ -74,13 +71,13 @@ absl::StatusOr<Mesh> cut(Mesh mesh, const schema::Sweep& sweep, std::vector<CutV
   if (!sweep.heat().has_element_size_m()) return mesh;
   auto out = cut_long_edges(mesh, sweep.heat().element_size_m(), kMostElements, made);
   if (out.ok()) return out;
-  return at(
+  return keyed_problem(
       "heat.element_size_m",
-      absl::InvalidArgumentError(absl::StrCat(
-          out.status().message(), "; the model is ", absl::SixDigits(size_m(mesh)), " m large",
-          sweep.model().has_file()
-              ? absl::StrCat(": is model.unit_m = ", sweep.model().unit_m(), " right?")
-              : "")));
+      absl::StrCat(out.status().message(), "; the model is ", absl::SixDigits(size_m(mesh)),
+                   " m large",
+                   sweep.model().has_file()
+                       ? absl::StrCat(": is model.unit_m = ", sweep.model().unit_m(), " right?")
+                       : ""));
 }
 
 }  // namespace

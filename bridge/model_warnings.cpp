@@ -13,8 +13,12 @@
 namespace irsig {
 namespace {
 
+Problem noted(const std::string& key, const std::string& what) {
+  return {"", key, absl::StrCat(key, ": ", what)};
+}
+
 // Sheets are mostly meant to have two sides.
-void see_open_parts(const SceneSpec& scene, std::vector<std::string>& out) {
+void see_open_parts(const SceneSpec& scene, std::vector<Problem>& out) {
   const auto part_of_group = part_of_groups(scene.mesh, scene.part);
   if (!part_of_group.ok()) return;  // said elsewhere
   std::vector<std::uint64_t> facets(scene.part.size(), 0);
@@ -23,10 +27,12 @@ void see_open_parts(const SceneSpec& scene, std::vector<std::string>& out) {
       if (scene.mesh.group[g] == open.group) facets[(*part_of_group)[g]] += open.facets;
   for (std::size_t p = 0; p < facets.size(); ++p)
     if (facets[p] > 0 && !scene.part[p].two_sided)
-      out.push_back(absl::StrCat("part[", p, "]: ", facets[p], " facets of \"", scene.part[p].name,
-                                 "\" belong to open shells of the model, and send nothing from "
-                                 "behind: two_sided = true if they are sheets; `irsig model check` "
-                                 "lists the holes if they are not"));
+      out.push_back(noted(
+          absl::StrCat("part[", p, "]"),
+          absl::StrCat(facets[p], " facets of \"", scene.part[p].name,
+                       "\" belong to open shells of the model, and send nothing from behind: "
+                       "two_sided = true if they are sheets; `irsig model check` lists the holes "
+                       "if they are not")));
 }
 
 struct Box {
@@ -61,18 +67,20 @@ namespace {
 
 // Viewpoints so near that the target reaches past the sensor.
 void see_near_sensors(const schema::ResolvedSweep& sweep, const Mesh& mesh,
-                      std::vector<std::string>& out) {
+                      std::vector<Problem>& out) {
   double reach_m = 0;
   for (const Vec<Body>& v : mesh.vertex) reach_m = std::max(reach_m, length(v));
   const auto near =
       std::count_if(sweep.viewpoint().begin(), sweep.viewpoint().end(),
                     [&](const schema::Viewpoint& v) { return v.range_m() < reach_m; });
   if (near > 0)
-    out.push_back(absl::StrFormat(
-        "viewpoints.range_m: %d of %d viewpoints are nearer than the target reaches (%.6g m): "
-        "their intensities are range^2 times radiance times solid angle, and what stands behind "
-        "the target is taken at the azimuth of the reference point",
-        near, sweep.viewpoint_size(), reach_m));
+    out.push_back(noted(
+        "viewpoints.range_m",
+        absl::StrFormat(
+            "%d of %d viewpoints are nearer than the target reaches (%.6g m): their intensities "
+            "are range^2 times radiance times solid angle, and what stands behind the target is "
+            "taken at the azimuth of the reference point",
+            near, sweep.viewpoint_size(), reach_m)));
 }
 
 }  // namespace
@@ -143,14 +151,13 @@ absl::Status check_above_surface(const schema::ResolvedSweep& sweep, const Mesh&
                     : model.offset_m_size() > 0 ? "model.offset_m"
                     : model.has_file()          ? "model.file"
                                                 : "model";
-  return absl::InvalidArgumentError(absl::StrCat(
-      key, ": all of the target lies below the ", kind == "sea" ? "waterline" : "ground",
-      ", where nothing is seen, expected something that rises above it"));
+  return keyed_problem(
+      key, absl::StrCat("all of the target lies below the ", kind == "sea" ? "waterline" : "ground",
+                        ", where nothing is seen, expected something that rises above it"));
 }
 
-std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
-                                        const SceneSpec& scene) {
-  std::vector<std::string> out;
+std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const SceneSpec& scene) {
+  std::vector<Problem> out;
   see_near_sensors(sweep, scene.mesh, out);
   const schema::Model& model = sweep.sweep().model();
   if (!model.has_file()) return out;
@@ -162,7 +169,7 @@ std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
                                           : std::string(),
                       .atmosphere = sweep.sweep().air().model() == "atmosphere"};
   for (const PlacementNote& note : placement_notes(scene.mesh, placement))
-    out.push_back(absl::StrCat(note.key, ": ", note.text));
+    out.push_back(noted(note.key, note.text));
   return out;
 }
 

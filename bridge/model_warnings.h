@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/problems.h"
 #include "core/signature/prepared_scene.h"
 #include "schema/job.pb.h"
 
@@ -32,11 +33,11 @@ struct PlacementNote {
 [[nodiscard]] absl::Status check_above_surface(const schema::ResolvedSweep& sweep,
                                                const Mesh& mesh);
 
-// What is odd about a model from a file, for people, each as "<path>: <what>". One-sided parts with
+// What is odd about a model from a file, for people, each at the key that may be wrong. One-sided parts with
 // facets of open shells (not where the sweep states model.accepted_backface_share); a size that
 // suggests another unit; axes that suggest others; over a sea or ground, where it floats or stands;
 // sensors nearer than the target reaches (of generated models too).
-[[nodiscard]] std::vector<std::string> model_warnings(const schema::ResolvedSweep& sweep,
-                                                      const SceneSpec& scene);
+[[nodiscard]] std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep,
+                                                  const SceneSpec& scene);
 
 }  // namespace irsig

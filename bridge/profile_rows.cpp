@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/check_numbers.h"
+#include "core/base/problems.h"
 #include "core/signature/profile.h"
 
 namespace irsig {
@@ -63,8 +64,7 @@ absl::Status add_profile_rows(const schema::ResolvedSweep& sweep, const Simulato
     const ProfileSpec spec = spec_of(asked);
     const auto measured = simulate_profile(simulator.scene(), request, spec);
     if (!measured.ok())
-      return {measured.status().code(),
-              absl::StrCat("profile[", i, "]: ", measured.status().message())};
+      return at_key(absl::StrCat("profile[", i, "]"), measured.status());
     if (auto status = check_numbers(absl::StrCat("profile[", i, "]"), *measured); !status.ok())
       return status;
     for (const ProfileRow& row : measured->row)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -11,15 +12,12 @@
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
+#include "core/base/problems.h"
 #include "core/geo/sun.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
 namespace {
-
-absl::Status at(const std::string& path, const absl::Status& status) {
-  return {status.code(), absl::StrCat(path, ": ", status.message())};
-}
 
 absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
                                    const schema::Condition& condition) {
@@ -56,8 +54,8 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
   for (const std::string& name : effects.only()) {
     const auto effect = effect_named(name);
     if (!effect || !info_of(*effect).switchable)
-      return absl::InvalidArgumentError(
-          absl::StrCat("effects.only: \"", name, "\" is no effect that can be left out"));
+      return keyed_problem("effects.only",
+                           absl::StrCat("\"", name, "\" is no effect that can be left out"));
     choice.only.push_back(*effect);
   }
   for (const std::string& name : effects.without()) {
@@ -65,8 +63,8 @@ absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
     if (effect && is_of_plume(*effect))
       choice.without_plume.push_back(*effect);
     else if (!effect || !is_of_heat(*effect))
-      return absl::InvalidArgumentError(
-          absl::StrCat("effects.without: \"", name, "\" is no effect that it can leave out"));
+      return keyed_problem("effects.without",
+                           absl::StrCat("\"", name, "\" is no effect that it can leave out"));
   }
   return choice;
 }
@@ -90,8 +88,8 @@ absl::StatusOr<std::vector<PartSpec>> parts_from_sweep(const schema::Sweep& swee
         found = true;
       }
     if (!found)
-      return absl::InvalidArgumentError(
-          absl::StrCat("part[", i, "].material: no material is called \"", p.material(), "\""));
+      return keyed_problem(absl::StrCat("part[", i, "].material"),
+                           absl::StrCat("no material is called \"", p.material(), "\""));
     parts.push_back(std::move(part));
   }
   return parts;
@@ -106,7 +104,7 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
   scene.mesh = *std::move(mesh);
   for (int i = 0; i < sweep.material_size(); ++i) {
     auto material = material_from_message(sweep.material(i));
-    if (!material.ok()) return at(absl::StrCat("material[", i, "]"), material.status());
+    if (!material.ok()) return at_key(absl::StrCat("material[", i, "]"), material.status());
     scene.material.push_back(*std::move(material));
   }
   auto parts = parts_from_sweep(sweep);
@@ -130,16 +128,17 @@ absl::StatusOr<SweepScene> scene_from_sweep(const schema::ResolvedSweep& resolve
 }
 
 absl::Status check_energy(const schema::Sweep& sweep, const std::vector<Material>& materials) {
-  std::string wrong;
+  Problems wrong;
   for (int i = 0; i < sweep.material_size(); ++i) {
     const schema::Material& m = sweep.material(i);
     if (m.allow_energy_gain() || !materials[static_cast<std::size_t>(i)].creates_energy()) continue;
-    absl::StrAppend(&wrong, wrong.empty() ? "" : "\n", "material[", i,
-                    "].allow_energy_gain: is not true, but \"", m.name(), "\" (", m.kind(),
-                    ") emits and reflects more than it receives in these bands, expected "
-                    "allow_energy_gain = true or another material");
+    wrong.add(keyed_problem(
+        absl::StrCat("material[", i, "].allow_energy_gain"),
+        absl::StrCat("is not true, but \"", m.name(), "\" (", m.kind(),
+                     ") emits and reflects more than it receives in these bands, expected "
+                     "allow_energy_gain = true or another material")));
   }
-  return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
+  return wrong.status();
 }
 
 absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
@@ -151,10 +150,10 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
   auto environment = environment_of(sweep, node_um);
   // Stored spectra are means over step_um: the outermost reach beyond their band.
   if (absl::IsOutOfRange(environment.status()))
-    return absl::InvalidArgumentError(absl::StrCat(
-        "band: ", environment.status().message(),
-        ", to which the outermost means of a band's spectrum reach: expected a smaller step_um"));
-  if (!environment.ok()) return at("air.model", environment.status());
+    return keyed_problem("band", absl::StrCat(environment.status().message(),
+                                              ", to which the outermost means of a band's spectrum "
+                                              "reach: expected a smaller step_um"));
+  if (!environment.ok()) return at_key("air.model", environment.status());
   return std::shared_ptr<const Environment>(*std::move(environment));
 }
 
@@ -168,7 +167,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     return absl::FailedPreconditionError(
         "a view of this sweep needs the temperatures that its heat jobs compute, and they are not "
         "given");
-  if (static_cast<int>(job.viewpoint_index()) >= resolved.viewpoint_size())
+  if (job.viewpoint_index() >= static_cast<std::uint32_t>(resolved.viewpoint_size()))
     return absl::InvalidArgumentError(absl::StrCat(
         "a job asks for viewpoint ", job.viewpoint_index(), " of ", resolved.viewpoint_size()));
   ViewRequest request;
@@ -228,6 +227,16 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   request.air = *std::move(air);
   request.selected_condition.assign(job.condition_index().begin(), job.condition_index().end());
   request.selected_band.assign(job.band_index().begin(), job.band_index().end());
+  for (const auto& [what, asked, count] :
+       {std::tuple{"condition", &request.selected_condition, resolved.condition_size()},
+        {"band", &request.selected_band, sweep.band_size()}}) {
+    if (asked->empty())
+      return absl::InvalidArgumentError(absl::StrCat("a job asks for no ", what));
+    for (const std::uint32_t i : *asked)
+      if (i >= static_cast<std::uint32_t>(count))
+        return absl::InvalidArgumentError(
+            absl::StrCat("a job asks for ", what, " ", i, " of ", count));
+  }
   const schema::Accuracy& accuracy = sweep.accuracy();
   if (accuracy.has_relative_error()) {
     request.accuracy.relative_error = accuracy.relative_error();
@@ -238,8 +247,9 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     request.accuracy.samples_per_replicate = accuracy.samples_per_replicate();
   if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 &&
       request.accuracy.samples_per_replicate == 0)
-    return absl::InvalidArgumentError(
-        "accuracy: a time budget must be turned into samples_per_replicate before jobs are run");
+    return keyed_problem(
+        "accuracy",
+        "a time budget must be turned into samples_per_replicate before jobs are run");
   request.accuracy.replicates = accuracy.replicates();
   request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
   auto effects = effects_of(sweep.effects());

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "bridge/environment/gas_from_message.h"
+#include "core/base/problems.h"
 #include "core/gas/gas_state.h"
 #include "core/plume/generate_plume.h"
 #include "core/plume/plume_silhouette.h"
@@ -19,10 +19,7 @@ using Field = std::shared_ptr<const PlumeField>;
 // What the sweep's author can mend, at a key of the file.
 absl::Status at(const std::string& path, const absl::Status& status) {
   if (!absl::IsInvalidArgument(status) && !absl::IsOutOfRange(status)) return status;
-  std::string out;
-  for (const auto line : absl::StrSplit(std::string(status.message()), '\n', absl::SkipEmpty()))
-    absl::StrAppend(&out, out.empty() ? "" : "\n", path, ": ", std::string(line));
-  return absl::InvalidArgumentError(out);
+  return problem_status(problems_of(at_key(path, status)));
 }
 
 absl::StatusOr<GeneratedPlume> generated(const schema::ConditionPlume& p) {
@@ -76,19 +73,19 @@ absl::Status check_state(const PlumeReport& report, const std::string& path) {
     return !(least >= low && most <= high);
   };
   if (outside(report.least_k, report.most_k, kGasTemperatureMinK, kGasTemperatureMaxK))
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": gas of ", absl::SixDigits(report.least_k), " to ",
-                     absl::SixDigits(report.most_k), " K, expected ", kGasTemperatureMinK, " to ",
-                     kGasTemperatureMaxK, " K: the tables of hot gas end there"));
+    return keyed_problem(
+        path, absl::StrCat("gas of ", absl::SixDigits(report.least_k), " to ",
+                           absl::SixDigits(report.most_k), " K, expected ", kGasTemperatureMinK,
+                           " to ", kGasTemperatureMaxK, " K: the tables of hot gas end there"));
   if (outside(report.least_pa, report.most_pa, kGasPressureMinPa, kGasPressureMaxPa))
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": gas of ", absl::SixDigits(report.least_pa), " to ",
-                     absl::SixDigits(report.most_pa), " Pa, expected ", kGasPressureMinPa, " to ",
-                     kGasPressureMaxPa, " Pa: the tables of hot gas end there"));
+    return keyed_problem(
+        path, absl::StrCat("gas of ", absl::SixDigits(report.least_pa), " to ",
+                           absl::SixDigits(report.most_pa), " Pa, expected ", kGasPressureMinPa,
+                           " to ", kGasPressureMaxPa, " Pa: the tables of hot gas end there"));
   if (report.most_soot > kGasSootMax)
-    return absl::InvalidArgumentError(absl::StrCat(
-        path, ": gas with ", report.most_soot, " of its volume soot, expected at most ",
-        kGasSootMax, ": the tables of hot gas end there"));
+    return keyed_problem(
+        path, absl::StrCat("gas with ", report.most_soot, " of its volume soot, expected at most ",
+                           kGasSootMax, ": the tables of hot gas end there"));
   return absl::OkStatus();
 }
 
@@ -98,10 +95,12 @@ absl::Status check_reach(const schema::ResolvedSweep& sweep, const PlumeField& f
   for (const Vec<Body>& corner : gas_corners(field)) reach_m = std::max(reach_m, length(corner));
   for (const schema::Viewpoint& v : sweep.viewpoint())
     if (v.range_m() <= reach_m)
-      return absl::InvalidArgumentError(absl::StrCat(
-          "viewpoints.range_m: a sensor at ", v.range_m(), " m, but hot gas reaches as far as ",
-          absl::SixDigits(reach_m),
-          " m from the target's reference point, expected sensors farther away than that"));
+      return keyed_problem(
+          "viewpoints.range_m",
+          absl::StrCat("a sensor at ", v.range_m(), " m, but hot gas reaches as far as ",
+                       absl::SixDigits(reach_m),
+                       " m from the target's reference point, expected sensors farther away than "
+                       "that"));
   return absl::OkStatus();
 }
 

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "bridge/environment/named.h"
 #include "bridge/heat_outputs.h"
 #include "bridge/model_mesh.h"
+#include "core/base/problems.h"
 #include "core/fields/temperature_field.h"
 #include "core/geo/sun.h"
 
@@ -39,17 +39,20 @@ absl::StatusOr<FieldImport> import_of(const schema::ConditionField& from) {
   return how;
 }
 
-// The key that named the file, before each line of what is wrong in it.
+// What is wrong in a file, at the key that named it.
 absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& condition,
-                   std::string_view lines) {
+                   const absl::Status& in_file) {
   const std::string& name = condition.temperature_field().field().name();
   int index = 0;
   while (index < sweep.sweep().temperature_field_size() &&
          sweep.sweep().temperature_field(index).name() != name)
     ++index;
-  const std::string key = absl::StrCat("temperature_field[", index, "].file: ");
-  return absl::InvalidArgumentError(absl::StrCat(
-      key, absl::StrReplaceAll(std::string(lines), {{"\n", absl::StrCat("\n", key)}})));
+  return problem_status(
+      problems_of(at_key(absl::StrCat("temperature_field[", index, "].file"), in_file)));
+}
+absl::Status wrong(const schema::ResolvedSweep& sweep, const schema::Condition& condition,
+                   const std::string& what) {
+  return wrong(sweep, condition, absl::InvalidArgumentError(what));
 }
 
 // Which parts of the sweep have theirs from the field.
@@ -130,7 +133,7 @@ class FacetReader {
       const auto how = import_of(from);
       if (!how.ok()) return how.status();
       auto field = read_temperature_field(asset(assets_, from.sha256()), *how, of_file_);
-      if (!field.ok()) return wrong(sweep_, c, std::string(field.status().message()));
+      if (!field.ok()) return wrong(sweep_, c, field.status());
       known_[name] = *std::move(field);
     }
     const auto time = parse_rfc3339(c.time_utc());

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/material_from_message.h"
+#include "core/base/problems.h"
 #include "core/materials/material.h"
 #include "jobs/nearest_name.h"
 #include "jobs/sweep_materials.h"
@@ -54,9 +55,9 @@ absl::StatusOr<std::vector<ChosenMaterial>> materials_of_sweep(const std::string
   for (int i = 0; i < file->sweep.band_size(); ++i) {
     const schema::Band& band = file->sweep.band(i);
     if (!(band.lambda_min_um() > 0 && band.lambda_max_um() > band.lambda_min_um()))
-      return absl::InvalidArgumentError(
-          absl::StrCat(file->location(absl::StrCat("band[", i, "]")), ": band[", i,
-                       "] has no limits, expected lambda_min_um below lambda_max_um"));
+      return placed_problem(
+          file->location(absl::StrCat("band[", i, "]")),
+          absl::StrCat("band[", i, "] has no limits, expected lambda_min_um below lambda_max_um"));
   }
   const auto materials = resolved_materials(*file);
   if (!materials.ok()) return materials.status();

@@ -63,10 +63,9 @@ struct ExportCommand {
  private:
   [[nodiscard]] absl::Status write_thumbnails(StoreReader& reader, const Query& query) const {
     if (output.out() == "-") return absl::InvalidArgumentError("--out -: thumbnails need a folder");
-    PicturePainters painters;
     const auto images = export_thumbnails(
         reader, {query, scale.empty() ? "common" : scale, exr, background, filter.text()},
-        output.out(), [&](const auto& pictures) { return painters.paint(pictures); });
+        output.out(), read_pictures);
     if (!images.ok()) return images.status();
     print_note("irsig: {}: {} images\n", output.out(), *images);
     return absl::OkStatus();

@@ -1,3 +1,5 @@
+#include "core/base/printable.h"
+#include "core/base/problems.h"
 #include "core/goniometer/goniometer.h"
 
 #include <algorithm>
@@ -123,9 +125,10 @@ class GoniometerCommand {
     if (file->spec.model().has_file()) {
       auto bytes = read_file_beside(spec_path, file->spec.model().file(), kMostModelBytes);
       if (!bytes.ok())
-        return absl::InvalidArgumentError(absl::StrCat(file->scene.location("model.file"),
-                                                       ": model.file \"", file->spec.model().file(),
-                                                       "\": ", bytes.status().message()));
+        return placed_problem(
+            file->scene.location("model.file"),
+            absl::StrCat("model.file \"", one_line(file->spec.model().file()),
+                         "\": ", bytes.status().message()));
       model_bytes = *std::move(bytes);
     }
     auto resolved = resolve_goniometer(*file, model_bytes);
@@ -143,7 +146,7 @@ class GoniometerCommand {
         "mirror's"};
 
     auto scene = scene_from_sweep(resolved->scene, model_alone(resolved->scene, model_bytes), {});
-    if (!scene.ok()) return located(*file, scene.status());
+    if (!scene.ok()) return located(file->scene, scene.status());
     GoniometerScene under;
     under.mesh = std::move(scene->mesh);
     under.part = std::move(scene->part);
@@ -158,27 +161,18 @@ class GoniometerCommand {
     if (error)
       return absl::InvalidArgumentError(absl::StrCat("--out ", out, ": ", error.message()));
     if (!spec_.has_particles() || spec_.particles().coverage_size() == 0)
-      return located(*file, measure(under, std::nullopt, fs::path(out)));
+      return located(file->scene, measure(under, std::nullopt, fs::path(out)));
     for (const double coverage : spec_.particles().coverage()) {
       const fs::path folder = spec_.particles().coverage_size() == 1
                                   ? fs::path(out)
                                   : fs::path(out) / fmt::format("coverage_{:g}", coverage);
       if (const auto status = measure(under, coverage, folder); !status.ok())
-        return located(*file, status);
+        return located(file->scene, status);
     }
     return spec_.particles().coverage_size() > 2 ? write_trend() : absl::OkStatus();
   }
 
  private:
-  // Errors of the core name keys ("material[1]: ..."); the file knows where they stand.
-  static absl::Status located(const GoniometerFile& file, const absl::Status& status) {
-    if (status.ok() || !absl::IsInvalidArgument(status)) return status;
-    const std::string text(status.message());
-    const std::string path = text.substr(0, text.find(':'));
-    return absl::InvalidArgumentError(absl::StrCat(
-        file.scene.location(path.find(' ') == std::string::npos ? path : ""), ": ", text));
-  }
-
   absl::Status measure(GoniometerScene& under, std::optional<double> coverage,
                        const fs::path& folder) {
     std::string about;
@@ -188,7 +182,7 @@ class GoniometerCommand {
       if (!bed.ok()) return bed.status();
       auto model = generate_particles(*bed);
       if (!model.ok())
-        return absl::InvalidArgumentError(absl::StrCat("particles: ", model.status().message()));
+        return at_key("particles", model.status());
       const ParticleReport& p = model->report;
       covered = p.coverage;
       about = fmt::format(

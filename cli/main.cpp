@@ -8,6 +8,7 @@
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
 #include "core/base/printable.h"
+#include "core/base/standard_output.h"
 #include "jobs/nearest_name.h"
 #include "view/print.h"
 
@@ -43,14 +44,18 @@ std::vector<std::string> names_of(const CLI::App& app, bool options) {
 std::string failure(const CLI::App* app, const CLI::Error& error) {
   const std::vector<std::string> extras = app->remaining(true);
   while (!app->get_subcommands().empty()) app = app->get_subcommands().front();
-  const bool bare = std::string_view(error.what()) == "A subcommand is required";
+  const std::vector<std::string> commands = names_of(*app, false);
+  const bool bare = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
+                    app->get_require_subcommand_min() > 0;
   std::string text = "irsig: " + (bare ? "a command is missing, expected one of " +
-                                             absl::StrJoin(names_of(*app, false), ", ")
+                                             absl::StrJoin(commands, ", ")
                                        : irsig::printable(error.what()));
-  if (constexpr std::string_view kPrefix = "Could not convert: ";
-      std::string_view(error.what()).starts_with(kPrefix))
-    text = "irsig: " + irsig::printable(std::string(error.what()).substr(kPrefix.size())) +
-           ", expected a number without a unit (1 % is 0.01)";
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
+    std::string_view what = error.what();
+    constexpr std::string_view kOpening = "Could not convert: ";
+    if (what.starts_with(kOpening)) what.remove_prefix(kOpening.size());
+    text = "irsig: " + irsig::printable(what) + ", expected a number without a unit (1 % is 0.01)";
+  }
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
     for (const std::string& extra : extras) {
       const bool option = extra.starts_with("--");
@@ -88,9 +93,9 @@ std::string version() {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  // A file at its limit (ulimit -f) is a full disk, for the programs that this one starts, too.
-  std::signal(SIGXFSZ, SIG_IGN);
+namespace {
+
+int run(int argc, char** argv) {
   int exit_code = 0;
   CLI::App app(kAbout, "irsig");
   app.set_version_flag("--version", version);
@@ -139,4 +144,16 @@ int main(int argc, char** argv) {
     return 1;
   }
   return exit_code;
+}
+
+}  // namespace
+
+// One way out of every command: whoever printed something, to a file on a full disk, has failed.
+int main(int argc, char** argv) {
+  // A file at its limit (ulimit -f) is a full disk, for the programs that this one starts, too.
+  std::signal(SIGXFSZ, SIG_IGN);
+  const int exit_code = run(argc, argv);
+  irsig::data_output().flush();
+  const absl::Status printed = irsig::end_standard_output();
+  return exit_code == 0 ? irsig::report(printed) : exit_code;
 }

@@ -6,6 +6,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/loading.h"
 #include "cli/output_options.h"
 #include "fmt/format.h"
 #include "fmt/ostream.h"
@@ -250,7 +251,7 @@ absl::Status plan_sweep(const PlanAsked& asked) {
   if (!asked.refine_db.empty()) return plan_refinement(asked);
   if (asked.sweep_path.empty())
     return absl::InvalidArgumentError("SWEEP is missing, or --refine DB");
-  auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
+  auto loaded = load_shown(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   print_note("irsig: {}\n", size_text(loaded->size));
@@ -260,7 +261,7 @@ absl::Status plan_sweep(const PlanAsked& asked) {
       !fits.ok())
     return fits;
   if (has_time_budget(loaded->resolved)) {
-    const auto spent = spend_time_budget(*loaded, workers);
+    const auto spent = spend_shown(*loaded, workers);
     if (!spent.ok()) return spent.status();
     print_note("irsig: {}\n", *spent);
   }

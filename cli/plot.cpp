@@ -57,7 +57,7 @@ struct PlotCommand {
         return write_polar(**reader, *query, elevation_deg, table, out, stored_target_extent);
       });
     if (kind == "picture")
-      return write_picture(radiance_picture(**reader, *query, range, pixels, read_exr));
+      return write_picture(radiance_picture(**reader, *query, range, pixels, read_pictures));
     if (kind == "temperatures")
       return write_picture(
           temperature_picture(filter.database(), *query, range, pixels.value_or(kPixels)));

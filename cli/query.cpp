@@ -71,7 +71,7 @@ struct QueryCommand {
     auto rows = run_query(**reader, *query, stored_target_extent);
     if (!rows.ok()) return rows.status();
     if (!thumbnail.empty())
-      return write_thumbnail(**reader, *rows, thumbnail, thumbnail_scale, paint_png);
+      return write_thumbnail(**reader, *rows, thumbnail, thumbnail_scale, read_pictures);
     if (!sort.empty())
       if (absl::Status s = sort_rows(*rows, sort, descending); !s.ok()) return s;
     if (rows->empty()) print_note("irsig: no signature matches\n");

@@ -7,6 +7,7 @@
 
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
+#include "cli/loading.h"
 #include "coordinator/client/farm_client.h"
 #include "coordinator/client/local_farm.h"
 #include "coordinator/client/progress_text.h"
@@ -267,7 +268,7 @@ absl::Status check_launcher(const RunAsked& asked) {
 
 absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
-  auto loaded = load_sweep(asked.sweep_path, asked.accuracy);
+  auto loaded = load_shown(asked.sweep_path, asked.accuracy);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (auto s = check_launcher(asked); !s.ok()) return s;
@@ -284,7 +285,8 @@ absl::Status run_sweep(RunAsked asked) {
     return fits;
   if (loaded->memory.bytes(conditions, asked.workers) > kMuchMemory)
     print_note("irsig: memory: {}\n", memory_text(loaded->memory, conditions, asked.workers));
-  if (asked.resume && !std::filesystem::exists(asked.db_path)) {
+  std::error_code unknown;  // then opening says why
+  if (asked.resume && !std::filesystem::exists(asked.db_path, unknown) && !unknown) {
     return absl::InvalidArgumentError(asked.db_path + ": there is no such database to resume");
   }
   // First of all the right to write the database: of two runs at once the second one is refused
@@ -308,7 +310,7 @@ absl::Status run_sweep(RunAsked asked) {
     return print_profiles(loaded->resolved, asked.db_path);
   }
   if (has_time_budget(loaded->resolved)) {
-    const auto spent = spend_time_budget(*loaded, asked.workers);
+    const auto spent = spend_shown(*loaded, asked.workers);
     if (!spent.ok()) return spent.status();
     print_note("irsig: {}\n", *spent);
   }

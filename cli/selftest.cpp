@@ -44,7 +44,8 @@ bool read_seeds(const std::string& text, SearchOptions& out) {
 }
 
 absl::Status append_record(const std::string& path, const std::string& line) {
-  const bool is_new = !std::filesystem::exists(path);
+  std::error_code unknown;  // then opening says why
+  const bool is_new = !std::filesystem::exists(path, unknown);
   std::ofstream file(path, std::ios::app);
   if (is_new) file << record_header();
   file << line;

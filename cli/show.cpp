@@ -10,9 +10,9 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "cli/commands.h"
 #include "cli/output_options.h"
+#include "core/base/problems.h"
 #include "core/base/user_file.h"
 #include "core/spectral/planck.h"
 #include "core/study/precompute.h"
@@ -152,18 +152,15 @@ class PrecomputeTable {
   }
 
   void refuse(const std::string& path, const std::string& why) {
-    absl::StrAppend(&wrong_, wrong_.empty() ? "" : "\n", file_.location(path), ": ", path, " ",
-                    why);
+    wrong_.add({file_.location(path), path, absl::StrCat(path, " ", why)});
   }
 
-  [[nodiscard]] absl::Status status() const {
-    return wrong_.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong_);
-  }
+  [[nodiscard]] absl::Status status() const { return wrong_.status(); }
 
  private:
   const SweepFile& file_;
   const schema::Precompute& table_;
-  std::string wrong_;
+  Problems wrong_;
 };
 
 // The sweep's seasons in their order; without any, those of the table in alphabetical order.
@@ -226,11 +223,11 @@ absl::Status precompute(const std::string& file_name, std::string_view format, s
   for (std::size_t i = 0; i < seasons.size(); ++i) {
     auto spectrum = precompute_spectrum(targets[i], lambda_min_um, lambda_max_um, step_um);
     if (!spectrum.ok()) {
-      const std::string where =
-          absl::StrCat(file->location("precompute"), ": season \"", seasons[i], "\": ");
-      return absl::InvalidArgumentError(absl::StrCat(
-          where,
-          absl::StrReplaceAll(spectrum.status().message(), {{"\n", absl::StrCat("\n", where)}})));
+      std::vector<Problem> problems = problems_of(spectrum.status());
+      for (Problem& problem : problems)
+        problem = {file->location("precompute"), "precompute",
+                   absl::StrCat("season \"", seasons[i], "\": ", problem.text)};
+      return problem_status(problems);
     }
     spectra.push_back(*std::move(spectrum));
   }

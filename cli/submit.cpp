@@ -4,7 +4,9 @@
 #include "cli/accuracy_options.h"
 #include "cli/commands.h"
 #include "cli/coordinator_options.h"
+#include "cli/loading.h"
 #include "coordinator/client/farm_client.h"
+#include "core/base/problems.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/time_budget.h"
@@ -19,15 +21,14 @@ absl::Status submit_sweep(const std::string& sweep_path, const CoordinatorOption
   if (!address.ok()) return address.status();
   // Nobody there is said before minutes are spent on a large model.
   if (const auto there = farm_status(*address); !there.ok()) return there.status();
-  auto loaded = load_sweep(sweep_path, asked);
+  auto loaded = load_shown(sweep_path, asked);
   if (!loaded.ok()) return loaded.status();
   for (const std::string& line : loaded->warnings) print_note("{}\n", line);
   if (has_time_budget(loaded->resolved)) {
-    return absl::InvalidArgumentError(
-        fmt::format("{}: a time budget is for `irsig run`, which knows how many workers of which "
-                    "speed there are; "
-                    "give relative_error or samples_per_replicate instead",
-                    loaded->file.location("accuracy.time_budget_s")));
+    return placed_problem(
+        loaded->file.location("accuracy.time_budget_s"),
+        "a time budget is for `irsig run`, which knows how many workers of which speed there are; "
+        "give relative_error or samples_per_replicate instead");
   }
   const auto reply = submit(*address, loaded->resolved, loaded->assets,
                             static_cast<std::uint32_t>(physics_version()), nullptr, priority);

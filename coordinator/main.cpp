@@ -14,6 +14,7 @@
 #include "coordinator/farm_server.h"
 #include "coordinator/front_gate.h"
 #include "core/base/printable.h"
+#include "core/base/standard_output.h"
 
 namespace {
 
@@ -83,7 +84,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (app.exit(error) != 0) return 2;
+    const absl::Status printed = irsig::end_standard_output();
+    return printed.ok() ? 0 : report(printed);
   }
   // Of what is no number every comparison is false, and every range takes it.
   if (!(rules.lost_after_s >= 2 * rules.heartbeat_s))

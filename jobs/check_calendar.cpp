@@ -75,10 +75,12 @@ void check_season_name(schema::ResolvedSweep& resolved, int s, Findings& finding
   for (const std::string& word : words) {
     const std::vector<std::string> known = {"winter", "spring", "summer", "autumn"};
     if (word.size() < 5 || std::find(known.begin(), known.end(), word) != known.end()) continue;
-    if (const std::string near = suggestion(word, known); near.starts_with("did you mean"))
-      warn_season(resolved, s,
-                  absl::StrCat("season[", s, "].name = \"", season.name(), "\": ", near,
-                               " As it stands its dates are not checked against a season"));
+    const std::string path = absl::StrCat("season[", s, "].name");
+    if (nearest_name(word, known))
+      warn_season(resolved, s, path,
+                  absl::StrCat(path, " = \"", season.name(), "\": ", suggestion(word, known),
+                               " As it stands its dates are not checked against a season"),
+                  findings);
   }
   for (const NamedSeason& named : kSeasons) {
     if (!words.contains(named.name)) continue;
@@ -93,7 +95,8 @@ void check_season_name(schema::ResolvedSweep& resolved, int s, Findings& finding
     if (outside > 31) {
       findings.add(path, absl::StrCat(what, " contradict each other: ", expected));
     } else {
-      warn_season(resolved, s, absl::StrCat(what, " are ", outside, " days apart: ", expected));
+      warn_season(resolved, s, path,
+                  absl::StrCat(what, " are ", outside, " days apart: ", expected), findings);
     }
   }
 }
@@ -125,7 +128,8 @@ void check_hour_in_name(const schema::ResolvedSweep& resolved, const schema::Con
 }
 
 // An offset from UTC that is another longitude's: no zone of the world is 3 hours off its sun.
-void check_offset(schema::ResolvedSweep& resolved, const schema::Condition& condition) {
+void check_offset(schema::ResolvedSweep& resolved, const schema::Condition& condition,
+                  Findings& findings) {
   constexpr double kFurthestH = 3;
   const schema::Sweep& sweep = resolved.sweep();
   const std::string text = time_text(sweep, condition);
@@ -136,26 +140,32 @@ void check_offset(schema::ResolvedSweep& resolved, const schema::Condition& cond
   const double longitude_deg = sweep.place().longitude_deg();
   const double ahead_h = std::remainder(offset_h - longitude_deg / 15, 24);
   if (offset_h == 0 || std::abs(ahead_h) <= kFurthestH) return;
-  warn_season(resolved, static_cast<int>(condition.season_index()),
-              absl::StrCat(time_path(sweep, condition), " = \"", text, "\" is ",
+  const std::string path = time_path(sweep, condition);
+  warn_season(resolved, static_cast<int>(condition.season_index()), path,
+              absl::StrCat(path, " = \"", text, "\" is ",
                            std::abs(std::round(10 * ahead_h) / 10), " h ",
                            ahead_h > 0 ? "ahead of" : "behind",
                            " the sun at place.longitude_deg = ", longitude_deg,
-                           ": east of Greenwich is positive, and so are the offsets there"));
+                           ": east of Greenwich is positive, and so are the offsets there"),
+              findings);
 }
 
 // Waves that stand in the sun of others are left out; of the glitter below this their share is a
 // fifth and more (glint_model_relative, 5 m/s).
 constexpr double kGrazingGlitterDeg = 5;
 
-void check_low_sun(const schema::Sweep& sweep, schema::Condition& condition, double elevation_deg) {
+void check_low_sun(const schema::Sweep& sweep, schema::Condition& condition, double elevation_deg,
+                   Findings& findings) {
   if (!sweep.transport().sun() || !condition.has_weather() ||
       !is_rough_sea(condition.surroundings()))
     return;
   if (elevation_deg < kSunriseDeg || elevation_deg > kGrazingGlitterDeg) return;
-  condition.add_warning(absl::StrCat(
-      time_path(sweep, condition), ": the sun stands at ", std::round(elevation_deg * 10) / 10,
-      " deg: its glitter lacks the shadows of waves; contrast_model_error_w_sr holds them"));
+  const std::string path = time_path(sweep, condition);
+  condition.add_warning(findings.odd(
+      path,
+      absl::StrCat(
+          path, ": the sun stands at ", std::round(elevation_deg * 10) / 10,
+          " deg: its glitter lacks the shadows of waves; contrast_model_error_w_sr holds them")));
 }
 
 // The sun's largest elevation on the day of a condition, to 0.1 deg.
@@ -173,7 +183,7 @@ double highest_sun_deg(const schema::Place& place, const schema::Condition& cond
 }
 
 // Sunlight that is asked for and never comes.
-void check_sun_rises(schema::ResolvedSweep& resolved, double highest_deg) {
+void check_sun_rises(schema::ResolvedSweep& resolved, double highest_deg, Findings& findings) {
   const schema::Place place = resolved.sweep().place();
   const int times = resolved.sweep().time_size();
   bool polar_night = false;
@@ -181,28 +191,33 @@ void check_sun_rises(schema::ResolvedSweep& resolved, double highest_deg) {
     const double of_day_deg = highest_sun_deg(place, resolved.condition(s * times));
     if (of_day_deg > kSunriseDeg) continue;
     polar_night = true;
-    warn_season(resolved, s,
-                absl::StrCat("season[", s, "].date = ", resolved.sweep().season(s).date(),
+    const std::string path = absl::StrCat("season[", s, "].date");
+    warn_season(resolved, s, path,
+                absl::StrCat(path, " = ", resolved.sweep().season(s).date(),
                              " is polar night at place.latitude_deg = ", place.latitude_deg(),
                              ": transport.sun = true, but the sun stays ",
-                             std::round(-of_day_deg * 10) / 10, " deg below the horizon all day"));
+                             std::round(-of_day_deg * 10) / 10, " deg below the horizon all day"),
+                findings);
   }
   if (polar_night || highest_deg > kSunriseDeg) return;
   for (int s = 0; s < resolved.sweep().season_size(); ++s)
-    warn_season(resolved, s,
+    warn_season(resolved, s, "transport.sun",
                 absl::StrCat("transport.sun = true, but the sun is below the horizon at every time "
                              "of this sweep, by ",
-                             std::round(-highest_deg * 10) / 10, " deg or more"));
+                             std::round(-highest_deg * 10) / 10, " deg or more"),
+                findings);
 }
 
 }  // namespace
 
-void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& what) {
+void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& key,
+                 const std::string& what, Findings& findings) {
+  const std::string warning = findings.odd(key, what);
   for (schema::Condition& condition : *resolved.mutable_condition()) {
     if (static_cast<int>(condition.season_index()) != season_index) continue;
     const auto& known = condition.warning();
-    if (std::find(known.begin(), known.end(), what) == known.end())
-      condition.add_warning(one_line(what));
+    if (std::find(known.begin(), known.end(), warning) == known.end())
+      condition.add_warning(warning);
   }
 }
 
@@ -221,17 +236,17 @@ void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
   double highest_deg = -90;
   for (schema::Condition& condition : *resolved.mutable_condition()) {
     const double elevation_deg = sun_there(resolved.sweep().place(), condition).elevation_deg;
-    check_low_sun(resolved.sweep(), condition, elevation_deg);
-    check_offset(resolved, condition);
+    check_low_sun(resolved.sweep(), condition, elevation_deg, findings);
+    check_offset(resolved, condition, findings);
     highest_deg = std::max(highest_deg, elevation_deg);
     check_hour_in_name(resolved, condition, elevation_deg, findings);
   }
-  if (resolved.sweep().transport().sun()) check_sun_rises(resolved, highest_deg);
+  if (resolved.sweep().transport().sun()) check_sun_rises(resolved, highest_deg, findings);
 }
 
 void check_weather(schema::ResolvedSweep& resolved, Findings& findings) {
   check_calendar(resolved, findings);
-  check_units(resolved);
+  check_units(resolved, findings);
   check_surfaces(resolved, findings);
 }
 

@@ -129,10 +129,11 @@ void check_import(schema::ResolvedSweep& resolved, int s, const ImportedPaths& p
   }
   // What find_path takes for equal is not worth a word.
   if (off_m > std::max(1.0, 0.02 * target_m))
-    warn_season(resolved, s,
+    warn_season(resolved, s, path,
                 absl::StrFormat("%s: a level path stands for lines of sight whose ends are up to "
                                 "%.3g m away from its height",
-                                path, off_m));
+                                path, off_m),
+                findings);
 }
 
 }  // namespace

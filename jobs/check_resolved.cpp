@@ -233,6 +233,8 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   schema::ResolvedSweep resolved;
   *resolved.mutable_sweep() = as_written(as_sent.sweep());
   schema::Sweep& sweep = *resolved.mutable_sweep();
+  if (is_formula(sweep.name()))
+    findings.add("name", absl::StrCat("name = \"", sweep.name(), "\": ", kFormulaName));
   if (sweep.name().empty() || !is_one_line(sweep.name()))
     findings.add("name", absl::StrCat("name = \"", sweep.name(),
                                       "\" is empty, has control characters or is not UTF-8"));

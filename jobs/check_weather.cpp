@@ -44,29 +44,35 @@ class SeasonGate {
   }
 
  private:
-  void contradiction(const std::string& path, const std::string& what) {
-    // Where of_surface() names a file's hour, the place is the season's.
-    const bool of_hour = path.find(": ") != std::string::npos && alone_;
-    findings_.add(of_hour ? absl::StrCat("season[", index_, "]") : path,
-                  absl::StrCat(path, " ", what));
+  // A key, and what messages call it: of a file's hour more than the key.
+  struct Name {
+    std::string key, text;
+  };
+
+  void contradiction(const Name& of, const std::string& what) {
+    findings_.add(of.key, absl::StrCat(of.text, " ", what));
   }
-  void odd(const std::string& path, const std::string& what) {
-    const std::string warning = absl::StrCat(path, " ", what);
+  void contradiction(const std::string& key, const std::string& what) {
+    contradiction(Name{key, key}, what);
+  }
+  void odd(const Name& of, const std::string& what) {
+    const std::string warning = absl::StrCat(of.text, " ", what);
     if (!alone_)
-      warn_season(resolved_, index_, warning);
+      warn_season(resolved_, index_, of.key, warning, findings_);
     else
-      condition_.add_warning(one_line(warning));
+      condition_.add_warning(findings_.odd(of.key, warning));
   }
+  void odd(const std::string& key, const std::string& what) { odd(Name{key, key}, what); }
 
   // Where a key of this season is stated: by the season, or by the sweep's own table.
   [[nodiscard]] std::string of_season(const std::string& key) const {
     return absl::StrCat("season[", index_, "].", key);
   }
   // The same of surface weather, which a weather file or a day may have instead.
-  [[nodiscard]] std::string of_surface(const std::string& key, bool stated) const {
-    if (!alone_ || stated) return of_season(key);
-    return absl::StrCat(of_season(season_.has_weather_file() ? "weather_file" : "day"), " at ",
-                        condition_.time_utc(), ": ", key);
+  [[nodiscard]] Name of_surface(const std::string& key, bool stated) const {
+    if (!alone_ || stated) return {of_season(key), of_season(key)};
+    const std::string source = of_season(season_.has_weather_file() ? "weather_file" : "day");
+    return {source, absl::StrCat(source, " at ", condition_.time_utc(), ": ", key)};
   }
   [[nodiscard]] std::string of_surroundings(const std::string& key, bool in_season) const {
     return in_season ? of_season("surroundings." + key) : "surroundings." + key;
@@ -130,9 +136,9 @@ class SeasonGate {
     const double height_m = sweep_.place().height_m();
     const double standard_pa = 101325 * std::pow(std::max(0.0, 1 - 2.25577e-5 * height_m), 5.25588);
     const double ratio = weather_.pressure_pa() / standard_pa;
-    const std::string path = weather_.surface_stated()
-                                 ? of_surface("pressure_pa", season_.has_pressure_pa())
-                                 : std::string("place.height_m");
+    const Name path = weather_.surface_stated()
+                          ? of_surface("pressure_pa", season_.has_pressure_pa())
+                          : Name{"place.height_m", "place.height_m"};
     const std::string what =
         weather_.surface_stated()
             ? absl::StrCat("= ", weather_.pressure_pa(), " and place.height_m = ", height_m)
@@ -259,23 +265,25 @@ double SeasonGate::profile_surface_k(const schema::Weather& unbent) {
 
 }  // namespace
 
-void check_units(schema::ResolvedSweep& resolved) {
+void check_units(schema::ResolvedSweep& resolved, Findings& findings) {
   const schema::Sweep& sweep = resolved.sweep();
   const int times = sweep.time_size();
   const double error = sweep.accuracy().relative_error();
   for (int s = 0; s < sweep.season_size(); ++s) {
     if (error > 0.3)
-      warn_season(resolved, s,
+      warn_season(resolved, s, "accuracy.relative_error",
                   absl::StrCat("accuracy.relative_error = ", error, " is ", 100 * error,
-                               " %: is it in percent? ", error, " % are ", error / 100));
+                               " %: is it in percent? ", error, " % are ", error / 100),
+                  findings);
     for (int b = 0; b < sweep.band_size(); ++b) {
       const schema::Band& band = sweep.band(b);
       const double width_um = band.lambda_max_um() - band.lambda_min_um(),
                    step_um = width_um / std::round(width_um / band.step_um());
       if (std::abs(step_um / band.step_um() - 1) > 0.01)
-        warn_season(resolved, s,
+        warn_season(resolved, s, absl::StrCat("band[", b, "].step_um"),
                     absl::StrCat("band[", b, "].step_um = ", band.step_um(), " does not divide ",
-                                 width_um, " um: ", absl::SixDigits(step_um), " is taken"));
+                                 width_um, " um: ", absl::SixDigits(step_um), " is taken"),
+                    findings);
     }
     if (has_atmosphere(resolved)) continue;
     // Idealised worlds may be at 0 K.
@@ -288,8 +296,9 @@ void check_units(schema::ResolvedSweep& resolved) {
                                    ? absl::StrCat("season[", s, "].part_temperature_k.", part)
                                    : absl::StrCat("part[", p, "].temperature_k");
       warn_season(
-          resolved, s,
-          absl::StrCat(path, " = ", k, " is colder than anything outdoors", perhaps_celsius(k)));
+          resolved, s, path,
+          absl::StrCat(path, " = ", k, " is colder than anything outdoors", perhaps_celsius(k)),
+          findings);
     }
   }
 }

@@ -21,14 +21,15 @@ void check_surfaces(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Temperatures that may be in Celsius, an accuracy that may be in percent, steps that are adjusted:
 // warnings.
-void check_units(schema::ResolvedSweep& resolved);
+void check_units(schema::ResolvedSweep& resolved, Findings& findings);
 
 // Lines of sight: hidden by the Earth, or not covered by an import; and whether imports were made
 // for these conditions. Called by check_surfaces if nothing else was found.
 void check_lines(schema::ResolvedSweep& resolved, Findings& findings);
 
-// Adds a warning to all conditions of a season.
-void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& what);
+// Adds a warning about a key to all conditions of a season.
+void warn_season(schema::ResolvedSweep& resolved, int season_index, const std::string& key,
+                 const std::string& what, Findings& findings);
 
 // An instant of a condition, with the sun at the sweep's place.
 struct SunThere {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/base/user_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/resolve.h"
@@ -63,7 +64,7 @@ std::variant<ConstantNoise, PhotonNoise> noise_of(const schema::DetectorNoise& n
 absl::StatusOr<DetectorOfFile> read_detector(const std::string& path) {
   const auto text = read_user_file(path, kMostSpecBytes);
   if (!text.ok())
-    return absl::InvalidArgumentError(absl::StrCat(path, ":1:1: ", text.status().message()));
+    return placed_problem(path + ":1:1", text.status().message());
   SweepFile file;
   file.file_name = path;
   schema::DetectorFile spec;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/materials/optical/optical_files.h"
 #include "jobs/material_kinds.h"
 #include "jobs/section_check.h"
@@ -83,10 +84,7 @@ absl::Status fill(const std::string& bytes, const std::string& name,
 }  // namespace
 
 absl::Status read_material_files(SweepFile& file, const FileReader& read) {
-  std::string wrong;
-  const auto add = [&](const std::string& line) {
-    absl::StrAppend(&wrong, wrong.empty() ? "" : "\n", line);
-  };
+  Problems wrong;
   for (int i = 0; i < file.sweep.material_size(); ++i) {
     schema::Material& material = *file.sweep.mutable_material(i);
     const MaterialKind* kind = find_material_kind(material.kind());
@@ -97,13 +95,14 @@ absl::Status read_material_files(SweepFile& file, const FileReader& read) {
       const std::string path = absl::StrCat("material[", i, "].", property.file);
       const absl::StatusOr<std::string> bytes = read(name);
       if (!bytes.ok()) {
-        add(absl::StrCat(file.location(path), ": ", path, " = \"", one_line(name),
-                         "\": ", bytes.status().message()));
+        wrong.add(placed_problem(
+            file.location(path),
+            absl::StrCat(path, " = \"", one_line(name), "\": ", bytes.status().message())));
         continue;
       }
       const absl::Status status = fill(*bytes, one_line(name), property, material);
       if (!status.ok()) {
-        add(std::string(status.message()));
+        wrong.add(status);
         continue;
       }
       file.where[absl::StrCat("material[", i, "].", property.table)] = file.location(path);
@@ -111,7 +110,7 @@ absl::Status read_material_files(SweepFile& file, const FileReader& read) {
           &material, material.GetDescriptor()->FindFieldByName(property.file));
     }
   }
-  return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
+  return wrong.status();
 }
 
 }  // namespace irsig

@@ -37,7 +37,8 @@ std::string quoted_list(const std::vector<std::string>& names) {
   });
 }
 
-std::string suggestion(std::string_view unknown, const std::vector<std::string>& known) {
+std::optional<std::string> nearest_name(std::string_view unknown,
+                                        const std::vector<std::string>& known) {
   // Names far longer than any known one are not worth the quadratic comparison.
   constexpr std::size_t kLongest = 100;
   const std::string* nearest = nullptr;
@@ -53,9 +54,14 @@ std::string suggestion(std::string_view unknown, const std::vector<std::string>&
     }
   }
   if (nearest != nullptr && nearest_distance < unknown.size() &&
-      nearest_distance <= std::max<std::size_t>(1, unknown.size() / 3)) {
-    return absl::StrCat("did you mean \"", *nearest, "\"?");
-  }
+      nearest_distance <= std::max<std::size_t>(1, unknown.size() / 3))
+    return *nearest;
+  return std::nullopt;
+}
+
+std::string suggestion(std::string_view unknown, const std::vector<std::string>& known) {
+  if (const auto near = nearest_name(unknown, known))
+    return absl::StrCat("did you mean \"", *near, "\"?");
   if (known.empty()) return "there are none";
   return absl::StrCat("expected one of ", quoted_list(known));
 }

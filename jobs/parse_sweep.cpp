@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/problems.h"
 #include "jobs/nearest_name.h"
 #include "jobs/number_bounds.h"
 #include "jobs/section_check.h"
@@ -130,10 +131,9 @@ class Filler {
 
   // A key of this table that is like it, else the tables that have it.
   [[nodiscard]] std::string what_was_meant(const std::string& key, const Descriptor& table) const {
-    std::string like = suggestion(key, keys_of(table));
-    if (like.starts_with("did you mean")) return like;
+    const std::vector<std::string> keys = keys_of(table);
     std::vector<std::string> homes = homes_of(key, *root_);
-    if (homes.empty()) return like;
+    if (homes.empty() || nearest_name(key, keys)) return suggestion(key, keys);
     constexpr std::size_t kMost = 4;
     if (homes.size() > kMost) homes.resize(kMost);
     return absl::StrCat("it is a key of ", absl::StrJoin(homes, ", "));
@@ -330,8 +330,7 @@ absl::Status fill_from_toml(std::string_view text, SweepFile& file, Message& mes
                     " (several of a kind are [[in two brackets]])"},
           std::pair{"unknown escape sequence", " (names of files are written with /)"}})
       if (what.find(saying) != std::string::npos) what += meaning;
-    return absl::InvalidArgumentError(
-        absl::StrCat(file.file_name, ":", at.line, ":", at.column, ": ", what));
+    return placed_problem(absl::StrCat(file.file_name, ":", at.line, ":", at.column), what);
   }
   Findings findings(file);
   Filler(file, findings, *message.GetDescriptor()).fill_table(table, "", message);

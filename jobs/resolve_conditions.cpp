@@ -41,6 +41,8 @@ void check_seasons(const schema::Sweep& sweep, Findings& findings) {
     const SectionCheck check(season, absl::StrCat("season[", i, "]"), findings);
     if (season.has_time() && !is_one_line(season.name()))
       check.error("name", "has control characters, expected a plain name");
+    else if (season.has_time() && is_formula(season.name()))
+      check.error("name", absl::StrCat("= \"", season.name(), "\": ", kFormulaName));
     check.require({"date"}, "expected a date: 2025-12-21");
     if (season.has_date() && !is_date(season.date())) {
       check.error("date", absl::StrCat("= \"", season.date(),
@@ -210,7 +212,8 @@ void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved,
         condition.set_air_temperature_k(weather.air_temperature_k());
         *condition.mutable_weather() = weather;
       }
-      for (const std::string& warning : group.warning) condition.add_warning(one_line(warning));
+      for (const Problem& warning : group.warning)
+        condition.add_warning(findings.odd(warning.key, warning.text));
     }
   }
   resolve_heat(groups, resolved, findings);

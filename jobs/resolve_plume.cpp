@@ -8,9 +8,9 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "bridge/environment/gas_from_message.h"
 #include "bridge/environment/weather_from_message.h"
+#include "core/base/problems.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/gas/gas_state.h"
 #include "core/plume/exhaust_gas.h"
@@ -122,12 +122,9 @@ void check_file(const schema::Plume& plume, const SectionCheck& check, Findings&
   if (!interpolation || !grids.ok()) return;
   const absl::StatusOr<PlumeReading> reading = check_plume_grids(*grids);
   if (!reading.ok()) {
-    for (const auto line : absl::StrSplit(std::string(reading.status().message()), '\n')) {
-      const std::string text(line), key = text.substr(0, text.find_first_of(": "));
-      const std::string path = check.has(key.c_str()) ? absl::StrCat("plume.", key) : "plume";
-      findings.add(path,
-                   absl::StrCat(check.has(key.c_str()) ? "plume." : "plume: ", one_line(text)));
-    }
+    for (const Problem& problem : problems_of(reading.status()))
+      findings.add(problem.key.empty() ? "plume" : absl::StrCat("plume.", problem.key),
+                   absl::StrCat(problem.key.empty() ? "plume: " : "plume.", problem.text));
     return;
   }
   const auto within = [&](const char* name, const PlumeQuantity& q, double least, double most,
@@ -222,8 +219,9 @@ absl::Status read_plume_file(SweepFile& file, const FileReader& read) {
     file.content[kPath] = *std::move(bytes);
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat(file.location(kPath), ": ", kPath, " = \"", one_line(name),
+  return placed_problem(
+      file.location(kPath),
+      absl::StrCat(kPath, " = \"", one_line(name),
                    "\": ", bytes.ok() ? "is empty" : std::string(bytes.status().message())));
 }
 

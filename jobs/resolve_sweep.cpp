@@ -140,13 +140,16 @@ void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings)
   if (sweep.name().empty() || !is_one_line(sweep.name())) {
     findings.add("name",
                  "name is empty, has control characters or is not UTF-8, expected a plain name");
+  } else if (is_formula(sweep.name())) {
+    findings.add("name", absl::StrCat("name = \"", sweep.name(), "\": ", kFormulaName));
   }
 }
 
 }  // namespace
 
 absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
-                                                    std::string_view model_bytes) {
+                                                    std::string_view model_bytes,
+                                                    std::vector<Problem>* warnings) {
   SweepFile file = as_read;
   if (const absl::Status status = expand_conditions(file); !status.ok()) return status;
   schema::ResolvedSweep resolved;
@@ -176,6 +179,10 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   resolve_uncertainty(resolved, findings);
   if (!findings.empty()) return findings.status();
   forget_files(*resolved.mutable_sweep());
+  if (warnings != nullptr)
+    for (const schema::Condition& condition : resolved.condition())
+      for (const std::string& warning : condition.warning())
+        warnings->push_back({"", findings.key_of_odd(warning), warning});
   return resolved;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/base/user_file.h"
 #include "core/materials/optical/text_table.h"
 
@@ -12,8 +13,7 @@ absl::StatusOr<std::vector<SpectralPoint>> read_response(const std::string& path
                                                          const std::string& value) {
   const auto text = read_user_file(path, kMostTableBytes);
   if (!text.ok())
-    return absl::Status(text.status().code(),
-                        absl::StrCat(path, ":1:1: ", text.status().message()));
+    return placed_problem(path + ":1:1", text.status().message());
   TableErrors errors(path);
   const NumberTable table = read_number_table(*text, errors);
   if (!errors.empty()) return errors.status();

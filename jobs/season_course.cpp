@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
+#include "core/base/problems.h"
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/weather_file.h"
 #include "jobs/number_bounds.h"
@@ -95,20 +95,20 @@ class CourseReader {
     }
     auto parsed = read_weather_file(text->second, one_line(name));
     if (!parsed.ok()) {
-      add_lines(path, std::string(parsed.status().message()));
+      add_problems(path, parsed.status());
       return nullptr;
     }
     return &read_.emplace(name, *std::move(parsed)).first->second;
   }
 
-  // "file:line:column: what" lines.
-  void add_lines(const std::string& path, const std::string& message) {
-    for (const std::string& line : std::vector<std::string>(absl::StrSplit(message, '\n'))) {
-      const std::size_t end = line.find(": ");
-      if (end == std::string::npos)
-        findings_.add(path, absl::StrCat(path, ": ", line));
+  // Of a file that the key names.
+  void add_problems(const std::string& path, const absl::Status& status) {
+    for (const Problem& problem : problems_of(status)) {
+      const std::string what = absl::StrCat(path, ": ", problem.text);
+      if (problem.place.empty())
+        findings_.add(path, what);
       else
-        findings_.add_at(line.substr(0, end), absl::StrCat(path, ": ", line.substr(end + 2)));
+        findings_.add_at(problem.place, what);
     }
   }
 
@@ -118,8 +118,10 @@ class CourseReader {
     for (const double t : group.unix_s)
       if (t < from_unix_s || t > from_unix_s + kDayS) {
         group.warning.push_back(
-            absl::StrCat(path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ",
-                         season.date(), " at the place: the same hour of that day stands for it"));
+            {"", path,
+             absl::StrCat(path, ": ", format_rfc3339_utc(utc_time(t)), " is not within ",
+                          season.date(),
+                          " at the place: the same hour of that day stands for it")});
         return;
       }
   }
@@ -170,10 +172,10 @@ class CourseReader {
       wanted.to_unix_s = group.unix_s.back();
     }
     auto course = course_of(*file, wanted);
-    if (!course.ok()) return add_lines(path, std::string(course.status().message()));
+    if (!course.ok()) return add_problems(path, course.status());
     group.course = std::move(course->course);
     for (const std::string& warning : course->warning)
-      group.warning.push_back(absl::StrCat(path, ": ", warning));
+      group.warning.push_back({"", path, absl::StrCat(path, ": ", warning)});
   }
 
   // A day that is stated, or one weather all day.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/problems.h"
 #include "core/geo/sun.h"
 #include "core/thermal/weather_course.h"
 #include "jobs/section_check.h"
@@ -16,7 +17,7 @@ struct SeasonGroup {
   std::vector<int> season;
   std::vector<double> unix_s;  // of all their conditions, increasing
   std::optional<WeatherCourse> course;
-  std::vector<std::string> warning;  // of the weather file
+  std::vector<Problem> warning;  // of the weather file
 };
 
 // instants: [season][time]. Courses of seasons with a weather file or a day, and with [heat] of

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <set>
-#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "jobs/nearest_name.h"
@@ -42,17 +41,34 @@ std::string list(const SectionCheck::Names& names) {
 }  // namespace
 
 void Findings::add(const std::string& path, const std::string& what) {
-  add_at(file_.location(path), what);
+  add({file_.location(path), path, what});
   at_.insert(path);
 }
 
 void Findings::add_at(const std::string& place, const std::string& what) {
+  add({place, "", what});
+}
+
+void Findings::add(Problem problem) {
   // A sweep without a file has come from somebody else, who may have made any number of errors.
   if (file_.file_name.empty() && found_.size() >= kMostOfAMessage) {
     ++more_;
     return;
   }
-  found_.push_back({place, one_line(file_.as_written(what))});
+  problem.text = one_line(file_.as_written(problem.text));
+  if (file_.file_name.empty()) problem.place.clear();
+  found_.push_back(std::move(problem));
+}
+
+std::string Findings::odd(const std::string& key, const std::string& what) {
+  std::string line = one_line(what);
+  odd_.emplace(line, key);
+  return line;
+}
+
+std::string Findings::key_of_odd(const std::string& warning) const {
+  const auto found = odd_.find(warning);
+  return found == odd_.end() ? "" : found->second;
 }
 
 bool Findings::any_at(const std::string& path) const {
@@ -66,20 +82,16 @@ bool Findings::any_at(const std::string& path) const {
 
 absl::Status Findings::status() const {
   if (found_.empty()) return absl::OkStatus();
-  std::vector<std::tuple<std::pair<long, long>, std::size_t, std::string>> lines;
-  for (const auto& [place, what] : found_) {
-    lines.emplace_back(place_of(place), lines.size(),
-                       file_.file_name.empty() ? what : absl::StrCat(place, ": ", what));
-  }
-  std::sort(lines.begin(), lines.end());
-  std::string message;
-  std::set<std::string> said;
-  for (const auto& [place, order, line] : lines) {
-    if (!said.insert(line).second) continue;
-    absl::StrAppend(&message, message.empty() ? "" : "\n", line);
-  }
-  if (more_ > 0) absl::StrAppend(&message, "\nand ", more_, " more");
-  return absl::InvalidArgumentError(message);
+  std::vector<Problem> sorted = found_;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) {
+    return place_of(a.place) < place_of(b.place);
+  });
+  Problems out;
+  std::set<std::pair<std::string, std::string>> said;
+  for (const Problem& problem : sorted)
+    if (said.emplace(problem.place, problem.text).second) out.add(problem);
+  if (more_ > 0) out.add({"", "", absl::StrCat("and ", more_, " more")});
+  return out.status();
 }
 
 std::string SectionCheck::path(const std::string& name) const {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/formula.h"
 #include "core/base/printable.h"
+#include "core/base/problems.h"
 #include "jobs/sweep_file.h"
 
 namespace irsig {
@@ -22,21 +24,25 @@ class Findings {
   void add(const std::string& path, const std::string& what);
   // At "file:line:column", where that is no key's of the sweep file.
   void add_at(const std::string& place, const std::string& what);
+  // Remembers the key of what is possible but odd, and returns it as a line for a warning.
+  std::string odd(const std::string& key, const std::string& what);
+  // The key of a line that odd() returned; empty for others.
+  [[nodiscard]] std::string key_of_odd(const std::string& warning) const;
   [[nodiscard]] bool empty() const { return found_.empty(); }
   // Whether something was found at the path itself, or in the table that stands there.
   [[nodiscard]] bool any_at(const std::string& path) const;
   [[nodiscard]] std::size_t count() const { return found_.size(); }
-  // INVALID_ARGUMENT with one line for each error; OK if there are none.
+  // INVALID_ARGUMENT with a problem (core/base/problems.h) for each error; OK if there are none.
   [[nodiscard]] absl::Status status() const;
 
  private:
+  void add(Problem problem);
+
   const SweepFile& file_;
-  struct Found {
-    std::string place, what;
-  };
-  std::vector<Found> found_;
+  std::vector<Problem> found_;
   std::size_t more_ = 0;
   std::set<std::string> at_;  // the paths
+  std::map<std::string, std::string> odd_;  // the keys by the lines
 };
 
 // The checks that every table of a sweep file needs, on one message and by field names. A value
@@ -73,6 +79,9 @@ class SectionCheck {
   Findings& findings_;
 };
 
+inline constexpr const char* kFormulaName =
+    "spreadsheets run a text that begins with =, +, - or @, expected a letter or a digit first";
+
 // Names of parts, seasons, bands ...: present, printable and different from each other.
 // Returns them in order.
 template <typename Repeated>
@@ -88,6 +97,8 @@ std::vector<std::string> check_names(const Repeated& sections, const std::string
     } else if (!is_one_line(name) || name.front() == ' ' || name.back() == ' ') {
       findings.add(path + ".name",
                    path + ".name has control characters or outer spaces, expected a plain name");
+    } else if (is_formula(name)) {
+      findings.add(path + ".name", path + ".name = \"" + name + "\": " + kFormulaName);
     } else {
       const auto [first, is_new] = seen.try_emplace(name, i);
       if (!is_new)

@@ -20,4 +20,14 @@ std::string SweepFile::as_written(const std::string& message) const {
   return absl::StrReplaceAll(message, written_as);
 }
 
+absl::Status located(const SweepFile& file, const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  std::vector<Problem> problems = problems_of(status);
+  for (Problem& problem : problems) {
+    if (problem.place.empty()) problem.place = file.location(problem.key);
+    problem.text = file.as_written(problem.text);
+  }
+  return problem_status(problems);
+}
+
 }  // namespace irsig

@@ -3,8 +3,10 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/problems.h"
 #include "schema/job.pb.h"
 #include "schema/sweep.pb.h"
 
@@ -26,6 +28,10 @@ struct SweepFile {
   [[nodiscard]] std::string as_written(const std::string& message) const;
 };
 
+// The same problems, each with the place of its key in the file. Other codes than INVALID_ARGUMENT
+// are returned as they are.
+[[nodiscard]] absl::Status located(const SweepFile& file, const absl::Status& status);
+
 // TOML -> Sweep by protobuf reflection. Errors (INVALID_ARGUMENT, one a line, each
 // file:line:column: what is wrong, what was expected): a syntax error alone (a key given twice is
 // one, and so are more than 32 levels of tables); else every unknown key, wrong type, nan and inf.
@@ -41,7 +47,9 @@ struct SweepFile {
 // once, in the order of the file. A pure function: whoever calls it has read the model file
 // (model.file is relative to the sweep file). model_bytes: the model file's content (ignored for
 // generated models).
-[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& file,
-                                                                  std::string_view model_bytes);
+// warnings, unless it is null: what is possible but odd, at its keys; each is also in
+// Condition.warning of the conditions that it is about.
+[[nodiscard]] absl::StatusOr<schema::ResolvedSweep> resolve_sweep(
+    const SweepFile& file, std::string_view model_bytes, std::vector<Problem>* warnings = nullptr);
 
 }  // namespace irsig

@@ -1,6 +1,7 @@
 #include "jobs/temperature_files.h"
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "jobs/section_check.h"
 
 namespace irsig {
@@ -11,7 +12,7 @@ std::string path_of(int field) { return absl::StrCat("temperature_field[", field
 }  // namespace
 
 absl::Status read_temperature_files(SweepFile& file, const FileReader& read) {
-  std::string wrong;
+  Problems wrong;
   for (int i = 0; i < file.sweep.temperature_field_size(); ++i) {
     const std::string &name = file.sweep.temperature_field(i).file(), path = path_of(i);
     if (name.empty()) continue;  // reported with what else is missing
@@ -19,11 +20,12 @@ absl::Status read_temperature_files(SweepFile& file, const FileReader& read) {
     if (bytes.ok() && !bytes->empty())
       file.content[path] = *std::move(bytes);
     else
-      absl::StrAppend(&wrong, wrong.empty() ? "" : "\n", file.location(path), ": ", path, " = \"",
-                      one_line(name),
-                      "\": ", bytes.ok() ? "is empty" : std::string(bytes.status().message()));
+      wrong.add(placed_problem(
+          file.location(path),
+          absl::StrCat(path, " = \"", one_line(name), "\": ",
+                       bytes.ok() ? "is empty" : std::string(bytes.status().message()))));
   }
-  return wrong.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong);
+  return wrong.status();
 }
 
 std::map<std::string, std::string_view> fields_of(const SweepFile& file) {

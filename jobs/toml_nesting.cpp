@@ -4,6 +4,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 namespace {
@@ -80,9 +81,10 @@ absl::Status check_toml_nesting(std::string_view text, std::string_view file_nam
   // Columns count characters, as the parser's do: not the bytes that continue one in UTF-8.
   const auto column = std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start),
                                     before.end(), [](char c) { return (c & 0xc0) != 0x80; });
-  return absl::InvalidArgumentError(absl::StrCat(
-      std::string(file_name), ":", std::count(before.begin(), before.end(), '\n') + 1, ":",
-      column + 1, ": ", std::string(wrong), ", expected the keys of a sweep file"));
+  return placed_problem(
+      absl::StrCat(std::string(file_name), ":", std::count(before.begin(), before.end(), '\n') + 1, ":",
+                   column + 1),
+      absl::StrCat(std::string(wrong), ", expected the keys of a sweep file"));
 }
 
 }  // namespace irsig

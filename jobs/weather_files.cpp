@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/atmosphere/air_profile.h"
 #include "core/atmosphere/imported_path.h"
+#include "core/base/problems.h"
 #include "core/thermal/weather_file.h"
 #include "jobs/condition_table.h"
 #include "jobs/section_check.h"
@@ -26,7 +27,7 @@ class Reader {
     // What is wrong in it does not depend on the air above its last level.
     const auto parsed =
         parse_profile_csv(text, one_line(name), afgl_profile(AfglProfile::kUsStandard1976));
-    if (!parsed.ok()) add(std::string(parsed.status().message()));
+    if (!parsed.ok()) wrong_.add(parsed.status());
   }
 
   // Of hours or years of weather: read once, whoever names it.
@@ -36,7 +37,7 @@ class Reader {
     file_.content[key] = std::move(file_.content[path]);
     file_.content.erase(path);
     const auto parsed = read_weather_file(file_.content[key], one_line(name));
-    if (!parsed.ok()) add(std::string(parsed.status().message()));
+    if (!parsed.ok()) wrong_.add(parsed.status());
   }
 
   void text(const std::string& path, const std::string& name) { (void)take(path, name); }
@@ -45,18 +46,12 @@ class Reader {
     if (!take(path, name)) return;
     const std::string& text = file_.content[path];
     const auto parsed = parse_imported_paths(text, one_line(name));
-    if (!parsed.ok()) add(std::string(parsed.status().message()));
+    if (!parsed.ok()) wrong_.add(parsed.status());
   }
 
-  [[nodiscard]] absl::Status status() const {
-    return wrong_.empty() ? absl::OkStatus() : absl::InvalidArgumentError(wrong_);
-  }
+  [[nodiscard]] absl::Status status() const { return wrong_.status(); }
 
  private:
-  void add(const std::string& lines) {
-    absl::StrAppend(&wrong_, wrong_.empty() ? "" : "\n", lines);
-  }
-
   bool take(const std::string& path, const std::string& name) {
     const absl::StatusOr<std::string> bytes = read_(name);
     std::string wrong;
@@ -70,14 +65,15 @@ class Reader {
     if (wrong.empty()) {
       file_.content[path] = *bytes;
     } else {
-      add(absl::StrCat(file_.location(path), ": ", path, " = \"", one_line(name), "\": ", wrong));
+      wrong_.add(placed_problem(file_.location(path),
+                                absl::StrCat(path, " = \"", one_line(name), "\": ", wrong)));
     }
     return wrong.empty();
   }
 
   SweepFile& file_;
   const FileReader& read_;
-  std::string wrong_;
+  Problems wrong_;
   std::set<std::string> named_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/spec_to_request.h"
+#include "core/base/problems.h"
 #include "core/geo/sun.h"
 #include "core/study/precompute.h"
 #include "core/study/work_precision.h"
@@ -257,9 +258,9 @@ class RowStudy {
     const auto wall = p.ambient_temperature_k().find(season);
     const auto air = p.air_temperature_k().find(season);
     if (wall == p.ambient_temperature_k().end() || air == p.air_temperature_k().end())
-      return absl::InvalidArgumentError(
-          absl::StrCat(loaded_.file.location("precompute"),
-                       ": precompute has no temperatures for the season \"", season, "\""));
+      return placed_problem(
+          loaded_.file.location("precompute"),
+          absl::StrCat("precompute has no temperatures for the season \"", season, "\""));
     const PrecomputeCase target{
         p.hot_area_m2(), p.hot_temperature_k(),          p.ambient_area_m2(),  wall->second,
         p.emissivity(),  p.reflected_exitance_w_m2_um(), p.absorption_m2_kg(), p.range_m(),

@@ -9,6 +9,8 @@
 #include "absl/strings/str_split.h"
 #include "bridge/heat_outputs.h"
 #include "bridge/sweep_temperatures.h"
+#include "core/base/printable.h"
+#include "core/base/problems.h"
 #include "core/base/user_file.h"
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
@@ -20,31 +22,15 @@
 namespace irsig {
 namespace {
 
-// The runner names keys ("part[2].name: no group ..."); the file knows where they stand.
-absl::Status locate(const SweepFile& file, const absl::Status& status) {
-  if (!absl::IsInvalidArgument(status)) return status;
-  std::string located;
-  for (const auto line : absl::StrSplit(std::string(status.message()), '\n', absl::SkipEmpty())) {
-    const std::string text(line);
-    const std::string path = text.substr(0, text.find(':'));
-    const bool is_path = path.find(' ') == std::string::npos && path.size() < text.size();
-    absl::StrAppend(&located, located.empty() ? "" : "\n",
-                    file.location(is_path ? std::string_view(path) : std::string_view()), ": ",
-                    file.as_written(text));
-  }
-  return absl::InvalidArgumentError(located);
-}
-
-// Each once, in the order of the conditions.
-std::vector<std::string> located_warnings(const LoadedSweep& loaded) {
+// Each once.
+std::vector<std::string> located_warnings(const std::vector<Problem>& warnings,
+                                          const SweepFile& file) {
   std::vector<std::string> lines;
-  for (const schema::Condition& condition : loaded.resolved.condition()) {
-    for (const std::string& warning : condition.warning()) {
-      const std::string line =
-          absl::StrCat(loaded.file.location(warning.substr(0, warning.find_first_of(": "))),
-                       ": warning: ", loaded.file.as_written(warning));
-      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
-    }
+  for (const Problem& warning : warnings) {
+    std::string line =
+        absl::StrCat(file.location(warning.key), ": warning: ", file.as_written(warning.text));
+    if (std::find(lines.begin(), lines.end(), line) == lines.end())
+      lines.push_back(std::move(line));
   }
   return lines;
 }
@@ -131,13 +117,14 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     const std::string& model = loaded.file.sweep.model().file();
     auto bytes = read_file_beside(path, model, kMostModelBytes);
     if (!bytes.ok()) {
-      return absl::InvalidArgumentError(absl::StrCat(loaded.file.location("model.file"),
-                                                     ": model.file \"", model,
-                                                     "\": ", bytes.status().message()));
+      return placed_problem(
+          loaded.file.location("model.file"),
+          absl::StrCat("model.file \"", one_line(model), "\": ", bytes.status().message()));
     }
     model_bytes = *std::move(bytes);
   }
-  auto resolved = resolve_sweep(loaded.file, model_bytes);
+  std::vector<Problem> warnings;
+  auto resolved = resolve_sweep(loaded.file, model_bytes, &warnings);
   if (!resolved.ok()) return resolved.status();
   loaded.resolved = *std::move(resolved);
   if (!loaded.resolved.model_sha256().empty())
@@ -146,7 +133,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
   if (const std::string_view bytes = plume_bytes(loaded.file); !bytes.empty())
     loaded.assets[sha256_hex(bytes)] = std::string(bytes);
-  loaded.warnings = located_warnings(loaded);
+  loaded.warnings = located_warnings(warnings, loaded.file);
   // Stored with the conditions as they were written.
   for (schema::Condition& condition : *loaded.resolved.mutable_condition())
     for (std::string& warning : *condition.mutable_warning())
@@ -157,22 +144,21 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   if (!asked.any_size)
     if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
   const auto runner = JobRunner::create(loaded.resolved, loaded.assets, {});
-  if (!runner.ok()) return locate(loaded.file, runner.status());
+  if (!runner.ok()) return located(loaded.file, runner.status());
   loaded.memory = (*runner)->memory();
   // How many facets have temperatures is known only now.
   loaded.size.database_bytes += static_cast<double>((*runner)->heat_bytes());
   if (!asked.any_size)
     if (absl::Status status = check_size(loaded.size); !status.ok()) return status;
-  for (const std::string& warning : (*runner)->warnings())
-    loaded.warnings.push_back(absl::StrCat(
-        loaded.file.location(warning.substr(0, warning.find(':'))), ": warning: ", warning));
+  for (std::string& line : located_warnings((*runner)->warnings(), loaded.file))
+    loaded.warnings.push_back(std::move(line));
   return loaded;
 }
 
 absl::Status have_temperatures(LoadedSweep& loaded) {
   if (!awaits_temperatures(loaded.resolved, loaded.heat)) return absl::OkStatus();
   auto computed = heat_outputs(loaded.resolved, loaded.assets);
-  if (!computed.ok()) return locate(loaded.file, computed.status());
+  if (!computed.ok()) return located(loaded.file, computed.status());
   loaded.heat = *std::move(computed);
   return absl::OkStatus();
 }

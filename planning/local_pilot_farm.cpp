@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +11,7 @@
 #include "planning/interruption.h"
 #include "planning/pilot_farm.h"
 #include "view/heat_effects.h"
+#include "view/progress.h"
 
 namespace irsig {
 namespace {
@@ -93,6 +95,14 @@ class LocalPilotFarm final : public PilotFarm {
 
   [[nodiscard]] std::string database() const { return folder_->file("pilot.sigdb"); }
 
+  // All of the pilot's jobs so far: more may follow.
+  void show(std::uint64_t settled, std::uint64_t jobs) {
+    const double seconds = std::chrono::duration<double>(Steady::now() - begun_).count();
+    if (seconds > 1.8)
+      progress_.show(absl::StrCat("pilot: ", settled, " of ", jobs, " jobs computed, ",
+                                  std::lround(seconds), " s"));
+  }
+
   absl::Status wait() {
     while (true) {
       if (interrupted()) return absl::AbortedError("interrupted");
@@ -107,6 +117,7 @@ class LocalPilotFarm final : public PilotFarm {
         jobs += sweep.jobs();
       }
       if (settled == jobs) return absl::OkStatus();
+      show(settled, jobs);
       if (auto alive = farm_->keep_alive(settled); !alive.ok()) return alive;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -117,6 +128,8 @@ class LocalPilotFarm final : public PilotFarm {
   std::unique_ptr<LocalFarm> farm_;  // ends before its folder goes
   int sweeps_ = 0;
   double cpu_s_ = 0, wall_s_ = 0;
+  const Steady::time_point begun_ = Steady::now();
+  ProgressLine progress_;
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "core/base/formula.h"
 #include "core/base/printable.h"
 #include "core/scene/mesh_lint.h"
 
@@ -91,7 +92,8 @@ std::string parts(const std::vector<Group>& groups, double temperature_k) {
   std::set<std::string> taken;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const std::string& group = groups[i].name;
-    const bool plain = is_one_line(group) && group.front() != ' ' && group.back() != ' ' &&
+    const bool plain = !group.empty() && is_one_line(group) && !is_formula(group) &&
+                       group.front() != ' ' && group.back() != ' ' &&
                        group.find_first_of("*?") == std::string::npos;
     const std::string name = plain ? group : absl::StrCat("part ", i + 1);
     out += part(name, plain ? "" : group, false, groups[i].open, temperature_k);

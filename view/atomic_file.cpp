@@ -16,9 +16,9 @@ namespace {
 absl::Status failed(const std::string& path, int error) {
   const std::string text = fmt::format("cannot write {}: {}", path, std::strerror(error));
   // A folder that is not there or is not ours is the user's to mend; a full disk is not.
-  if (error == ENOENT || error == EACCES || error == ENOTDIR || error == EISDIR || error == EROFS) {
+  if (error == ENOENT || error == EACCES || error == EPERM || error == ENOTDIR || error == EISDIR ||
+      error == EROFS || error == ENAMETOOLONG || error == ELOOP)
     return absl::InvalidArgumentError(text);
-  }
   return absl::UnavailableError(text);
 }
 
@@ -35,7 +35,8 @@ bool is_database(const std::string& path) {
 
 absl::Status replace_file(const std::string& path,
                           const std::function<absl::Status(const std::string&)>& write) {
-  if (std::filesystem::is_directory(path)) return failed(path, EISDIR);
+  std::error_code unknown;  // then opening says why
+  if (std::filesystem::is_directory(path, unknown)) return failed(path, EISDIR);
   if (is_database(path))
     return absl::InvalidArgumentError(
         fmt::format("cannot write {}: it is a database, expected another name", path));
@@ -51,12 +52,17 @@ absl::Status replace_file(const std::string& path,
 
 absl::Status replace_file(const std::string& path, std::string_view bytes) {
   return replace_file(path, [&](const std::string& beside) -> absl::Status {
+    errno = 0;
     std::ofstream file(beside, std::ios::binary | std::ios::trunc);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     file.close();
-    if (!file) return failed(path, errno ? errno : EIO);
+    if (!file) return write_failure(path);
     return absl::OkStatus();
   });
+}
+
+absl::Status write_failure(const std::string& path) {
+  return failed(path, errno != 0 ? errno : EIO);
 }
 
 }  // namespace irsig

@@ -15,4 +15,9 @@ namespace irsig {
     const std::string& path, const std::function<absl::Status(const std::string&)>& write);
 [[nodiscard]] absl::Status replace_file(const std::string& path, std::string_view bytes);
 
+// "cannot write PATH: reason" after a stream of the standard library failed: the reason is `errno`,
+// which is 0 before the first write. INVALID_ARGUMENT where the user mends it (a folder that is not
+// there, no permission), else UNAVAILABLE (a full disk).
+[[nodiscard]] absl::Status write_failure(const std::string& path);
+
 }  // namespace irsig

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <fstream>
 
 #include "view/atomic_file.h"
@@ -64,6 +65,7 @@ absl::Status write_envi(StoreReader& reader, QueryRows& rows, SignatureQuantity 
     return absl::OkStatus();
   };
   const absl::Status written = replace_file(path, [&](const std::string& beside) -> absl::Status {
+    errno = 0;
     std::ofstream file(beside, std::ios::binary | std::ios::trunc);
     while (file) {
       const auto some = rows.next();
@@ -73,7 +75,7 @@ absl::Status write_envi(StoreReader& reader, QueryRows& rows, SignatureQuantity 
         if (absl::Status s = append(row, file); !s.ok()) return s;
     }
     file.close();
-    if (!file) return absl::UnavailableError(fmt::format("cannot write {}", path));
+    if (!file) return write_failure(path);
     if (names.empty())
       return absl::NotFoundError("nothing to export: no signature matches the filters");
     return absl::OkStatus();

@@ -180,9 +180,10 @@ double instant_of(const std::string& time_utc) {
 // has 0 as well.
 bool wind_is_stated(const schema::ResolvedSweep& sweep, const schema::Condition& c) {
   if (c.weather().wind_speed_m_s() > 0) return true;
-  const auto at = static_cast<int>(c.season_index());
-  if (!c.has_weather() || at >= sweep.sweep().season_size()) return false;
-  const schema::Season& season = sweep.sweep().season(at);
+  const std::uint32_t at = c.season_index();
+  if (!c.has_weather() || at >= static_cast<std::uint32_t>(sweep.sweep().season_size()))
+    return false;
+  const schema::Season& season = sweep.sweep().season(static_cast<int>(at));
   return season.name() == c.season() &&
          (season.has_wind_speed_m_s() || season.has_weather_file() || season.has_day());
 }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "schema/store/check_picture.h"
 #include "view/atomic_file.h"
 #include "view/progress.h"
 #include "view/table.h"
@@ -119,13 +121,13 @@ struct Image {
 class ThumbnailFolder {
  public:
   ThumbnailFolder(StoreReader& reader, const ThumbnailsAsked& asked, Scale scale,
-                  std::string folder, const PaintPictures& paint)
+                  std::string folder, const ReadPictures& read)
       : reader_(reader),
         asked_(asked),
         scale_(scale),
         folder_(std::move(folder)),
         partial_(folder_ + ".partial"),
-        paint_(paint) {}
+        read_(read) {}
 
   absl::StatusOr<std::uint64_t> write() {
     const auto filter = filter_of(asked_.query);
@@ -188,6 +190,7 @@ class ThumbnailFolder {
         if (std::find(parts_.begin(), parts_.end(), part.name()) == parts_.end())
           parts_.push_back(part.name());
       place_[of.name] = place_.size();
+      most_px_[of.name] = most_px_of(sweep->resolved.sweep());
     }
     return absl::OkStatus();
   }
@@ -217,7 +220,7 @@ class ThumbnailFolder {
     journal_.asked = fmt::format("{} scale {}{}{}, {} rows {:016x}", asked_.said, asked_.scale,
                                  asked_.exr ? " exr" : "", asked_.background ? " background" : "",
                                  ids_.size(), hash);
-    if (!fs::exists(journal_path())) {
+    if (!fs::exists(journal_path(), error)) {
       fs::remove(labels_path(), error);
       return lock;
     }
@@ -251,10 +254,13 @@ class ThumbnailFolder {
     return image.signature.projected_area_m2 / (pixel_m * pixel_m);
   }
 
-  absl::StatusOr<PictureAsked> picture(const Image& image) {
-    PictureAsked out{image.thumbnail.exr(), "", 0, 0, {}};
-    if (!asked_.background) return out;
+  absl::StatusOr<PictureTask> picture(const Image& image) {
     const StoredSignature& s = image.signature;
+    const auto most_px = most_px_.find(s.sweep);
+    PictureTask out{.exr = image.thumbnail.exr(),
+                    .most_px = s.superseded || most_px == most_px_.end() ? kMostPixels
+                                                                         : most_px->second};
+    if (!asked_.background) return out;
     if (std::isnan(s.background_radiance_w_m2_sr) || std::isnan(s.path_radiance_w_m2_sr))
       return never(absl::FailedPreconditionError(fmt::format(
           "row {} was computed without contrast, background and path: run the sweep again",
@@ -267,15 +273,16 @@ class ThumbnailFolder {
     // So that the target's pixels add up to its apparent intensity.
     const double arrives_w_sr =
         s.apparent_intensity_w_sr - s.projected_area_m2 * s.path_radiance_w_m2_sr;
-    out.seen = {s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
-                s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, area_px(image)};
+    out.seen = PictureTask::Seen{
+        s.intensity_w_sr != 0 ? arrives_w_sr / s.intensity_w_sr : s.path_transmittance,
+        s.path_radiance_w_m2_sr, s.background_radiance_w_m2_sr, area_px(image)};
     return out;
   }
 
   // Of the images' rows.
-  absl::StatusOr<std::vector<PictureFacts>> painted(const std::vector<Image>& images,
-                                                    const std::vector<PictureAsked>& pictures) {
-    auto facts = paint_(pictures);
+  absl::StatusOr<std::vector<PictureAnswer>> painted(const std::vector<Image>& images,
+                                                     const std::vector<PictureTask>& pictures) {
+    auto facts = read_(pictures);
     if (!facts.ok()) return facts.status();
     if (facts->size() != pictures.size())
       return absl::InternalError(
@@ -299,7 +306,7 @@ class ThumbnailFolder {
       const std::size_t to = std::min(ids_.size(), journal_.seen + kAtOnce);
       auto some = images(journal_.seen, to);
       if (!some.ok()) return some.status();
-      std::vector<PictureAsked> pictures;
+      std::vector<PictureTask> pictures;
       for (const Image& image : *some) {
         auto one = picture(image);
         if (!one.ok()) return one.status();
@@ -310,7 +317,7 @@ class ThumbnailFolder {
       for (std::size_t i = 0; i < some->size(); ++i) {
         const StoredSignature& s = (*some)[i].signature;
         double& hottest = journal_.hottest[{s.sweep, s.band}];
-        hottest = std::max(hottest, (*facts)[i].hottest_w_m2_sr);
+        hottest = std::max(hottest, static_cast<double>((*facts)[i].hottest_w_m2_sr));
       }
       progress.step(to - journal_.seen);
       journal_.seen = to;
@@ -341,32 +348,36 @@ class ThumbnailFolder {
   }
 
   absl::Status paint_some(const std::vector<Image>& some) {
-    std::vector<PictureAsked> pictures;
+    std::vector<PictureTask> pictures;
     for (const Image& image : some) {
       auto one = picture(image);
       if (!one.ok()) return one.status();
       const StoredSignature& s = image.signature;
-      const std::string name = partial_ + "/" + name_of(s);
       if (asked_.exr)
-        if (absl::Status status = plain_file(name + ".exr", image.thumbnail.exr()); !status.ok())
+        if (absl::Status status =
+                plain_file(partial_ + "/" + name_of(s) + ".exr", image.thumbnail.exr());
+            !status.ok())
           return status;
-      one->png = name + ".png";
-      one->black_w_m2_sr = scale_.black_w_m2_sr;
-      one->white_w_m2_sr = scale_.kind == Scale::Kind::kCommon
-                               ? journal_.hottest.at({s.sweep, s.band})
-                               : scale_.white_w_m2_sr;
+      one->black_w_m2_sr = static_cast<float>(scale_.black_w_m2_sr);
+      one->white_w_m2_sr = static_cast<float>(scale_.kind == Scale::Kind::kCommon
+                                                  ? journal_.hottest[{s.sweep, s.band}]
+                                                  : scale_.white_w_m2_sr);
       pictures.push_back(*std::move(one));
     }
     if (scale_.kind == Scale::Kind::kOwn) {
-      std::vector<PictureAsked> looks = pictures;
-      for (PictureAsked& look : looks) look.png.clear();
-      const auto facts = painted(some, looks);
+      const auto facts = painted(some, pictures);
       if (!facts.ok()) return facts.status();
       for (std::size_t i = 0; i < pictures.size(); ++i)
         pictures[i].white_w_m2_sr = (*facts)[i].hottest_w_m2_sr;
     }
+    for (PictureTask& picture : pictures) picture.paint = true;
     const auto facts = painted(some, pictures);
     if (!facts.ok()) return facts.status();
+    for (std::size_t i = 0; i < some.size(); ++i)
+      if (absl::Status status =
+              plain_file(partial_ + "/" + name_of(some[i].signature) + ".png", (*facts)[i].png);
+          !status.ok())
+        return status;
     std::ostringstream lines;
     if (absl::Status s = write_labels(some, pictures, *facts, lines); !s.ok()) return s;
     return append_labels(lines.str());
@@ -374,26 +385,28 @@ class ThumbnailFolder {
 
   // In the folder that nobody reads yet.
   static absl::Status plain_file(const std::string& path, const std::string& bytes) {
+    errno = 0;
     std::ofstream file(path, std::ios::binary | std::ios::trunc);
     file << bytes;
     file.close();
-    return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + path);
+    return file ? absl::OkStatus() : write_failure(path);
   }
 
   absl::Status append_labels(const std::string& table) {
     // Every table has its heading; the file has the first's.
     const std::size_t from = journal_.labels_bytes == 0 ? 0 : table.find('\n') + 1;
+    errno = 0;
     std::ofstream file(labels_path(), std::ios::binary | std::ios::app);
     file.write(table.data() + from, static_cast<std::streamsize>(table.size() - from));
     file.close();
-    if (!file) return absl::UnavailableError("cannot write " + labels_path());
+    if (!file) return write_failure(labels_path());
     journal_.labels_bytes += table.size() - from;
     return absl::OkStatus();
   }
 
   absl::Status write_labels(const std::vector<Image>& some,
-                            const std::vector<PictureAsked>& pictures,
-                            const std::vector<PictureFacts>& facts, std::ostream& out) {
+                            const std::vector<PictureTask>& pictures,
+                            const std::vector<PictureAnswer>& facts, std::ostream& out) {
     using S = StoredSignature;
     struct Number {
       const char* name;
@@ -432,15 +445,17 @@ class ThumbnailFolder {
     for (std::size_t i = 0; i < some.size(); ++i) {
       const S& s = some[i].signature;
       const schema::Thumbnail& t = some[i].thumbnail;
-      const PictureFacts& f = facts[i];
+      const PictureAnswer& f = facts[i];
       std::vector<Cell> line{name_of(s) + ".png", s.sweep, s.row, s.season, s.time_utc, s.band};
       for (const Number& n : kAspect) line.push_back(known(s.*n.member));
       for (const std::uint32_t n : {t.width_px(), t.height_px()})
         line.emplace_back(std::uint64_t{n});
-      for (const double v :
-           {t.pixel_rad(), pictures[i].black_w_m2_sr, pictures[i].white_w_m2_sr, area_px(some[i])})
+      const PictureTask& task = pictures[i];
+      for (const double v : {t.pixel_rad(), static_cast<double>(task.black_w_m2_sr),
+                             static_cast<double>(task.white_w_m2_sr), area_px(some[i])})
         line.emplace_back(v);
-      for (const std::uint32_t n : {f.shown_px, f.left_px, f.top_px, f.width_px, f.height_px})
+      for (const std::uint32_t n :
+           {f.shown_px, f.left_px, f.top_px, f.box_width_px, f.box_height_px})
         line.emplace_back(std::uint64_t{n});
       for (const Number& n : kValues) line.push_back(known(s.*n.member));
       const auto parts = reader_.parts(s.signature_id);
@@ -461,10 +476,11 @@ class ThumbnailFolder {
   const ThumbnailsAsked& asked_;
   const Scale scale_;
   const std::string folder_, partial_;
-  const PaintPictures& paint_;
+  const ReadPictures& read_;
   std::vector<std::int64_t> ids_;
   std::vector<std::string> parts_;
-  std::map<std::string, std::size_t> place_;  // of sweeps
+  std::map<std::string, std::size_t> place_;      // of sweeps
+  std::map<std::string, std::uint32_t> most_px_;  // of their images
   Journal journal_;
   bool never_ = false;  // whether going on would end where this call does
 };
@@ -473,7 +489,7 @@ class ThumbnailFolder {
 
 absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const ThumbnailsAsked& asked,
                                                 const std::string& folder,
-                                                const PaintPictures& paint) {
+                                                const ReadPictures& read) {
   if (asked.query.interpolate)
     return absl::InvalidArgumentError("thumbnails: images are not interpolated, use nearest");
   if (!asked.query.range_m.empty())
@@ -482,7 +498,7 @@ absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader, const Thumb
   if (!scale.ok()) return scale.status();
   std::string path = folder;
   while (path.size() > 1 && path.ends_with('/')) path.pop_back();
-  return ThumbnailFolder(reader, asked, *scale, path, paint).write();
+  return ThumbnailFolder(reader, asked, *scale, path, read).write();
 }
 
 }  // namespace irsig

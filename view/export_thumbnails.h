@@ -1,36 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "view/query.h"
+#include "view/thumbnail.h"
 
 namespace irsig {
-
-// An image to be painted, or only looked at.
-struct PictureAsked {
-  std::string exr;
-  std::string png;  // the file; empty: only look
-  double black_w_m2_sr = 0, white_w_m2_sr = 0;
-  // As the sensor has it (core/image/image.h: SeenFrom); nullopt: as it is stored.
-  struct Seen {
-    double gain, path_radiance_w_m2_sr, background_radiance_w_m2_sr, target_area_px;
-  };
-  std::optional<Seen> seen = {};
-};
-struct PictureFacts {
-  double hottest_w_m2_sr;                                        // of what is painted
-  std::uint32_t shown_px, left_px, top_px, width_px, height_px;  // of the target
-  std::string damage = {};  // why it cannot be read; empty: it can, and else nothing is known of it
-};
-// Of each; given by who has a program that reads EXR.
-using PaintPictures =
-    std::function<absl::StatusOr<std::vector<PictureFacts>>(const std::vector<PictureAsked>&)>;
 
 struct ThumbnailsAsked {
   Query query;
@@ -52,6 +31,6 @@ struct ThumbnailsAsked {
 [[nodiscard]] absl::StatusOr<std::uint64_t> export_thumbnails(StoreReader& reader,
                                                               const ThumbnailsAsked& asked,
                                                               const std::string& folder,
-                                                              const PaintPictures& paint);
+                                                              const ReadPictures& read);
 
 }  // namespace irsig

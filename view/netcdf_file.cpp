@@ -1,9 +1,13 @@
 #include "view/netcdf_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <netcdf.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -11,7 +15,7 @@
 
 namespace irsig {
 
-NetcdfFile::NetcdfFile(const std::string& path) {
+NetcdfFile::NetcdfFile(const std::string& path) : path_(path) {
   check(nc_create(path.c_str(), NC_CLOBBER | NC_NETCDF4, &file_), "create");
   group_ = file_;
 }
@@ -21,9 +25,23 @@ NetcdfFile::~NetcdfFile() {
 }
 
 void NetcdfFile::check(int code, std::string_view doing) {
-  if (code != NC_NOERR && status_.ok()) {
-    status_ = absl::UnavailableError(fmt::format("netCDF: {}: {}", doing, nc_strerror(code)));
+  if (code != NC_NOERR && status_.ok())
+    status_ = absl::UnavailableError(fmt::format("netCDF: {}: {}", doing, why(code)));
+}
+
+// The library says "Permission denied" whenever HDF5 cannot create a file, and "HDF error" whenever
+// it cannot write one: whether the disk is full is asked of the system.
+std::string NetcdfFile::why(int code) const {
+  constexpr off_t kMore = 1 << 20;
+  if (const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666); file >= 0) {
+    const off_t size = ::lseek(file, 0, SEEK_END);
+    const int room = size < 0 ? 0 : ::posix_fallocate(file, size, kMore);
+    if (room == 0 && size >= 0) (void)!::ftruncate(file, size);
+    ::close(file);
+    if (room == ENOSPC || room == EDQUOT || room == EFBIG) return std::strerror(room);
+    if (code == EACCES) return "HDF5 could not create the file";
   }
+  return nc_strerror(code);
 }
 
 void NetcdfFile::group(const std::string& name) {

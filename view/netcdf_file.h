@@ -58,8 +58,10 @@ class NetcdfFile {
 
  private:
   void check(int code, std::string_view doing);
+  [[nodiscard]] std::string why(int code) const;
   int define(const Quantity& what, int type, const std::vector<Dimension>& dimensions);
 
+  std::string path_;
   int file_ = -1, group_ = -1;
   absl::Status status_;
 };

@@ -73,14 +73,20 @@ double paths_in_pixel(const StoredSignature& s, double pixel_rad) {
   return static_cast<double>(s.target_paths) * pixel_m * pixel_m / s.projected_area_m2;
 }
 
+// Row by row from the top left. [W/(m2 sr)]
+struct Pixels {
+  std::uint32_t width_px, height_px;
+  std::vector<float> radiance_w_m2_sr;
+};
+
 // Means over squares of `side` x `side` pixels; beyond the edges is nothing.
-StoredPixels coarser(const StoredPixels& fine, std::uint32_t side) {
-  StoredPixels out{(fine.width_px + side - 1) / side, (fine.height_px + side - 1) / side, {}};
+Pixels coarser(const PictureAnswer& fine, std::uint32_t side) {
+  Pixels out{(fine.width_px + side - 1) / side, (fine.height_px + side - 1) / side, {}};
   std::vector<double> sum(static_cast<std::size_t>(out.width_px) * out.height_px, 0.0);
   for (std::uint32_t y = 0; y < fine.height_px; ++y)
     for (std::uint32_t x = 0; x < fine.width_px; ++x)
       sum[static_cast<std::size_t>(y / side) * out.width_px + x / side] += static_cast<double>(
-          fine.radiance_w_m2_sr[static_cast<std::size_t>(y) * fine.width_px + x]);
+          fine.pixel[static_cast<std::size_t>(y) * fine.width_px + x]);
   for (const double s : sum)
     out.radiance_w_m2_sr.push_back(static_cast<float>(s / (static_cast<double>(side) * side)));
   return out;
@@ -110,30 +116,36 @@ absl::StatusOr<ColorRange> own_range(const FalseColorPicture& picture) {
 absl::StatusOr<FalseColorPicture> radiance_picture(StoreReader& reader, const Query& query,
                                                    const std::optional<ColorRange>& range,
                                                    const std::optional<std::uint32_t>& long_side_px,
-                                                   const ReadExr& read) {
+                                                   const ReadPictures& read) {
   Query asked = query;
   if (asked.aspect && !asked.nearest && !asked.within_deg && !asked.interpolate) asked.nearest = 1;
   const auto rows = run_query(reader, asked);
   if (!rows.ok()) return rows.status();
   const auto thumbnail = stored_thumbnail(reader, *rows);
   if (!thumbnail.ok()) return thumbnail.status();
-  const auto stored = read(thumbnail->exr());
   const StoredSignature& s = rows->front().signature;
-  if (absl::IsDataLoss(stored.status()))
-    return absl::DataLossError(fmt::format("the stored image of row {} is damaged: {}", s.row,
-                                           std::string(stored.status().message())));
-  if (!stored.ok()) return stored.status();
-  const std::uint32_t longest = std::max(stored->width_px, stored->height_px);
+  const auto most_px = most_px_of(reader, s);
+  if (!most_px.ok()) return most_px.status();
+  const auto answers =
+      read({{.exr = thumbnail->exr(), .most_px = *most_px, .paint = false, .pixels = true}});
+  if (!answers.ok()) return answers.status();
+  if (answers->size() != 1) return absl::InternalError("one image was asked for");
+  const PictureAnswer& stored = (*answers)[0];
+  if (!stored.damage.empty())
+    return absl::DataLossError(
+        fmt::format("the stored image of row {} is damaged: {}", s.row, stored.damage));
+  const std::uint32_t longest = std::max(stored.width_px, stored.height_px);
   if (long_side_px && *long_side_px > longest)
     return absl::InvalidArgumentError(
         fmt::format("--pixels {}: the stored image has {}", *long_side_px, longest));
   const double paths = paths_in_pixel(s, thumbnail->pixel_rad());
+  const double wanted = std::ceil(std::sqrt(kPathsInPixel / paths));  // perhaps not a number
   const std::uint32_t side =
-      long_side_px
-          ? (longest + *long_side_px - 1) / *long_side_px
-          : static_cast<std::uint32_t>(std::clamp(std::ceil(std::sqrt(kPathsInPixel / paths)), 1.0,
-                                                  static_cast<double>(longest)));
-  StoredPixels pixels = coarser(*stored, side);
+      long_side_px ? (longest + *long_side_px - 1) / *long_side_px
+      : wanted > 1
+          ? static_cast<std::uint32_t>(std::min(wanted, static_cast<double>(longest)))
+          : 1;
+  Pixels pixels = coarser(stored, side);
   const auto band = band_of(reader, s);
   if (!band.ok()) return band.status();
 

@@ -9,16 +9,9 @@
 #include "absl/status/statusor.h"
 #include "view/false_color.h"
 #include "view/query.h"
+#include "view/thumbnail.h"
 
 namespace irsig {
-
-// The pixels of a stored image, row by row from the top left.
-struct StoredPixels {
-  std::uint32_t width_px = 0, height_px = 0;
-  std::vector<float> radiance_w_m2_sr;
-};
-// Given by who has a program that reads EXR.
-using ReadExr = std::function<absl::StatusOr<StoredPixels>(const std::string& exr)>;
 
 // The stored image of the only row that a query selects (an aspect alone: the nearest viewpoint) in
 // false colours: in-band radiance at the target, without the air, from the smallest to the largest
@@ -33,6 +26,6 @@ using ReadExr = std::function<absl::StatusOr<StoredPixels>(const std::string& ex
 //                 average. INVALID_ARGUMENT: more than are stored
 [[nodiscard]] absl::StatusOr<FalseColorPicture> radiance_picture(
     StoreReader& reader, const Query& query, const std::optional<ColorRange>& range,
-    const std::optional<std::uint32_t>& long_side_px, const ReadExr& read);
+    const std::optional<std::uint32_t>& long_side_px, const ReadPictures& read);
 
 }  // namespace irsig

@@ -2,6 +2,9 @@
 
 #include <unistd.h>
 
+#include <condition_variable>
+#include <mutex>
+
 #include "core/base/printable.h"
 #include "view/print.h"
 
@@ -33,6 +36,20 @@ void ProgressLine::clear() {
   if (shown_ && on_terminal()) fmt::print(stderr, "\r\x1b[K");
   shown_ = false;
 }
+
+WaitProgress::WaitProgress(std::string what)
+    : thread_([what = std::move(what), start = Steady::now()](const std::stop_token& stop) {
+        std::mutex mutex;
+        std::condition_variable_any ended;
+        ProgressLine line;
+        for (auto pause = 1800ms;; pause = 500ms) {
+          std::unique_lock lock(mutex);
+          if (ended.wait_for(lock, stop, pause, [] { return false; }) || stop.stop_requested())
+            return line.clear();
+          line.show(fmt::format("{}: {:.0f} s", what,
+                                std::chrono::duration<double>(Steady::now() - start).count()));
+        }
+      }) {}
 
 LoopProgress::LoopProgress(std::string what, std::size_t total)
     : what_(std::move(what)), total_(total), start_(Steady::now()), shown_(start_ + 1800ms) {}

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <thread>
 
 namespace irsig {
 
@@ -39,6 +40,18 @@ class LoopProgress {
   std::size_t total_, done_ = 0;
   std::chrono::steady_clock::time_point start_, shown_;
   ProgressLine line_;
+};
+
+// Says that something of unknown length goes on, if it takes longer than two seconds: "building the
+// scene: 12 s". A thread of its own prints it, until this object is destroyed.
+class WaitProgress {
+ public:
+  explicit WaitProgress(std::string what);
+  WaitProgress(const WaitProgress&) = delete;
+  WaitProgress& operator=(const WaitProgress&) = delete;
+
+ private:
+  std::jthread thread_;
 };
 
 }  // namespace irsig

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/formula.h"
 #include "core/base/printable.h"
 #include "view/quantity.h"
 
@@ -20,7 +21,7 @@ absl::Status stream_status(std::ostream& out) {
 class CsvWriter : public TableWriter {
  public:
   CsvWriter(const std::vector<Column>& columns, std::ostream& out) : out_(out) {
-    for (std::size_t i = 0; i < columns.size(); ++i) out_ << (i ? "," : "") << columns[i].name;
+    for (std::size_t i = 0; i < columns.size(); ++i) out_ << (i ? "," : "") << text(columns[i].name);
     out_ << "\n";
   }
   void row(const std::vector<Cell>& cells) override {
@@ -30,13 +31,15 @@ class CsvWriter : public TableWriter {
   absl::Status finish() override { return stream_status(out_); }
 
  private:
+  static std::string text(const std::string& s) {
+    const std::string plain = (is_formula(s) ? "'" : "") + s;
+    if (plain.find_first_of(",\"\r\n") == std::string::npos) return plain;
+    std::string quoted = "\"";
+    for (char c : plain) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + "\"";
+  }
   static std::string text(const Cell& cell) {
-    if (const auto* s = std::get_if<std::string>(&cell)) {
-      if (s->find_first_of(",\"\r\n") == std::string::npos) return *s;
-      std::string quoted = "\"";
-      for (char c : *s) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-      return quoted + "\"";
-    }
+    if (const auto* s = std::get_if<std::string>(&cell)) return text(*s);
     if (const auto* d = std::get_if<double>(&cell)) return fmt::format("{}", *d);
     if (const auto* u = std::get_if<std::uint64_t>(&cell)) return fmt::format("{}", *u);
     if (const auto* b = std::get_if<bool>(&cell)) return *b ? "true" : "false";

@@ -31,7 +31,8 @@ class TableWriter {
 
 // format: "csv" (RFC 4180; every double with the digits that give the same double back), "json" (an
 // array of objects, the same digits) or "text" (for people: aligned, 6 digits, units in the
-// header, no control characters). CSV keeps every byte of a text: it is data.
+// header, no control characters). CSV keeps every byte of a text: it is data. But one that a
+// spreadsheet would run (core/base/formula.h) has an apostrophe in front.
 [[nodiscard]] absl::StatusOr<std::unique_ptr<TableWriter>> make_table_writer(
     std::string_view format, const std::vector<Column>& columns, std::ostream& out);
 

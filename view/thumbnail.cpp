@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_split.h"
+#include "schema/store/check_picture.h"
 #include "view/atomic_file.h"
 #include "view/png.h"
 #include "view/progress.h"
@@ -29,35 +29,61 @@ std::string listed(const std::vector<QueryRow>& rows) {
   return out;
 }
 
-absl::Status check_scale(const std::string& scale) {
+struct Scale {
+  float black_w_m2_sr = 0, white_w_m2_sr = 1;
+};
+absl::StatusOr<Scale> parse_scale(const std::string& scale) {
   const std::vector<std::string> ends = absl::StrSplit(scale, ',');
   double black = 0, white = 0;
-  if (scale == "common" ||
-      (ends.size() == 2 && absl::SimpleAtod(ends[0], &black) && absl::SimpleAtod(ends[1], &white) &&
-       black < white && std::isfinite(black) && std::isfinite(white)))
-    return absl::OkStatus();
+  if (scale == "common") return Scale{};
+  if (ends.size() == 2 && absl::SimpleAtod(ends[0], &black) && absl::SimpleAtod(ends[1], &white) &&
+      black < white && std::isfinite(black) && std::isfinite(white))
+    return Scale{static_cast<float>(black), static_cast<float>(white)};
   return absl::InvalidArgumentError(fmt::format(
       "thumbnail scale {}: expected common, or BLACK,WHITE in W/(m2 sr) as 0,12.5", scale));
 }
 
-// The images of a sweep in a band, one after the other.
-absl::StatusOr<NextExr> images_like(StoreReader& reader, const StoredSignature& like) {
+// As many as one call of the program gets: images of 20 kB, 10 MB.
+constexpr std::size_t kAtOnce = 500;
+
+// The hottest pixel of all images of a sweep in a band.
+absl::StatusOr<float> hottest_like(StoreReader& reader, const StoredSignature& like,
+                                   std::uint32_t most_px, const ReadPictures& read) {
   SignatureFilter filter;
   filter.sweep = like.sweep;
   filter.band = like.band;
-  auto rows = reader.find(filter);
+  const auto rows = reader.find(filter);
   if (!rows.ok()) return rows.status();
-  const auto progress = std::make_shared<LoopProgress>("images compared", rows->size());
-  return NextExr([&reader, progress, rows = *std::move(rows),
-                  next = std::size_t{0}]() mutable -> absl::StatusOr<std::string> {
-    while (next < rows.size()) {
-      progress->step();
-      const auto thumbnail = reader.thumbnail(rows[next++].signature_id);
-      if (!thumbnail.ok()) return thumbnail.status();
-      if (thumbnail->has_value()) return (*thumbnail)->exr();
+  LoopProgress progress("images compared", rows->size());
+  float hottest = 0;
+  std::vector<PictureTask> tasks;
+  const auto look = [&]() -> absl::Status {
+    const auto answers = read(tasks);
+    if (!answers.ok()) return answers.status();
+    for (const PictureAnswer& answer : *answers) {
+      if (!answer.damage.empty())
+        return absl::DataLossError(
+            fmt::format("of the images that share the scale one cannot be read (irsig export "
+                        "--thumbnails says which): {}",
+                        answer.damage));
+      hottest = std::max(hottest, answer.hottest_w_m2_sr);
     }
-    return std::string();
-  });
+    progress.step(tasks.size());
+    tasks.clear();
+    return absl::OkStatus();
+  };
+  for (const StoredSignature& s : *rows) {
+    auto thumbnail = reader.thumbnail(s.signature_id);
+    if (!thumbnail.ok()) return thumbnail.status();
+    if (!thumbnail->has_value()) continue;
+    tasks.push_back({.exr = std::move(*(*thumbnail)->mutable_exr()),
+                     .most_px = s.superseded ? kMostPixels : most_px});
+    if (tasks.size() < kAtOnce) continue;
+    if (absl::Status status = look(); !status.ok()) return status;
+  }
+  if (!tasks.empty())
+    if (absl::Status status = look(); !status.ok()) return status;
+  return hottest;
 }
 
 }  // namespace
@@ -81,9 +107,21 @@ absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
   return **std::move(thumbnail);
 }
 
+std::uint32_t most_px_of(const schema::Sweep& sweep) {
+  const schema::Output& output = sweep.output();
+  return output.has_thumbnail_px() ? std::min(output.thumbnail_px(), kMostPixels) : kMostPixels;
+}
+
+absl::StatusOr<std::uint32_t> most_px_of(StoreReader& reader, const StoredSignature& row) {
+  if (row.superseded) return kMostPixels;
+  const auto sweep = reader.sweep(row.sweep);
+  if (!sweep.ok()) return sweep.status();
+  return most_px_of(sweep->resolved.sweep());
+}
+
 absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& rows,
                              const std::string& path, const std::string& scale,
-                             const PaintPng& paint) {
+                             const ReadPictures& read) {
   const bool png = path.ends_with(".png");
   if (!png && !path.ends_with(".exr")) {
     return absl::InvalidArgumentError(
@@ -91,33 +129,48 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
   }
   if (!png && !scale.empty())
     return absl::InvalidArgumentError("thumbnail scale: .exr files hold radiance, without a scale");
-  if (!scale.empty())
-    if (absl::Status status = check_scale(scale); !status.ok()) return status;
-  const auto thumbnail = stored_thumbnail(reader, rows);
+  Scale grey;
+  if (!scale.empty()) {
+    const auto parsed = parse_scale(scale);
+    if (!parsed.ok()) return parsed.status();
+    grey = *parsed;
+  }
+  auto thumbnail = stored_thumbnail(reader, rows);
   if (!thumbnail.ok()) return thumbnail.status();
+  const StoredSignature& row = rows.front().signature;
   const auto damaged = [&](std::string_view what) {
     return absl::DataLossError(
-        fmt::format("the stored image of row {} is damaged: {}", rows.front().signature.row, what));
+        fmt::format("the stored image of row {} is damaged: {}", row.row, what));
   };
-  const NextExr none = [] { return std::string(); };
-  if (!png || !scale.empty())  // what no checksum guards is tried
-    if (const auto tried = paint ? paint(thumbnail->exr(), "0,1", none) : ""; !tried.ok())
-      return absl::IsDataLoss(tried.status()) ? damaged(std::string(tried.status().message()))
-                                              : tried.status();
-  if (!png) return replace_file(path, thumbnail->exr());
-  if (scale.empty()) {
+  if (png && scale.empty()) {
     const std::string defect = png_defect(thumbnail->png());
     return defect.empty() ? replace_file(path, thumbnail->png()) : damaged(defect);
   }
-  NextExr others = none;
+  if (!read) return replace_file(path, thumbnail->exr());
+  // What no checksum guards is tried.
+  const auto most_px = most_px_of(reader, row);
+  if (!most_px.ok()) return most_px.status();
+  std::vector<PictureTask> task = {{.exr = thumbnail->exr(), .most_px = *most_px}};
+  const auto answer = [&]() -> absl::StatusOr<PictureAnswer> {
+    auto answers = read(task);
+    if (!answers.ok()) return answers.status();
+    if (answers->size() != 1) return absl::InternalError("one image was asked for");
+    if (const std::string& damage = (*answers)[0].damage; !damage.empty()) return damaged(damage);
+    return std::move((*answers)[0]);
+  };
+  if (const auto tried = answer(); !tried.ok()) return tried.status();
+  if (!png) return replace_file(path, thumbnail->exr());
   if (scale == "common") {
-    auto all = images_like(reader, rows.front().signature);
-    if (!all.ok()) return all.status();
-    others = *std::move(all);
+    const auto hottest = hottest_like(reader, row, *most_px, read);
+    if (!hottest.ok()) return hottest.status();
+    grey = {0, *hottest};
   }
-  const auto bytes = paint(thumbnail->exr(), scale, others);
-  if (!bytes.ok()) return bytes.status();
-  return replace_file(path, *bytes);
+  task[0].paint = true;
+  task[0].black_w_m2_sr = grey.black_w_m2_sr;
+  task[0].white_w_m2_sr = grey.white_w_m2_sr;
+  const auto painted = answer();
+  if (!painted.ok()) return painted.status();
+  return replace_file(path, painted->png);
 }
 
 }  // namespace irsig

@@ -13,6 +13,7 @@
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/machine_memory.h"
 #include "core/base/printable.h"
+#include "core/base/standard_output.h"
 #include "core/image/image.h"
 #include "core/scene/tracer.h"
 #include "worker/lease_loop.h"
@@ -94,7 +95,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (app.exit(error) != 0) return 2;
+    const absl::Status printed = irsig::end_standard_output();
+    return printed.ok() ? 0 : report(printed);
   }
   auto address = irsig::parse_address(coordinator, network);
   if (!address.ok()) return report(address.status());

@@ -1,167 +1,82 @@
-// irsig-picture: an image of radiances (EXR) as PNG, on a scale that other images share, or its
-// pixels.
+// irsig-picture: looks at stored images of radiances (EXR), paints them as PNG or hands out their
+// pixels, for a process that must not crash with OpenEXR and need not load OpenImageIO.
 //
-//   irsig-picture OUT.png SCALE FOLDER
-//   irsig-picture OUT pixels FOLDER
-//   irsig-picture SAID many ASKED
-//
-// FOLDER/picture.exr is painted. SCALE: "common", from 0 to the hottest pixel of all the folder's
-// images, or BLACK,WHITE in W/(m2 sr). "pixels": a line "WIDTH HEIGHT", then float32 of this
-// machine, row by row from the top left. "many": ASKED and SAID are pipes. Each line
-// of ASKED, "OUT<tab>FILE", is answered by a line of SAID, "ok" or what is wrong; the program ends
-// with ASKED. FILE has, of each image, a line
-//
-//   BYTES BLACK WHITE SEEN GAIN PATH BACKGROUND AREA PNG
-//
-// and so many bytes of EXR; SEEN: 1, if the image is to be as seen_from() makes it (image.h) of the
-// four numbers behind it. It is painted from BLACK to WHITE as the file PNG; "-": it is only looked
-// at. OUT has a line of each: "HOTTEST SHOWN LEFT TOP WIDTH HEIGHT": the hottest pixel of what is
-// painted, and where the target is; or "damaged: " and why it cannot be read, as the program says
-// of FOLDER/picture.exr. A program of its own, because OpenImageIO is slow to load.
+// usage: irsig-picture BYTES < tasks > answers     (core/image/apart/picture_apart.h starts it)
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
-#include "absl/strings/numbers.h"
-#include "absl/strings/str_split.h"
+#include "core/base/answer_apart.h"
+#include "core/image/apart/picture_apart.h"
 #include "core/image/image.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+// In the place of a limit of addresses. What OpenImageIO leaks at its errors is the kernel's to
+// take back.
+extern "C" const char* __asan_default_options();
+extern "C" const char* __asan_default_options() {
+  return "detect_leaks=0:max_allocation_size_mb=1024:hard_rss_limit_mb=4096";
+}
+#endif
 
 namespace {
 
-namespace fs = std::filesystem;
-
-absl::StatusOr<irsig::RadianceImage> read(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return irsig::decode_exr(std::string(std::istreambuf_iterator<char>(file), {}));
-}
-
-std::string one_line(const absl::Status& status) {
-  std::string text(status.message());
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
-absl::Status written(const std::string& out, std::ofstream& file) {
-  file.close();
-  return file ? absl::OkStatus() : absl::UnavailableError("cannot write " + out);
-}
-
-absl::Status write_pixels(const std::string& out, const irsig::RadianceImage& image) {
-  std::ofstream file(out, std::ios::binary);
-  file << image.width_px << ' ' << image.height_px << '\n';
-  file.write(reinterpret_cast<const char*>(image.radiance_w_m2_sr.data()),
-             static_cast<std::streamsize>(image.radiance_w_m2_sr.size() * sizeof(float)));
-  return written(out, file);
-}
-
-absl::Status paint(const std::string& out, const std::string& scale_text, const fs::path& folder) {
-  const auto picture = read(folder / "picture.exr");
-  if (!picture.ok()) return absl::DataLossError("damaged: " + one_line(picture.status()));
-  if (scale_text == "pixels") return write_pixels(out, *picture);
-  irsig::GreyScale scale{0, 0};
-  if (scale_text == "common") {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-      const auto image = read(entry.path());
-      if (!image.ok())
-        return absl::DataLossError(
-            "of the images that share the scale one cannot be read (irsig "
-            "export --thumbnails says which): " +
-            one_line(image.status()));
-      for (const float radiance : image->radiance_w_m2_sr)
-        scale.white_w_m2_sr = std::max(scale.white_w_m2_sr, radiance);
-    }
-  } else {
-    const std::vector<std::string> ends = absl::StrSplit(scale_text, ',');
-    if (ends.size() != 2 || !absl::SimpleAtof(ends[0], &scale.black_w_m2_sr) ||
-        !absl::SimpleAtof(ends[1], &scale.white_w_m2_sr))
-      return absl::InvalidArgumentError("scale " + scale_text + ", expected common or BLACK,WHITE");
+irsig::PictureAnswer answer_to(const irsig::PictureTask& task) {
+  irsig::PictureAnswer out;
+  const auto damaged = [&](const absl::Status& why) {
+    out.damage = std::string(why.message());
+    return out;
+  };
+  auto image = irsig::decode_exr(task.exr, task.most_px);
+  if (!image.ok()) return damaged(image.status());
+  const irsig::ImageContent content = irsig::content_of(*image);
+  out.hottest_w_m2_sr = content.hottest_w_m2_sr;
+  out.shown_px = content.shown_px;
+  out.left_px = content.left_px;
+  out.top_px = content.top_px;
+  out.box_width_px = content.width_px;
+  out.box_height_px = content.height_px;
+  out.width_px = image->width_px;
+  out.height_px = image->height_px;
+  if (task.seen) {
+    *image = irsig::seen_from(
+        *image, {task.seen->gain, task.seen->path_radiance_w_m2_sr,
+                 task.seen->background_radiance_w_m2_sr, task.seen->target_area_px});
+    out.hottest_w_m2_sr =
+        *std::max_element(image->radiance_w_m2_sr.begin(), image->radiance_w_m2_sr.end());
   }
-  const auto png = irsig::encode_png(*picture, scale);
-  if (!png.ok()) return png.status();
-  std::ofstream file(out, std::ios::binary);
-  file << *png;
-  return written(out, file);
-}
-
-struct Request {
-  std::size_t bytes;
-  irsig::GreyScale scale;
-  int seen;
-  irsig::SeenFrom from;
-  std::string png;
-};
-
-std::optional<Request> next_request(std::istream& in) {
-  Request r;
-  in >> r.bytes >> r.scale.black_w_m2_sr >> r.scale.white_w_m2_sr >> r.seen >> r.from.gain >>
-      r.from.path_radiance_w_m2_sr >> r.from.background_radiance_w_m2_sr >> r.from.target_area_px;
-  if (!in || in.get() != ' ' || !std::getline(in, r.png)) return std::nullopt;
-  return r;
-}
-
-absl::Status paint_many(const std::string& out_path, const std::string& in_path) {
-  std::ifstream in(in_path, std::ios::binary);
-  std::ofstream out(out_path);
-  std::string exr;
-  while (const auto request = next_request(in)) {
-    exr.resize(request->bytes);
-    in.read(exr.data(), static_cast<std::streamsize>(exr.size()));
-    if (!in) return absl::InvalidArgumentError(in_path + " ends within an image");
-    auto image = irsig::decode_exr(exr);
-    if (!image.ok()) {
-      out << "damaged: " << one_line(image.status()) << '\n';
-      continue;
-    }
-    irsig::ImageContent content = irsig::content_of(*image);
-    if (request->seen != 0) {
-      *image = irsig::seen_from(*image, request->from);
-      content.hottest_w_m2_sr =
-          *std::max_element(image->radiance_w_m2_sr.begin(), image->radiance_w_m2_sr.end());
-    }
-    if (request->png != "-") {
-      const auto png = irsig::encode_png(*image, request->scale);
-      if (!png.ok()) return png.status();
-      std::ofstream file(request->png, std::ios::binary);
-      file << *png;
-      if (absl::Status s = written(request->png, file); !s.ok()) return s;
-    }
-    char line[160];
-    std::snprintf(line, sizeof line, "%.9g %u %u %u %u %u\n",
-                  static_cast<double>(content.hottest_w_m2_sr), content.shown_px, content.left_px,
-                  content.top_px, content.width_px, content.height_px);
-    out << line;
+  if (task.paint) {
+    auto png = irsig::encode_png(*image, {task.black_w_m2_sr, task.white_w_m2_sr});
+    if (!png.ok()) return damaged(png.status());
+    out.png = *std::move(png);
   }
-  if (!in.eof()) return absl::InvalidArgumentError(in_path + ": a line that is no image's");
-  return written(out_path, out);
+  if (task.pixels) out.pixel = std::move(image->radiance_w_m2_sr);
+  return out;
 }
 
-absl::Status serve(const std::string& said_path, const std::string& asked_path) {
-  std::ifstream asked(asked_path);
-  std::ofstream said(said_path);
-  std::string line;
-  while (std::getline(asked, line)) {
-    const std::vector<std::string> files = absl::StrSplit(line, '\t');
-    absl::Status done = files.size() == 2 ? paint_many(files[0], files[1])
-                                          : absl::InvalidArgumentError("no two files: " + line);
-    said << (done.ok() ? "ok" : one_line(done)) << std::endl;
-  }
-  return absl::OkStatus();
+absl::StatusOr<std::vector<irsig::PictureAnswer>> answers_to(std::string bytes) {
+  const auto tasks = irsig::decode_tasks(bytes);
+  if (!tasks.ok()) return tasks.status();
+  bytes.clear();
+  std::vector<irsig::PictureAnswer> out;
+  for (const irsig::PictureTask& task : *tasks) out.push_back(answer_to(task));
+  return out;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: irsig-picture OUT SCALE|pixels FOLDER, SAID many ASKED\n");
+  std::uint64_t bytes = 0;
+  const std::string_view count = argc == 2 ? argv[1] : "";
+  if (std::from_chars(count.data(), count.data() + count.size(), bytes).ec != std::errc()) {
+    std::fputs("irsig-picture: started by irsig, not by hand\n", stderr);
     return 2;
   }
-  const absl::Status status =
-      std::string(argv[2]) == "many" ? serve(argv[1], argv[3]) : paint(argv[1], argv[2], argv[3]);
-  if (status.ok()) return 0;
-  std::fprintf(stderr, "irsig-picture: %s\n", std::string(status.message()).c_str());
-  return 1;
+  irsig::answer_apart(
+      bytes, [](std::string tasks) { return irsig::encode_answers(answers_to(std::move(tasks))); },
+      [](const absl::Status& why) { return irsig::encode_answers(why); });
 }

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 
@@ -21,8 +22,8 @@ template <typename Value>
     if (name == given) return value;
     names.append(names.empty() ? "" : ", ").append(name);
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      std::string(key), ": there is no \"", std::string(given), "\"; expected one of ", names));
+  return keyed_problem(std::string(key),
+                       absl::StrCat("there is no \"", std::string(given), "\"; expected one of ", names));
 }
 
 }  // namespace irsig

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/geo/sun.h"
 
@@ -38,11 +39,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const std::uint32_t number = of.of_condition[conditions.size()];
     if (number == weathers.size()) {
       auto weather = weather_from_message(c.weather(), c.surroundings());
-      if (!weather.ok()) {
-        return absl::Status(
-            weather.status().code(),
-            absl::StrCat("season[", c.season_index(), "]: ", weather.status().message()));
-      }
+      if (!weather.ok())
+        return at_key(absl::StrCat("season[", c.season_index(), "]"), weather.status());
       weathers.push_back(*std::move(weather));
     }
     ConditionEnvironment& condition = conditions.emplace_back();

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/named.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 namespace {
@@ -80,8 +81,7 @@ absl::StatusOr<AerosolKind> aerosol_named(std::string_view name) {
   for (std::size_t i = 0; i < kAerosolNames.size(); ++i) {
     if (name == kAerosolNames[i]) return static_cast<AerosolKind>(i);
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("air.aerosol: there is no \"", std::string(name), "\""));
+  return keyed_problem("air.aerosol", absl::StrCat("there is no \"", std::string(name), "\""));
 }
 
 absl::StatusOr<AirProfile> profile_from_message(const schema::Weather& weather) {

@@ -67,7 +67,7 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
   std::swap(pid_, other.pid_);
   std::swap(log_path_, other.log_path_);
   std::swap(running_, other.running_);
-  std::swap(succeeded_, other.succeeded_);
+  std::swap(exit_code_, other.exit_code_);
   std::swap(end_, other.end_);
   return *this;
 }
@@ -83,7 +83,7 @@ std::optional<std::string> ChildProcess::ended() {
   const pid_t got = waitpid(pid_, &status, WNOHANG);
   if (got == 0 || (got < 0 && errno == EINTR)) return std::nullopt;
   running_ = false;
-  succeeded_ = got == pid_ && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (got == pid_ && WIFEXITED(status)) exit_code_ = WEXITSTATUS(status);
   end_ = WIFSIGNALED(status) ? absl::StrCat("killed by signal ", WTERMSIG(status))
                              : absl::StrCat("exit code ", WEXITSTATUS(status));
   return end_;

@@ -24,7 +24,9 @@ class ChildProcess {
 
   // How it ended ("killed by signal 9", "exit code 1"); nullopt while it runs.
   [[nodiscard]] std::optional<std::string> ended();
-  [[nodiscard]] bool succeeded() const { return succeeded_; }  // ended with exit code 0
+  [[nodiscard]] bool succeeded() const { return exit_code_ == 0; }
+  // Of one that has ended by itself; nullopt while it runs, or if it was killed.
+  [[nodiscard]] std::optional<int> exit_code() const { return exit_code_; }
   void signal(int number) const;
   // Waits for its end, at most so long, then kills it. True if it ended by itself.
   bool wait(double seconds);
@@ -39,7 +41,7 @@ class ChildProcess {
   pid_t pid_ = -1;  // -1: moved from
   std::string log_path_;
   bool running_ = true;
-  bool succeeded_ = false;
+  std::optional<int> exit_code_;
   std::string end_;
 };
 

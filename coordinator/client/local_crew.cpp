@@ -33,15 +33,15 @@ absl::Status LocalCrew::keep_alive(std::uint64_t jobs_settled) {
     const auto ending = workers_[slot]->ended();
     if (!ending || workers_[slot]->succeeded()) continue;
     const std::string words = last_message(workers_[slot]->last_words(), "irsig-worker");
-    if (*ending == "exit code 3") {  // set aside; the others go on
+    if (workers_[slot]->exit_code() == 3) {  // set aside; the others go on
       const bool all = std::all_of(workers_.begin(), workers_.end(), [](const auto& worker) {
-        return worker->ended() == "exit code 3";
+        return worker->ended() && worker->exit_code() == 3;
       });
       if (all) return absl::AbortedError(words);
       continue;
     }
     // Refused by the coordinator, as the next one would be.
-    if (*ending == "exit code 2") return absl::FailedPreconditionError(words);
+    if (workers_[slot]->exit_code() == 2) return absl::FailedPreconditionError(words);
     if (deaths_.too_many(jobs_settled))
       return absl::AbortedError(absl::StrCat("workers keep dying (", *ending, "): ", words));
     if (auto status = start_worker(slot); !status.ok()) return status;

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <thread>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "coordinator/client/authority.h"
 #include "coordinator/client/farm_client.h"
@@ -30,11 +29,13 @@ namespace fs = std::filesystem;
 constexpr const char* kWarning = "warning: ";
 
 // Our executables end with 2 when what they were given is wrong.
-absl::Status as_status(const std::string& ending, const std::string& words) {
+absl::Status end_of(ChildProcess& coordinator) {
+  const std::string ending = coordinator.ended().value_or("still running"),
+                    words = coordinator.last_words();
   const std::string message =
       words.empty() ? "the coordinator ended: " + ending : last_message(words, "irsig-coordinator");
-  return ending == "exit code 2" ? absl::InvalidArgumentError(message)
-                                 : absl::AbortedError(message);
+  return coordinator.exit_code() == 2 ? absl::InvalidArgumentError(message)
+                                      : absl::AbortedError(message);
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ absl::Status LocalFarm::make_crew() {
 
 absl::StatusOr<bool> LocalFarm::answers(const std::string& log) {
   if (!plan_.slurm)
-    return std::filesystem::exists(address_.unix_path) && farm_status(address_, 5).ok();
+    return ::access(address_.unix_path.c_str(), F_OK) == 0 && farm_status(address_, 5).ok();
   // The port, once the first one has chosen it, stays: workers come back to it.
   std::ifstream file(log);
   std::string line;
@@ -152,9 +153,7 @@ absl::Status LocalFarm::start_coordinator() {
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::duration<double>(kCoordinatorStart_s);
   while (std::chrono::steady_clock::now() < deadline) {
-    if (const auto ending = coordinator_->ended()) {
-      return as_status(*ending, coordinator_->last_words());
-    }
+    if (coordinator_->ended()) return end_of(*coordinator_);
     const auto there = answers(log);
     if (!there.ok()) return there.status();
     if (*there) return absl::OkStatus();
@@ -168,11 +167,10 @@ absl::Status LocalFarm::start_coordinator() {
 absl::Status LocalFarm::start_workers() { return crew_->start(); }
 
 absl::Status LocalFarm::keep_alive(std::uint64_t jobs_settled) {
-  if (const auto ending = coordinator_->ended()) {
+  if (coordinator_->ended()) {
     // It ends by itself only when it cannot go on (a full disk): then another one could not either.
-    if (!absl::StartsWith(*ending, "killed") || ++coordinator_deaths_ > kCoordinatorDeaths) {
-      return as_status(*ending, coordinator_->last_words());
-    }
+    if (coordinator_->exit_code() || ++coordinator_deaths_ > kCoordinatorDeaths)
+      return end_of(*coordinator_);
     if (auto status = start_coordinator(); !status.ok()) return status;
   }
   return crew_->keep_alive(jobs_settled);
@@ -187,7 +185,7 @@ absl::Status LocalFarm::stop() {
         "was not folded in");
   }
   if (!coordinator_->succeeded()) {
-    return as_status(coordinator_->ended().value_or(""), coordinator_->last_words());
+    return end_of(*coordinator_);
   }
   const std::string words = last_message(coordinator_->last_words(), "irsig-coordinator");
   if (words.starts_with(kWarning)) warning_ = words.substr(std::strlen(kWarning));

@@ -137,12 +137,12 @@ absl::Status SlurmCrew::start() {
 absl::Status SlurmCrew::keep_alive(std::uint64_t jobs_settled) {
   if (now_s() < next_look_s_) return absl::OkStatus();
   next_look_s_ = now_s() + kBetweenLooks_s;
-  const auto queue =
-      run({squeue_, "--noheader", "--array", "--jobs=" + job_, "--format=%T"}, "squeue");
-  // A controller that is away comes back; an array that it has forgotten is over.
-  if (!queue.ok() && queue.status().message().find("Invalid job id") == std::string_view::npos)
-    return absl::OkStatus();
-  if (queue.ok() && !absl::StripAsciiWhitespace(*queue).empty()) return absl::OkStatus();
+  // All of this user's: asked for one that it has forgotten, squeue fails as it does without a
+  // controller.
+  const auto queue = run({squeue_, "--noheader", "--me", "--format=%F"}, "squeue");
+  if (!queue.ok()) return absl::OkStatus();  // a controller that is away comes back
+  for (const absl::string_view array : absl::StrSplit(*queue, '\n'))
+    if (absl::StripAsciiWhitespace(array) == job_) return absl::OkStatus();
   if (deaths_.too_many(jobs_settled)) {
     std::ifstream log(folder_ + "/worker-1.log");
     std::stringstream words;

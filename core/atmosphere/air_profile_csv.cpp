@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "core/atmosphere/air_profile.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 namespace {
@@ -84,13 +85,13 @@ class ProfileReader {
     if (errors_.empty() && profile_.level.size() < 2) {
       error(line_number + 1, 1, "expected at least two levels");
     }
-    if (!errors_.empty()) return absl::InvalidArgumentError(absl::StrJoin(errors_, "\n"));
+    if (!errors_.empty()) return problem_status(errors_);
     return join_base();
   }
 
  private:
   void error(int line, int column, std::string_view what) {
-    errors_.push_back(absl::StrFormat("%s:%d:%d: %s", file_, line, column, what));
+    errors_.push_back({absl::StrFormat("%s:%d:%d", file_, line, column), "", std::string(what)});
   }
 
   static std::vector<Field> split(std::string_view line, int line_number) {
@@ -251,7 +252,7 @@ class ProfileReader {
   std::string_view text_, file_;
   const AirProfile& base_;
   std::vector<Column> header_;
-  std::vector<std::string> errors_;
+  std::vector<Problem> errors_;
   AirProfile profile_;
 };
 

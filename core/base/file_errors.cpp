@@ -7,15 +7,14 @@ namespace irsig {
 
 void FileErrors::add(std::size_t line, std::size_t column, std::string_view what) {
   if (full()) return;
-  absl::StrAppend(&text_, any() ? "\n" : "", file_name_, ":", line, ":", column, ": ",
-                  one_line(what));
-  ++count_;
+  found_.push_back({absl::StrCat(file_name_, ":", line, ":", column), "", one_line(what)});
 }
 
 absl::Status FileErrors::status() const {
-  if (!any()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      full() ? absl::StrCat(text_, "\n", file_name_, ": too many errors, reading stopped") : text_);
+  std::vector<Problem> found = found_;
+  if (full())
+    found.push_back({"", "", absl::StrCat(file_name_, ": too many errors, reading stopped")});
+  return problem_status(found);
 }
 
 }  // namespace irsig

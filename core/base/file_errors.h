@@ -3,8 +3,10 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 
@@ -16,14 +18,14 @@ class FileErrors {
 
   // line, column: from 1. what: may quote the file, whatever stands there; it becomes one line.
   void add(std::size_t line, std::size_t column, std::string_view what);
-  [[nodiscard]] bool any() const { return count_ > 0; }
-  [[nodiscard]] bool full() const { return count_ >= 10; }
-  // INVALID_ARGUMENT, a line "file:line:column: ..." for each; OK if there are none.
+  [[nodiscard]] bool any() const { return !found_.empty(); }
+  [[nodiscard]] bool full() const { return found_.size() >= 10; }
+  // INVALID_ARGUMENT, a problem (problems.h) for each; OK if there are none.
   [[nodiscard]] absl::Status status() const;
 
  private:
-  std::string file_name_, text_;
-  int count_ = 0;
+  std::string file_name_;
+  std::vector<Problem> found_;
 };
 
 }  // namespace irsig

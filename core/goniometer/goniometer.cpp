@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "core/base/constants.h"
+#include "core/base/problems.h"
 #include "core/base/sobol.h"
 #include "core/transport/path_tracer.h"
 #include "core/transport/primary_rays.h"
@@ -217,8 +218,9 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
   for (const GoniometerBand& b : scene.band) {
     const auto grid = make_band_grid(b.band);
     if (!grid.ok())
-      return absl::InvalidArgumentError(
-          absl::StrCat("band \"", b.band.name, "\": ", grid.status().message()));
+      return problem_status(
+          {{"", absl::StrCat("band[", &b - scene.band.data(), "]"),
+            absl::StrCat("band \"", b.band.name, "\": ", grid.status().message())}});
     lambda_min_um = std::min(lambda_min_um, b.band.lambda_min_um);
     lambda_max_um = std::max(lambda_max_um, b.band.lambda_max_um);
     if (b.spectral) {
@@ -247,13 +249,14 @@ absl::StatusOr<GoniometerResult> run_goniometer(const GoniometerScene& scene,
   for (std::size_t i = 0; i < scene.material.size(); ++i) {
     auto m = Material::prepare(scene.material[i], node_um, lambda_min_um, lambda_max_um);
     if (!m.ok())
-      return absl::InvalidArgumentError(absl::StrCat("material[", i, "]: ", m.status().message()));
+      return at_key(absl::StrCat("material[", i, "]"), m.status());
     const bool allowed = i < scene.allow_energy_gain.size() && scene.allow_energy_gain[i];
     if (m->creates_energy() && !allowed)
-      return absl::InvalidArgumentError(absl::StrCat(
-          "material[", i, "].allow_energy_gain: is not true, but \"", scene.material[i].name,
-          "\" emits and reflects more than it receives in these bands, expected "
-          "allow_energy_gain = true or another material"));
+      return keyed_problem(
+          absl::StrCat("material[", i, "].allow_energy_gain"),
+          absl::StrCat("is not true, but \"", scene.material[i].name,
+                       "\" emits and reflects more than it receives in these bands, expected "
+                       "allow_energy_gain = true or another material"));
     out.creates_energy |= m->creates_energy();
     material.push_back(*std::move(m));
   }

@@ -90,7 +90,7 @@ absl::StatusOr<std::string> encode_png(const RadianceImage& image, const GreySca
   return encode("radiance.png", spec, grey.data());
 }
 
-absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes) {
+absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes, std::uint32_t most_px) {
   without_threads();
   oiio::Filesystem::IOMemReader memory(bytes.data(), bytes.size());
   const std::unique_ptr<oiio::ImageInput> input =
@@ -99,6 +99,12 @@ absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes) {
   const oiio::ImageSpec& spec = input->spec();
   if (spec.nchannels != 1 || spec.width < 1 || spec.height < 1)
     return absl::InvalidArgumentError("image: expected one channel");
+  const auto side = static_cast<std::uint32_t>(std::max(spec.width, spec.height));
+  if (side > most_px)
+    return absl::InvalidArgumentError(
+        "image: its header states " + std::to_string(spec.width) + " x " +
+        std::to_string(spec.height) + " pixels, expected sides of at most " +
+        std::to_string(most_px) + ", as its sweep asked for");
   RadianceImage image{
       static_cast<std::uint32_t>(spec.width), static_cast<std::uint32_t>(spec.height), {}};
   image.radiance_w_m2_sr.resize(std::size_t{image.width_px} * image.height_px);

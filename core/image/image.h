@@ -61,7 +61,9 @@ struct ImageContent {
 };
 [[nodiscard]] ImageContent content_of(const RadianceImage& image);
 
-// The pixels of an EXR file written by encode_exr.
-[[nodiscard]] absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes);
+// The pixels of an EXR file written by encode_exr. INVALID_ARGUMENT: it is none, it is damaged, or
+// its header states a side of more than most_px pixels, of which none is read then.
+[[nodiscard]] absl::StatusOr<RadianceImage> decode_exr(std::string_view bytes,
+                                                       std::uint32_t most_px);
 
 }  // namespace irsig

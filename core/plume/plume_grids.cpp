@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/base/problems.h"
 #include "fmt/format.h"
 
 namespace irsig {
@@ -29,7 +30,7 @@ std::string names_of(const Unit (&units)[N]) {
 
 class Checker {
  public:
-  Checker(PlumeReading& reading, std::vector<std::string>& wrong)
+  Checker(PlumeReading& reading, Problems& wrong)
       : reading_(reading), wrong_(wrong) {}
 
   template <std::size_t N>
@@ -40,27 +41,28 @@ class Checker {
     const Unit* unit = std::find_if(std::begin(units), std::end(units),
                                     [&](const Unit& u) { return u.name == said.unit; });
     if (unit == std::end(units)) {
-      wrong_.push_back(
-          fmt::format("{}: unit \"{}\", expected {}", name, said.unit, names_of(units)));
+      wrong_.add(keyed_problem(
+          name, fmt::format("unit \"{}\", expected {}", said.unit, names_of(units))));
       return out;
     }
     out.scale = unit->scale;
     out.offset = unit->offset;
     if (said.grid.empty() == !said.constant) {
-      wrong_.push_back(
-          said.constant
-              ? fmt::format("{}: both a grid and a constant, expected one of them", name)
-              : fmt::format("{}: neither a grid nor a constant; for none of it, constant 0", name));
+      wrong_.add(keyed_problem(
+          name, said.constant ? "both a grid and a constant, expected one of them"
+                              : "neither a grid nor a constant; for none of it, constant 0"));
     } else if (said.constant) {
       out.constant = out.scale * *said.constant + out.offset;
       // Written so that NaN is outside.
       if (!(out.constant >= least && out.constant <= most))
-        wrong_.push_back(fmt::format("{}: constant {} {}, expected {:g} to {:g} {}", name,
-                                     *said.constant, unit->name, (least - out.offset) / out.scale,
-                                     (most - out.offset) / out.scale, unit->name));
+        wrong_.add(keyed_problem(
+            name, fmt::format("constant {} {}, expected {:g} to {:g} {}", *said.constant,
+                              unit->name, (least - out.offset) / out.scale,
+                              (most - out.offset) / out.scale, unit->name)));
     } else if (std::find(reading_.grid.begin(), reading_.grid.end(), said.grid) !=
                reading_.grid.end()) {
-      wrong_.push_back(fmt::format("{}: grid \"{}\" is another quantity already", name, said.grid));
+      wrong_.add(keyed_problem(
+          name, fmt::format("grid \"{}\" is another quantity already", said.grid)));
     } else {
       out.channel = static_cast<int>(reading_.grid.size());
       reading_.grid.push_back(said.grid);
@@ -70,7 +72,7 @@ class Checker {
 
  private:
   PlumeReading& reading_;
-  std::vector<std::string>& wrong_;
+  Problems& wrong_;
 };
 
 std::optional<std::array<double, 3>> axis_of(std::string_view name) {
@@ -82,18 +84,19 @@ std::optional<std::array<double, 3>> axis_of(std::string_view name) {
 }
 
 // Rows forward, starboard = forward x up, down; as models have them (core/scene/mesh.h).
-void check_axes(const PlumeGrids& grids, PlumeReading& reading, std::vector<std::string>& wrong) {
+void check_axes(const PlumeGrids& grids, PlumeReading& reading, Problems& wrong) {
   const auto forward = axis_of(grids.forward_axis), up = axis_of(grids.up_axis);
   if (!forward || !up ||
       (*forward)[0] * (*up)[0] + (*forward)[1] * (*up)[1] + (*forward)[2] * (*up)[2] != 0) {
-    wrong.push_back(fmt::format(
-        "forward_axis \"{}\" and up_axis \"{}\", expected two of +x, -x, +y, -y, +z, -z that are "
-        "perpendicular",
-        grids.forward_axis, grids.up_axis));
+    wrong.add({"", "forward_axis",
+               fmt::format("forward_axis \"{}\" and up_axis \"{}\", expected two of +x, -x, +y, "
+                           "-y, +z, -z that are perpendicular",
+                           grids.forward_axis, grids.up_axis)});
     return;
   }
   if (!(grids.unit_m > 0) || !std::isfinite(grids.unit_m))
-    wrong.push_back(fmt::format("unit_m = {}, expected a positive number of metres", grids.unit_m));
+    wrong.add({"", "unit_m",
+               fmt::format("unit_m = {}, expected a positive number of metres", grids.unit_m)});
   const double at[] = {grids.position_m.x, grids.position_m.y, grids.position_m.z};
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
@@ -102,7 +105,7 @@ void check_axes(const PlumeGrids& grids, PlumeReading& reading, std::vector<std:
     reading.body_from_world[4 + c] = grids.unit_m * starboard;
     reading.body_from_world[8 + c] = -grids.unit_m * (*up)[c];
     reading.body_from_world[4 * c + 3] = at[c];
-    if (!std::isfinite(at[c])) wrong.push_back("position_m is not finite");
+    if (!std::isfinite(at[c])) wrong.add({"", "position_m", "position_m is not finite"});
   }
 }
 
@@ -110,7 +113,7 @@ void check_axes(const PlumeGrids& grids, PlumeReading& reading, std::vector<std:
 
 absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids) {
   PlumeReading out;
-  std::vector<std::string> wrong;
+  Problems wrong;
   Checker checker(out, wrong);
   out.temperature =
       checker.check("temperature", grids.temperature, kTemperatureUnits, kLeastPlumeK, kMostPlumeK);
@@ -127,15 +130,13 @@ absl::StatusOr<PlumeReading> check_plume_grids(const PlumeGrids& grids) {
   out.interpolation = grids.interpolation;
   check_axes(grids, out, wrong);
   if (wrong.empty() && !any)
-    wrong.push_back("no gas: co2, h2o, co and soot are all the constant 0");
+    wrong.add({"", "", "no gas: co2, h2o, co and soot are all the constant 0; state one of them"});
   if (wrong.empty() && !grid)
-    wrong.push_back(
-        "no grid: temperature and all species are constants, so that nothing says "
-        "where the gas is");
-  if (wrong.empty()) return out;
-  std::string text;
-  for (const std::string& what : wrong) text += (text.empty() ? "" : "\n") + what;
-  return absl::InvalidArgumentError(text);
+    wrong.add({"", "",
+               "no grid: temperature and all species are constants, so that nothing says where the "
+               "gas is; name a grid of the file for one of them"});
+  if (!wrong.empty()) return wrong.status();
+  return out;
 }
 
 }  // namespace irsig

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 
@@ -13,13 +14,16 @@ absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
                                                           const std::vector<PartSpec>& parts) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> part_of_group(mesh.group.size(), kNone);
-  std::vector<std::string> errors;
+  Problems errors;
+  const auto wrong = [&](const std::string& key, const std::string& what) {
+    errors.add(keyed_problem(key, what));
+  };
   std::uint32_t rest = kNone;
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
     if (parts[i].rest) {
       if (rest != kNone)
-        errors.push_back(absl::StrCat("part[", i, "].rest: part \"", parts[rest].name,
-                                      "\" takes the rest already"));
+        wrong(absl::StrCat("part[", i, "].rest"),
+              absl::StrCat("part \"", parts[rest].name, "\" takes the rest already"));
       rest = i;
       continue;
     }
@@ -31,17 +35,18 @@ absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
         if (!group_matches(mesh.group[g], patterns[k])) continue;
         matched = true;
         if (part_of_group[g] != kNone && part_of_group[g] != i)
-          errors.push_back(absl::StrCat("part[", i, "]: group \"", mesh.group[g],
-                                        "\" of the model already belongs to part \"",
-                                        parts[part_of_group[g]].name, "\""));
+          wrong(absl::StrCat("part[", i, "]"),
+                absl::StrCat("group \"", mesh.group[g],
+                             "\" of the model already belongs to part \"",
+                             parts[part_of_group[g]].name, "\""));
         else
           part_of_group[g] = i;
       }
       if (!matched)
-        errors.push_back(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match",
-                                      ": no group of the model matches \"", patterns[k],
-                                      "\" (its groups: ", absl::StrJoin(mesh.group, ", "),
-                                      "), expected match = [\"GROUP\"] or rest = true"));
+        wrong(absl::StrCat("part[", i, "]", parts[i].match.empty() ? ".name" : ".match"),
+              absl::StrCat("no group of the model matches \"", patterns[k], "\" (its groups: ",
+                           absl::StrJoin(mesh.group, ", "),
+                           "), expected match = [\"GROUP\"] or rest = true"));
     }
   }
   std::vector<bool> used(mesh.group.size(), false);
@@ -53,12 +58,12 @@ absl::StatusOr<std::vector<std::uint32_t>> part_of_groups(const Mesh& mesh,
       any_left = any_left || used[g];
     }
   if (rest != kNone && !any_left)
-    errors.push_back(absl::StrCat("part[", rest, "].rest: no group of the model is left for it"));
+    wrong(absl::StrCat("part[", rest, "].rest"), "no group of the model is left for it");
   for (std::size_t g = 0; g < mesh.group.size(); ++g)
     if (used[g] && part_of_group[g] == kNone)
-      errors.push_back(absl::StrCat("part: no part matches group \"", mesh.group[g],
-                                    "\" of the model, so it has neither material nor temperature"));
-  if (!errors.empty()) return absl::InvalidArgumentError(absl::StrJoin(errors, "\n"));
+      wrong("part", absl::StrCat("no part matches group \"", mesh.group[g],
+                                 "\" of the model, so it has neither material nor temperature"));
+  if (!errors.empty()) return errors.status();
   return part_of_group;
 }
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/accuracy/pilot_samples.h"
 #include "core/base/constants.h"
+#include "core/base/problems.h"
 #include "core/signature/aim_at_bright.h"
 #include "core/signature/effect_bounds.h"
 #include "core/signature/pass.h"
@@ -332,13 +333,13 @@ absl::Status check_request(const PreparedScene& scene, const ViewRequest& reques
       return absl::InvalidArgumentError("a condition does not state one temperature for each part");
   for (const ConditionSpec& c : request.condition)
     if (c.surroundings.kind != request.condition.front().surroundings.kind)
-      return absl::InvalidArgumentError(
-          "surroundings.kind: all conditions of a sweep need the same kind, since paths are traced "
-          "once for all");
+      return keyed_problem("surroundings.kind",
+                           "all conditions of a sweep need the same kind, since paths are traced "
+                           "once for all");
   if (request.accuracy.max_samples_per_replicate > kMostSamples ||
       request.accuracy.samples_per_replicate > kMostSamples)
-    return absl::InvalidArgumentError(absl::StrCat("accuracy: more than ", kMostSamples,
-                                                   " samples in a replicate; use more replicates"));
+    return keyed_problem("accuracy", absl::StrCat("more than ", kMostSamples,
+                                                  " samples in a replicate; use more replicates"));
   if (request.condition.empty() || scene.band.empty())
     return absl::InvalidArgumentError("a sweep needs a condition and a band");
   if (request.condition.front().surroundings.kind != SurroundingsKind::kNone) {
@@ -346,9 +347,10 @@ absl::Status check_request(const PreparedScene& scene, const ViewRequest& reques
     const double along = viewpoint.range_m * std::cos(el);
     const double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
     if (height < 0)
-      return absl::InvalidArgumentError(
-          absl::StrCat("viewpoints: a sensor at ", viewpoint.range_m, " m range and ",
-                       viewpoint.aspect_elevation_deg, " deg elevation is under the sea"));
+      return keyed_problem("viewpoints",
+                           absl::StrCat("a sensor at ", viewpoint.range_m, " m range and ",
+                                        viewpoint.aspect_elevation_deg,
+                                        " deg elevation is under the sea"));
   }
 
   return absl::OkStatus();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 #include "core/materials/spectra.h"
 #include "core/signature/scene_hash.h"
 #include "core/spectral/solar.h"
@@ -41,7 +42,9 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   for (const Band& band : spec.band) {
     const TableCorners corners = corners_of(spec.material, band);
     auto grid = make_band_grid(band, spec.spectral_breaks_um, corners.um);
-    if (!grid.ok()) return grid.status();
+    if (!grid.ok())
+      return problem_status({{"", absl::StrCat("band[", grids.size(), "]"),
+                              std::string(grid.status().message())}});
     out.corners_left_out.push_back(corners.left_out);
     out.sun_quadrature.push_back(solar_quadrature(band, *grid));
     grids.push_back(*std::move(grid));
@@ -55,8 +58,7 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
     const MaterialSpec& m = spec.material[i];
     auto prepared = Material::prepare(m, node_um, sorted.front(), sorted.back());
     if (!prepared.ok())
-      return absl::Status(prepared.status().code(),
-                          absl::StrCat("material[", i, "]: ", prepared.status().message()));
+      return at_key(absl::StrCat("material[", i, "]"), prepared.status());
     out.material.push_back(*std::move(prepared));
     hash.add(m);
   }

@@ -77,8 +77,8 @@ class CourseMaker {
           " W/m2, of a black one ", std::round(odd_sky_.black_w_m2)));
     // Whatever else is wrong is wrong with the file as a whole.
     if (const absl::Status status = check_course(out_.course); !status.ok())
-      return absl::InvalidArgumentError(absl::StrCat(file_.name, ":", used.front().row->line,
-                                                     ":1: from here: ", status.message()));
+      return placed_problem(absl::StrCat(file_.name, ":", used.front().row->line, ":1"),
+                            absl::StrCat("from here: ", status.message()));
     return std::move(out_);
   }
 

@@ -365,8 +365,8 @@ absl::StatusOr<WeatherFile> read_weather_file(std::string_view text, const std::
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
   if (absl::EndsWithIgnoreCase(file_name, ".epw")) return RowReader(text, file_name).epw();
   if (!absl::EndsWithIgnoreCase(file_name, ".csv"))
-    return absl::InvalidArgumentError(
-        absl::StrCat(file_name, ":1:1: expected a weather file that ends in .epw or .csv"));
+    return placed_problem(absl::StrCat(file_name, ":1:1"),
+                          "expected a weather file that ends in .epw or .csv");
   CsvRows head(text);
   (void)head.next_with_remarks();
   if (head.next_with_remarks() && head.whole().starts_with("Date (MM/DD/YYYY)"))

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 
@@ -279,15 +280,17 @@ absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
                                                                 viewpoint.aspect_elevation_deg) -
                            target.centre;
   if (look_at_hull(target, sensor).depth_m > 0.01 * target.radius_m) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "viewpoints.range_m: a sensor at ", viewpoint.range_m, " m, azimuth ",
-      viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
-      " deg is inside the target's convex hull or hardly outside; the target reaches ",
-      length(target.centre) + target.radius_m, " m from its reference point",
-      length(target.centre) + target.radius_m > 1000 ? " (is the model's unit right?)"
-      : viewpoint.range_m <= 100 ? absl::StrCat(" (is it in km? ", viewpoint.range_m, " km are ",
-                                                1000 * viewpoint.range_m, " m)")
-                                 : ""));
+  return keyed_problem(
+      "viewpoints.range_m",
+      absl::StrCat("a sensor at ", viewpoint.range_m, " m, azimuth ", viewpoint.aspect_azimuth_deg,
+                   ", elevation ", viewpoint.aspect_elevation_deg,
+                   " deg is inside the target's convex hull or hardly outside; the target reaches ",
+                   length(target.centre) + target.radius_m, " m from its reference point",
+                   length(target.centre) + target.radius_m > 1000 ? " (is the model's unit right?)"
+                   : viewpoint.range_m <= 100
+                       ? absl::StrCat(" (is it in km? ", viewpoint.range_m, " km are ",
+                                      1000 * viewpoint.range_m, " m)")
+                       : ""));
 }
 
 namespace {
@@ -390,10 +393,11 @@ absl::StatusOr<AimedView> make_boxed_view(const Target& target, const Viewpoint&
     for (const Vec<Body>& corner : box)
       nearest_m = std::min(nearest_m, 0.999 * dot(from_sensor(corner), frame.forward));
   if (!(nearest_m > 0.01 * viewpoint.range_m))
-    return absl::InvalidArgumentError(
-        absl::StrCat("viewpoints.range_m: hot gas reaches to the sensor at ", viewpoint.range_m,
-                     " m, azimuth ", viewpoint.aspect_azimuth_deg, ", elevation ",
-                     viewpoint.aspect_elevation_deg, " deg, or behind it"));
+    return keyed_problem(
+        "viewpoints.range_m",
+        absl::StrCat("hot gas reaches to the sensor at ", viewpoint.range_m, " m, azimuth ",
+                     viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
+                     " deg, or behind it"));
   frame.plane_m = std::min(frame.plane_m, nearest_m);
   struct Rectangle {
     double x0, y0, x1, y1;

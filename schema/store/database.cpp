@@ -1,7 +1,10 @@
 #include "schema/store/database.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -249,6 +252,28 @@ absl::Status Savepoint::keep() {
   return absl::OkStatus();
 }
 
+absl::Status unusable_file(const std::string& path, std::string_view used, int error) {
+  const std::string message =
+      absl::StrCat(path, ": cannot be ", std::string(used), ": ", std::strerror(error));
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+      return absl::NotFoundError(message);
+    case EACCES:
+    case EPERM:
+    case EROFS:
+    case ELOOP:
+    case ENAMETOOLONG:
+    case EISDIR:
+      return absl::InvalidArgumentError(message);
+    case ENOSPC:
+    case EDQUOT:
+      return absl::ResourceExhaustedError(message);
+    default:
+      return absl::UnavailableError(message);
+  }
+}
+
 absl::StatusOr<FileHeader> read_file_header(const std::string& path) {
   constexpr std::size_t kHeaderBytes = 100;
   sqlite3_vfs* vfs = sqlite3_vfs_find(nullptr);
@@ -268,7 +293,10 @@ absl::StatusOr<FileHeader> read_file_header(const std::string& path) {
       vfs->xOpen(vfs, name.c_str(), file, SQLITE_OPEN_READONLY | SQLITE_OPEN_MAIN_DB, nullptr);
   if (opened != SQLITE_OK) {
     if (file->pMethods != nullptr) file->pMethods->xClose(file);
-    return absl::PermissionDeniedError(absl::StrCat(path, ": cannot be read"));
+    // SQLite does not say why.
+    const int file_or_error = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (file_or_error >= 0) ::close(file_or_error);
+    return unusable_file(path, "read", file_or_error < 0 ? errno : EIO);
   }
   sqlite3_int64 size = 0;
   unsigned char bytes[kHeaderBytes] = {};
@@ -277,9 +305,8 @@ absl::StatusOr<FileHeader> read_file_header(const std::string& path) {
                        ? file->pMethods->xRead(file, bytes, static_cast<int>(kHeaderBytes), 0)
                        : SQLITE_OK;
   file->pMethods->xClose(file);
-  if (sized != SQLITE_OK || read != SQLITE_OK) {
-    return absl::PermissionDeniedError(absl::StrCat(path, ": cannot be read"));
-  }
+  if (sized != SQLITE_OK || read != SQLITE_OK)
+    return absl::DataLossError(absl::StrCat(path, ": cannot be read (a failing disk?)"));
   // Offsets: https://www.sqlite.org/fileformat.html, section 1.3.
   const auto big_endian = [&bytes](std::size_t at) {
     return static_cast<std::uint32_t>(bytes[at] << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |

@@ -166,6 +166,11 @@ class Savepoint {
   bool open_ = true;
 };
 
+// What an error number says of a file that a user has named, "read" or "written": NOT_FOUND and
+// INVALID_ARGUMENT where another name or another permission mends it, RESOURCE_EXHAUSTED of a full
+// disk, UNAVAILABLE otherwise.
+[[nodiscard]] absl::Status unusable_file(const std::string& path, std::string_view used, int error);
+
 // What the first 100 bytes of a file say about it, read through SQLite's own file layer: a plain
 // open and close of the file would drop the locks that this process holds on it through another
 // connection (POSIX locks are per process).

@@ -175,10 +175,7 @@ absl::Status make_private_file(const std::string& path) {
     ::close(descriptor);
     return absl::OkStatus();
   }
-  const int code = errno;
-  const std::string message = absl::StrCat(path, ": cannot be written: ", std::strerror(code));
-  return code == ENOSPC ? absl::ResourceExhaustedError(message)
-                        : absl::PermissionDeniedError(message);
+  return unusable_file(path, "written", errno);
 }
 
 absl::Status create(Database& database) {
@@ -306,7 +303,10 @@ namespace {
 absl::StatusOr<std::unique_ptr<Database>> open_known(const std::string& path, bool as_it_is,
                                                      bool attaches) {
   IRSIG_STORE_TRY(check_regular(path));
-  if (!exists(path)) return absl::NotFoundError(absl::StrCat(path, ": no such file"));
+  struct stat there {};
+  if (::stat(path.c_str(), &there) != 0)
+    return errno == ENOENT ? absl::NotFoundError(absl::StrCat(path, ": no such file"))
+                           : unusable_file(path, "read", errno);
   const std::string real = real_path(path);
   const absl::StatusOr<FileHeader> header = read_file_header(real);
   if (!header.ok()) return header.status();

@@ -85,7 +85,8 @@ SpectrumBlobs::SpectrumBlobs(const schema::Spectrum& spectrum) {
 absl::StatusOr<schema::Spectrum> spectrum_from_blobs(
     std::string_view lambda_um, const std::array<std::string, kSpectrumArrays>& arrays) {
   schema::Spectrum spectrum;
-  bool fits = numbers_from(lambda_um, *spectrum.mutable_lambda_um());
+  // Each stored spectrum has a wavelength: whoever reads it takes the first and the last.
+  bool fits = !lambda_um.empty() && numbers_from(lambda_um, *spectrum.mutable_lambda_um());
   for (std::size_t array = 0; array < kSpectrumArrays; ++array) {
     Floats& values = *(spectrum.*kArrays[array].mutable_get)();
     if (array >= kOldSpectrumArrays && arrays[array].empty()) continue;

@@ -2,13 +2,13 @@
 
 usage: export_test.py <irsig> <irsig-picture> <repository>
 """
-import csv, io, os, pathlib, shutil, signal, sqlite3, struct, subprocess, sys, tempfile, time, unittest, zlib
+import csv, io, json, os, pathlib, re, shutil, signal, sqlite3, struct, subprocess, sys, tempfile, time, unittest, zlib
 
 IRSIG, PICTURE, ROOT = (pathlib.Path(a).resolve() for a in sys.argv[1:4])
 
 
-def irsig(*arguments, expect=0):
-    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+def irsig(*arguments, expect=0, env=None):
+    done = subprocess.run([IRSIG, *map(str, arguments)], capture_output=True, text=True, timeout=300, env=env)
     assert done.returncode == expect, f"{arguments}: {done.returncode}\n{done.stderr}"
     return done
 
@@ -139,13 +139,15 @@ class Export(unittest.TestCase):
         return rows
 
     def pixels(self, exr):
-        folder, out = self.path / "one", self.path / "pixels"
-        folder.mkdir(exist_ok=True)
-        (folder / "picture.exr").write_bytes(exr.read_bytes())
-        subprocess.run([PICTURE, out, "pixels", folder], check=True)
-        size, values = out.read_bytes().split(b"\n", 1)
-        width, height = map(int, size.split())
-        flat = struct.unpack(f"={width * height}f", values)
+        """As core/image/apart/picture_apart.h has it."""
+        image = exr.read_bytes()
+        task = b"irsig pictures 1\n" + struct.pack("=I3B2f4dQ", 4096, 0, 1, 0, 0, 0, 0, 0, 0, 0, len(image)) + image
+        done = subprocess.run([PICTURE, str(len(task))], input=task, capture_output=True, check=True)
+        head = b"irsig answers 1\n"
+        self.assertEqual(done.stdout[:len(head)], head)
+        damage, hottest, width, height, *box, png, count = struct.unpack_from("=Qf7IQQ", done.stdout, len(head))
+        self.assertEqual((damage, png, count), (0, 0, width * height))
+        flat = struct.unpack(f"={count}f", done.stdout[-4 * count:])
         return [flat[y * width:(y + 1) * width] for y in range(height)]
 
     def test_thumbnails_are_on_one_scale(self):
@@ -276,6 +278,52 @@ class Export(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.path)), before)
         irsig("export", db, "--thumbnails", "--sweep", "other", "--out", self.path / "d")
         shutil.rmtree(self.path / "d")
+
+    def test_more_pixels_than_the_sweep_asked_for_are_not_decoded(self):
+        """One of 1.6 MB that stated 20 000 x 20 000 pixels took 4.7 GB."""
+        connection = sqlite3.connect(self.db)
+        identity, exr = connection.execute("SELECT signature_id, exr FROM thumbnail WHERE signature_id = (SELECT signature_id FROM signature_view "
+                                           "WHERE sweep = 'quickstart' AND row = 7)").fetchone()
+        connection.close()
+        window = exr.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
+        large = exr[:window] + struct.pack("<4i", 0, 0, 19999, 19999) + exr[window + 16:] + bytes(20000 * 8)
+        db = self.damaged(f"UPDATE thumbnail SET exr = x'{large.hex()}', width_px = 20000, height_px = 20000 WHERE signature_id = {identity}")
+        row, one = ("--sweep", "quickstart", "--row", 7), self.path / "one.png"
+        said = "the stored image of row 7 is damaged: image: its header states 20000 x 20000 pixels, expected sides of at most 128"
+        self.assertIn(said, irsig("query", db, *row, "--thumbnail", one, "--thumbnail-scale", "0,9", expect=1).stderr)
+        self.assertIn(said, irsig("query", db, *row, "--thumbnail", self.path / "one.exr", expect=1).stderr)
+        self.assertIn(said, irsig("plot", db, "--kind", "picture", *row, "--out", self.path / "one.svg", expect=1).stderr)
+        self.assertIn("states 20000 x 20000 pixels", irsig("export", db, "--thumbnails", "--out", self.path / "d", expect=1).stderr)
+        self.assertFalse((self.path / "d.partial").exists())
+
+    def test_folders_with_tabs_and_newlines(self):
+        """Once "irsig-picture: no two files", and a call that waited for ever: paths passed between the programs in lines."""
+        odd = self.path / "a\tb\nc"
+        odd.mkdir(exist_ok=True)
+        whole = self.export("plain", "--thumbnails", "--sweep", "other")
+        irsig("export", self.db, "--thumbnails", "--sweep", "other", "--out", odd / "t", env={**os.environ, "TMPDIR": str(odd)})
+        same = lambda folder: {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+        self.assertEqual(same(odd / "t"), same(whole))
+        irsig("query", self.db, "--sweep", "other", "--row", 1, "--thumbnail", odd / "one.png", "--thumbnail-scale", "common", env={**os.environ, "TMPDIR": str(odd)})
+        self.assertEqual((odd / "one.png").read_bytes()[1:4], b"PNG")
+
+    def test_what_a_spreadsheet_would_run_is_text(self):
+        """Of a database that somebody else has written: sweep files have no such names."""
+        evil = '=HYPERLINK("http://x","a")'
+        db = self.damaged("UPDATE condition SET season = '" + evil + "' WHERE season = 'winter'", "UPDATE part SET name = '@SUM(1)' WHERE name = 'hull'")
+        question = ("--sweep", "quickstart", "--band", "lwir")
+        before = table(irsig("query", self.db, *question, "--csv", "--causes").stdout)
+        for command in (("query", db, *question, "--csv", "--causes"), ("export", db, *question, "--out", "-")):
+            text = irsig(*command).stdout
+            rows = table(text)
+            self.assertEqual({r["season"] for r in rows}, {"'" + evil, "spring", "summer"})
+            self.assertIsNone(re.search(r'(^|,)"?[=@+]', text, re.M), text[:2000])
+            for now, then in zip(rows, before):
+                for key in then:
+                    if key in now and key != "season":
+                        self.assertEqual(now[key], then[key])
+        self.assertIn(json.dumps(evil), irsig("query", db, *question, "--json").stdout)
+        self.assertIn("-", irsig("query", db, *question, "--csv").stdout)
 
     def test_gas_has_no_picture_before_a_background(self):
         db = self.damaged("UPDATE signature SET plume_w_sr = 1, plume_stderr_w_sr = 0.1 WHERE signature_id > 9")

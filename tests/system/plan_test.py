@@ -4,12 +4,15 @@ usage: plan_test.py <irsig executable> <source folder>
 """
 import csv
 import io
+import os
 import pathlib
 import re
+import signal
 import sqlite3
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 IRSIG, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
@@ -46,6 +49,23 @@ class Plan(unittest.TestCase):
         with sqlite3.connect(f"file:{self.db}?mode=ro", uri=True) as connection:
             connection.row_factory = sqlite3.Row
             return [dict(row) for row in connection.execute("SELECT * FROM prediction")]
+
+    def test_a_pilot_that_takes_long_says_how_far_it_has_come(self):
+        """288 conditions were minutes of silence. Here the pilot's worker stands still for a while."""
+        plan = subprocess.Popen([IRSIG, "plan", self.sweep], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        worker = None
+        while worker is None and plan.poll() is None:
+            for child in pathlib.Path(f"/proc/{plan.pid}/task/{plan.pid}/children").read_text().split():
+                if "irsig-worker" in pathlib.Path(f"/proc/{child}/cmdline").read_text():
+                    worker = int(child)
+        self.assertIsNotNone(worker, "the plan ended before it was met")
+        os.kill(worker, signal.SIGSTOP)
+        time.sleep(3)
+        os.kill(worker, signal.SIGCONT)
+        out, said = plan.communicate(timeout=300)
+        self.assertEqual(plan.returncode, 0, said)
+        self.assertRegex(said, r"(?m)^pilot: \d+ of \d+ jobs computed, \d+ s$")
+        self.assertNotIn("pilot: ", out)
 
     def test_viewpoints_that_interpolation_lacks(self):
         """The lines go into the sweep file as they are; only their viewpoints are computed, and then no more are needed than a few."""

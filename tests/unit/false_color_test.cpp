@@ -2,6 +2,7 @@
 // its value, and the embedded images must be PNG that others read. Expected: colour -> place on the
 // bar -> value, within half of one of 255 levels; checksums as the specifications have them.
 // Source: ISO/IEC 15948 (PNG), RFC 1950; their checksums of known texts.
+#include "schema/store/check_picture.h"
 #include "view/false_color.h"
 
 #include <gmock/gmock.h>
@@ -165,12 +166,22 @@ TEST(FalseColor, OneValueAndNoValue) {
   EXPECT_EQ(range_of({kNothing}).status().code(), absl::StatusCode::kNotFound);
 }
 
+absl::StatusOr<std::vector<PictureAnswer>> pixels(std::uint32_t width_px, std::uint32_t height_px,
+                                                  std::vector<float> pixel) {
+  std::vector<PictureAnswer> out(1);
+  out[0].width_px = width_px;
+  out[0].height_px = height_px;
+  out[0].pixel = std::move(pixel);
+  return out;
+}
+
 // A hot and a cold pixel of target and one of background.
 struct Stored {
   FakeStoreReader db = fake_database();
-  ReadExr read = [this](const std::string& exr) -> absl::StatusOr<StoredPixels> {
-    EXPECT_EQ(exr, "the image");
-    return StoredPixels{3, 1, {0, 30, 60}};
+  ReadPictures read = [](const std::vector<PictureTask>& tasks) {
+    EXPECT_EQ(tasks.front().exr, "the image");
+    EXPECT_EQ(tasks.front().most_px, kMostPixels) << "the sweep does not state it";
+    return pixels(3, 1, {0, 30, 60});
   };
   Stored() {
     for (auto& s : db.signatures) {
@@ -207,8 +218,8 @@ TEST(RadiancePicture, HasRadianceAndApparentTemperatureBesideEachOther) {
 TEST(RadiancePicture, TheScaleIsOfPixelsThatAreCovered) {
   Stored stored;
   for (auto& s : stored.db.signatures) s.target_paths = 100000;
-  stored.read = [](const std::string&) -> absl::StatusOr<StoredPixels> {
-    return StoredPixels{4, 4, {0, 5, 5, 0, 5, 30, 40, 5, 5, 35, 50, 900, 5, 5, 5, 5}};
+  stored.read = [](const std::vector<PictureTask>&) {
+    return pixels(4, 4, {0, 5, 5, 0, 5, 30, 40, 5, 5, 35, 50, 900, 5, 5, 5, 5});
   };
   const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();
@@ -241,11 +252,11 @@ TEST(RadiancePicture, PixelsThatHaveTooFewPathsAreAveraged) {
     s.target_paths = 100;
     s.projected_area_m2 = 16;
   }
-  stored.read = [](const std::string&) -> absl::StatusOr<StoredPixels> {
-    StoredPixels out{5, 4, {}};
+  stored.read = [](const std::vector<PictureTask>&) {
+    std::vector<float> pixel;
     for (int i = 0; i < 20; ++i)
-      out.radiance_w_m2_sr.push_back(i % 5 < 4 && (i / 5 + i % 5) % 2 == 0 ? 60.0F : 0.0F);
-    return out;
+      pixel.push_back(i % 5 < 4 && (i / 5 + i % 5) % 2 == 0 ? 60.0F : 0.0F);
+    return pixels(5, 4, pixel);
   };
   const auto picture = radiance_picture(stored.db, {.row = 2}, {}, {}, stored.read);
   ASSERT_TRUE(picture.ok()) << picture.status();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -29,7 +30,7 @@ TEST(Image, ExrKeepsEveryBitOfThePixels) {
   const RadianceImage image = ship();
   const absl::StatusOr<std::string> bytes = encode_exr(image);
   ASSERT_TRUE(bytes.ok()) << bytes.status();
-  const absl::StatusOr<RadianceImage> back = decode_exr(*bytes);
+  const absl::StatusOr<RadianceImage> back = decode_exr(*bytes, 4096);
   ASSERT_TRUE(back.ok()) << back.status();
   EXPECT_EQ(back->width_px, 128u);
   EXPECT_EQ(back->height_px, 48u);
@@ -74,8 +75,25 @@ TEST(Image, RefusesWhatIsNoImage) {
     EXPECT_EQ(encode_exr(bad).status().code(), absl::StatusCode::kInvalidArgument);
     EXPECT_EQ(encode_png(bad).status().code(), absl::StatusCode::kInvalidArgument);
   }
-  EXPECT_EQ(decode_exr("no image").status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_FALSE(decode_exr(encode_exr(ship())->substr(0, 200)).ok());
+  EXPECT_EQ(decode_exr("no image", 4096).status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_FALSE(decode_exr(encode_exr(ship())->substr(0, 200), 4096).ok());
+}
+
+// An EXR of 1.6 MB that stated 20 000 x 20 000 pixels took 4.7 GB.
+TEST(Image, DecodesNoMorePixelsThanAreAllowed) {
+  const RadianceImage image = ship();
+  const std::uint32_t side = std::max(image.width_px, image.height_px);
+  std::string exr = *encode_exr(image);
+  EXPECT_TRUE(decode_exr(exr, side).ok());
+  EXPECT_THAT(std::string(decode_exr(exr, side - 1).status().message()),
+              HasSubstr("expected sides of at most " + std::to_string(side - 1)));
+  const std::string field = std::string("dataWindow\0box2i\0", 17);
+  const std::size_t window = exr.find(field) + field.size() + 4;
+  const std::int32_t last[2] = {19999, 19999};
+  exr.replace(window + 8, sizeof last, reinterpret_cast<const char*>(last), sizeof last);
+  exr.append(20000 * 8, '\0');  // where its lines would be
+  EXPECT_THAT(std::string(decode_exr(exr, 4096).status().message()),
+              HasSubstr("states 20000 x 20000 pixels, expected sides of at most 4096"));
 }
 
 // A target of 4 x 3 pixels whose silhouette has 9.5 of them, at the edge of the image.

@@ -57,6 +57,31 @@ TEST(JobRunner, RefusesNamesThatItDoesNotKnow) {
       "masking");
 }
 
+// What a coordinator may ask of a worker: the largest indices were taken for -1, and those of
+// conditions and bands for good ones.
+TEST(JobRunner, RefusesJobsOfWhatTheSweepDoesNotHave) {
+  const schema::ResolvedSweep sweep = disk(0);
+  const auto runner = JobRunner::create(sweep, {}, {});
+  ASSERT_TRUE(runner.ok()) << runner.status();
+  const auto refused = [&](auto change, const std::string& why) {
+    schema::JobSpec job = expand_jobs(sweep, physics_version()).front();
+    change(*job.mutable_view());
+    const absl::Status status = (*runner)->run(job).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(why));
+  };
+  for (const std::uint32_t far : {1u, 0x7fffffffu, 0x80000000u, 0xffffffffu}) {
+    refused([&](schema::ViewJob& v) { v.set_viewpoint_index(far); }, "asks for viewpoint");
+    refused([&](schema::ViewJob& v) { v.set_condition_index(0, far); }, "asks for condition");
+    refused([&](schema::ViewJob& v) { v.add_band_index(far); }, "asks for band");
+    schema::JobSpec heat;
+    heat.mutable_heat()->set_heat(far);
+    EXPECT_TRUE(absl::IsInvalidArgument((*runner)->run(heat).status()));
+  }
+  refused([](schema::ViewJob& v) { v.clear_condition_index(); }, "asks for no condition");
+  refused([](schema::ViewJob& v) { v.clear_band_index(); }, "asks for no band");
+}
+
 TEST(JobRunner, RefusesThumbnailsThatItCannotEncode) {
   const auto sweep = disk(16);
   ASSERT_TRUE(JobRunner::create(sweep, {}, {}).ok()) << "the scene can be tried without an encoder";
@@ -422,10 +447,11 @@ TEST(JobRunner, ProposesTwoSidesForSheets) {
   const auto warnings = [&](const char* model) {
     return JobRunner::create(sweep, model_alone(sweep, model), {}).value()->warnings();
   };
-  const std::vector<std::string> both = warnings(kPlates);
+  const std::vector<Problem> both = warnings(kPlates);
   ASSERT_EQ(both.size(), 2U);
-  EXPECT_THAT(both[1], HasSubstr("part[1]: 2 facets of \"back\""));
-  EXPECT_THAT(both[1], HasSubstr("two_sided = true"));
+  EXPECT_EQ(both[1].key, "part[1]");
+  EXPECT_THAT(both[1].text, HasSubstr("part[1]: 2 facets of \"back\""));
+  EXPECT_THAT(both[1].text, HasSubstr("two_sided = true"));
   sweep.mutable_sweep()->mutable_part(1)->set_two_sided(true);
   EXPECT_EQ(warnings(kPlates).size(), 1U);
   sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(0.2);

@@ -305,22 +305,38 @@ TEST(Thumbnail, WantsOneRowAndAKnownEnding) {
   EXPECT_FALSE(std::ifstream(path).good());
 }
 
+// As irsig-picture does.
+absl::StatusOr<std::vector<PictureAnswer>> read_here(const std::vector<PictureTask>& tasks) {
+  std::vector<PictureAnswer> out;
+  for (const PictureTask& task : tasks) {
+    PictureAnswer& answer = out.emplace_back();
+    const auto image = decode_exr(task.exr, task.most_px);
+    if (!image.ok()) {
+      answer.damage = std::string(image.status().message());
+      continue;
+    }
+    answer.hottest_w_m2_sr = content_of(*image).hottest_w_m2_sr;
+    if (task.paint) answer.png = *encode_png(*image, {task.black_w_m2_sr, task.white_w_m2_sr});
+  }
+  return out;
+}
+
+void allow_images(FakeStoreReader& db) {
+  for (auto& [name, sweep] : db.sweeps)
+    sweep.resolved.mutable_sweep()->mutable_output()->set_thumbnail_px(4);
+}
+
 // Once written as it was, with exit code 0.
 TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
   FakeStoreReader db = fake_database();
   const std::string path = ::testing::TempDir() + "irsig_damaged_test";
   const auto one = run_query(db, {.row = 5});
   ASSERT_TRUE(one.ok());
-  const PaintPng paint = [](const std::string& exr, const std::string&,
-                            const NextExr&) -> absl::StatusOr<std::string> {
-    const auto image = decode_exr(exr);
-    if (!image.ok()) return absl::DataLossError(image.status().message());
-    return encode_png(*image);
-  };
+  allow_images(db);
   const RadianceImage image{2, 2, {0.0f, 1.0f, 2.0f, 3.0f}};
   schema::Thumbnail& stored = db.thumbnails[db.signatures[4].signature_id];
   const auto refused = [&](const std::string& ending, const std::string& scale) {
-    const absl::Status status = write_thumbnail(db, *one, path + ending, scale, paint);
+    const absl::Status status = write_thumbnail(db, *one, path + ending, scale, read_here);
     EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr("stored image of row 5 is damaged"));
     EXPECT_FALSE(std::ifstream(path + ending).good());
@@ -336,7 +352,10 @@ TEST(Thumbnail, ThatIsDamagedIsNotWritten) {
   stored.set_exr(stored.exr().substr(0, stored.exr().size() - 20));
   refused(".exr", "");
   refused(".png", "0,2");
-  EXPECT_TRUE(write_thumbnail(db, *one, path + ".png", "", paint).ok());
+  EXPECT_TRUE(write_thumbnail(db, *one, path + ".png", "", read_here).ok());
+  // More pixels than its sweep asked for: not decoded.
+  stored.set_exr(*encode_exr({5, 1, {0, 1, 2, 3, 4}}));
+  refused(".exr", "");
   std::remove((path + ".png").c_str());
 }
 
@@ -365,21 +384,9 @@ TEST(Thumbnail, OnACommonScale) {
   db.thumbnails[db.signatures[other].signature_id].set_exr(exr(1000));
   const auto one = run_query(db, {.row = 5});
   ASSERT_TRUE(one.ok());
-  const PaintPng paint = [](const std::string& picture, const std::string& scale,
-                            const NextExr& others) -> absl::StatusOr<std::string> {
-    GreyScale grey{1, 3};
-    if (scale == "common") {
-      grey = {0, 0};
-      for (auto next = others(); !next->empty(); next = others()) {
-        const auto image = decode_exr(*next);
-        for (const float pixel : image->radiance_w_m2_sr)
-          grey.white_w_m2_sr = std::max(grey.white_w_m2_sr, pixel);
-      }
-    }
-    return encode_png(*decode_exr(picture), grey);
-  };
+  allow_images(db);
   const auto written = [&](const std::string& scale) {
-    EXPECT_TRUE(write_thumbnail(db, *one, path, scale, paint).ok()) << scale;
+    EXPECT_TRUE(write_thumbnail(db, *one, path, scale, read_here).ok()) << scale;
     std::ifstream in(path);
     std::stringstream bytes;
     bytes << in.rdbuf();

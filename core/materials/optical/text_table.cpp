@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "core/base/printable.h"
+#include "core/base/problems.h"
 
 namespace irsig {
 namespace {
@@ -83,14 +84,15 @@ absl::Status TableErrors::status() const {
   std::stable_sort(in_order.begin(), in_order.end(), [](const Found& a, const Found& b) {
     return std::pair(a.line, a.column) < std::pair(b.line, b.column);
   });
-  std::string text;
+  std::vector<Problem> problems;
   const std::size_t shown = std::min(in_order.size(), kMostReported);
   for (std::size_t i = 0; i < shown; ++i)
-    absl::StrAppend(&text, text.empty() ? "" : "\n", file_name_, ":", in_order[i].line, ":",
-                    in_order[i].column, ": ", in_order[i].what);
+    problems.push_back({absl::StrCat(file_name_, ":", in_order[i].line, ":", in_order[i].column),
+                        "", in_order[i].what});
   if (in_order.size() > shown)
-    absl::StrAppend(&text, "\n", file_name_, ": and ", in_order.size() - shown, " more errors");
-  return absl::InvalidArgumentError(text);
+    problems.push_back(
+        {"", "", absl::StrCat(file_name_, ": and ", in_order.size() - shown, " more errors")});
+  return problem_status(problems);
 }
 
 std::vector<std::string_view> lines_of(std::string_view text) {
