@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/named.h"
+#include "bridge/environment/surroundings_from_message.h"
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/material_from_message.h"
 #include "bridge/model_mesh.h"
@@ -25,22 +26,6 @@ absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
   if (!time.ok()) return time.status();
   const schema::Place& place = sweep.sweep().place();
   return sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
-}
-
-absl::StatusOr<Surroundings> surroundings_of(const schema::Surroundings& s) {
-  const auto kind = named<SurroundingsKind>("surroundings.kind", s.kind(),
-                                            {{"none", SurroundingsKind::kNone},
-                                             {"sea", SurroundingsKind::kSea},
-                                             {"ground", SurroundingsKind::kGround}});
-  if (!kind.ok()) return kind.status();
-  Surroundings out;
-  out.kind = *kind;
-  out.sky_temperature_k = s.has_sky_temperature_k() ? s.sky_temperature_k() : -1;
-  out.sky_radiance_w_m2_sr_um = s.sky_radiance_w_m2_sr_um();
-  out.sea_temperature_k = s.sea_temperature_k();
-  out.sea_emissivity = s.sea_emissivity();
-  out.lower_radiance_w_m2_sr_um = s.lower_radiance_w_m2_sr_um();
-  return out;
 }
 
 absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
@@ -184,7 +169,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
         condition.part_temperature_k[p] =
             std::max(condition.part_temperature_k[p], temperatures.part_k[index][p]);
     }
-    auto surroundings = surroundings_of(c.surroundings());
+    auto surroundings = surroundings_from_message(c.surroundings());
     if (!surroundings.ok()) return surroundings.status();
     condition.surroundings = *surroundings;
     condition.air_temperature_k = c.air_temperature_k();

@@ -1,14 +1,28 @@
 #include "cli/target_extent.h"
 
+#include <utility>
+
 #include "bridge/spec_to_request.h"
+#include "core/scene/target.h"
 #include "view/range_change.h"
+#include "view/silhouette.h"
 
 namespace irsig {
 
 absl::StatusOr<TargetExtent> stored_target_extent(const StoredSweep& sweep) {
-  const auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
+  auto scene = scene_from_sweep(sweep.resolved, sweep.assets, sweep.heat);
   if (!scene.ok()) return scene.status();
-  return target_extent(scene->mesh.vertex);
+  const auto part_of_group = part_of_groups(scene->mesh, scene->part);
+  if (!part_of_group.ok()) return part_of_group.status();
+  TargetExtent out = target_extent(scene->mesh.vertex);
+  auto shape = std::make_shared<TargetShape>();
+  for (const PartSpec& part : scene->part) shape->two_sided.push_back(part.two_sided);
+  for (const std::uint32_t group : scene->mesh.triangle_group)
+    shape->part.push_back((*part_of_group)[group]);
+  shape->vertex = std::move(scene->mesh.vertex);
+  shape->triangle = std::move(scene->mesh.triangle);
+  out.shape = std::move(shape);
+  return out;
 }
 
 }  // namespace irsig

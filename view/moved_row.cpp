@@ -50,7 +50,8 @@ struct Held {
 // The same channel as it arrives from one range.
 struct Seen {
   double transmittance = 0, path = 0, behind = 0, target = 0;
-  std::array<double, kCauses> share{};  // of each cause
+  double fraction_bound = 0, between_bound = 0;  // of behind
+  std::array<double, kCauses> share{};           // of each cause
 };
 
 struct Moved {
@@ -62,12 +63,11 @@ double cause_at(const Sp& spectrum, std::size_t cause, std::size_t k) {
   return (spectrum.*kCauseColumns[cause].value)().Get(static_cast<int>(k));
 }
 
-// What arrives from behind the target, [bin].
-using Radiance = SightLine::Values;
-
 // Bins first .. last - 1 together.
-Seen seen(const Integrals& at, const Radiance& behind, const Sp& spectrum, std::size_t first,
-          std::size_t last) {
+Seen seen(const Integrals& at, const Sp& spectrum, std::size_t first, std::size_t last) {
+  const auto of = [](const SightLine::Values& bound, std::size_t k) {
+    return bound.empty() ? 0.0 : bound[k];
+  };
   Seen out;
   double width = 0;
   std::array<double, kCauses> weight{}, arriving{};
@@ -75,7 +75,9 @@ Seen seen(const Integrals& at, const Radiance& behind, const Sp& spectrum, std::
     width += at.width[k];
     out.transmittance += at.transmittance[k];
     out.path += at.path_radiance[k];
-    out.behind += behind[k];
+    out.behind += at.behind[k];
+    out.fraction_bound += of(at.behind_fraction_bound, k);
+    out.between_bound += of(at.behind_between_bound, k);
     for (std::size_t c = 0; c < kCauses; ++c) {
       const double value = cause_at(spectrum, c, k);
       out.target += value * at.arriving[c][k];
@@ -95,29 +97,34 @@ double kept(const Seen& from, const Seen& to) {
   return from.transmittance > 0 ? to.transmittance / from.transmittance : 0;
 }
 
-Moved moved(const Held& held, const Seen& from, const Seen& to, double spread) {
+Moved moved(const Held& held, const Seen& from, const Seen& to, double spread,
+            const ShapeChange& shape) {
   const double area = held.area_m2.value;
-  const double keep = kept(from, to);
+  const double keep = kept(from, to), light = shape.target_ratio;
   const double target = to.target - keep * from.target;
-  const double path = to.path - keep * from.path;
-  const double behind = to.behind - keep * from.behind;
+  const double path = shape.area_ratio * to.path - light * keep * from.path;
+  const double behind = shape.area_ratio * to.behind - light * keep * from.behind;
   double noise = 0;
   for (std::size_t c = 0; c < kCauses; ++c)
     noise += held.cause_stderr[c] * std::abs(to.share[c] - keep * from.share[c]);
   // What the shares alone miss at the stored range.
   const double off = std::abs(keep - 1);
   const double target_bound =
-      off * std::abs(held.apparent.value - area * from.path - from.target) + spread;
+      light * (off * std::abs(held.apparent.value - area * from.path - from.target) + spread);
+  const double background_bound = to.fraction_bound + to.between_bound + keep * from.fraction_bound;
   const double behind_bound =
-      off * area * std::abs(held.background.value - from.path - from.behind);
-  return {{keep * held.apparent.value + target + area * path,
-           keep * held.apparent.stderr_ + noise + held.area_m2.stderr_ * std::abs(path)},
-          {keep * held.contrast.value + target - area * behind,
-           keep * held.contrast.stderr_ + noise + held.area_m2.stderr_ * std::abs(behind)},
-          {keep * (held.background.value - from.path) + behind + to.path,
-           keep * held.background.stderr_},
-          target_bound,
-          target_bound + behind_bound};
+      light * off * area * std::abs(held.background.value - from.path - from.behind) +
+      area * (shape.area_ratio * (to.fraction_bound + to.between_bound) +
+              light * keep * from.fraction_bound);
+  return {
+      {light * (keep * held.apparent.value + target) + area * path,
+       light * (keep * held.apparent.stderr_ + noise) + held.area_m2.stderr_ * std::abs(path)},
+      {light * (keep * held.contrast.value + target) - area * behind,
+       light * (keep * held.contrast.stderr_ + noise) + held.area_m2.stderr_ * std::abs(behind)},
+      {keep * (held.background.value - from.path - from.behind) + to.behind + to.path,
+       std::hypot(keep * held.background.stderr_, background_bound / std::sqrt(3.0))},
+      target_bound,
+      target_bound + behind_bound};
 }
 
 // The modes of a spectrum's errors after each bin's have been multiplied and others added, which
@@ -134,36 +141,6 @@ absl::StatusOr<std::string> moved_modes(const Values& before, std::string_view m
   return encoded_modes(out, stderrs);
 }
 
-// At both ranges, of bins' means and of the in-band integral.
-struct Behind {
-  Radiance from_bin, from_band, to_bin, to_band;
-};
-
-// Homogeneous air takes the stored background along.
-absl::StatusOr<Behind> behind_of(const Sp& spectrum, const SightLine& from, const SightLine& to) {
-  if (!from.bin.behind.empty())
-    return Behind{from.bin.behind, from.band.behind, to.bin.behind, to.band.behind};
-  Behind out;
-  const std::size_t bins = from.bin.width.size();
-  for (std::size_t k = 0; k < bins; ++k) {
-    const double before = from.bin.transmittance[k], after = to.bin.transmittance[k];
-    // Stored values have 24 bits: 1e-3 of transmittance leaves four digits of the background.
-    if (before < 1e-3 && after > before)
-      return absl::FailedPreconditionError(fmt::format(
-          "at {:g} um the air lets only {:.1e} of the background through at the stored range: it "
-          "cannot be brought nearer",
-          spectrum.lambda_um(static_cast<int>(k)), before));
-    const double behind =
-        spectrum.background_radiance_w_m2_sr_um(static_cast<int>(k)) - from.bin.path_radiance[k];
-    const double there = before > 0 ? behind * after / before : 0;
-    out.from_bin.push_back(behind);
-    out.to_bin.push_back(there);
-    out.from_band.push_back(behind * from.band.width[k]);
-    out.to_band.push_back(there * from.band.width[k]);
-  }
-  return out;
-}
-
 // Of the apparent intensity, as seen along this line of sight.
 double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& to,
                             double apparent_w_sr) {
@@ -178,11 +155,35 @@ double apparent_model_error(const S& row, const Sp& spectrum, const SightLine& t
   return std::hypot(arrives * row.model_error_w_sr, surface_w_sr);
 }
 
+// The light that leaves the target, by cause, and the area that it is seen on.
+void change_source(const ShapeChange& shape, S& s, Sp& spectrum) {
+  std::vector<double S::*> number = {&S::intensity_w_sr, &S::intensity_stderr_w_sr,
+                                     &S::model_error_w_sr};
+  for (const CauseColumns& cause : kCauseColumns) {
+    number.push_back(cause.in_band);
+    number.push_back(cause.in_band_stderr);
+  }
+  for (double S::*of : number) s.*of *= shape.target_ratio;
+  s.projected_area_m2 *= shape.area_ratio;
+  s.projected_area_stderr_m2 *= shape.area_ratio;
+  const auto scale = [&](google::protobuf::RepeatedField<float>* values) {
+    for (float& v : *values) v = static_cast<float>(shape.target_ratio * static_cast<double>(v));
+  };
+  for (auto values :
+       {&Sp::mutable_spectral_intensity_w_sr_um, &Sp::mutable_spectral_intensity_stderr_w_sr_um,
+        &Sp::mutable_emitted_w_sr_um, &Sp::mutable_emitted_stderr_w_sr_um,
+        &Sp::mutable_sun_reflected_w_sr_um, &Sp::mutable_sun_reflected_stderr_w_sr_um,
+        &Sp::mutable_sky_reflected_w_sr_um, &Sp::mutable_sky_reflected_stderr_w_sr_um,
+        &Sp::mutable_sea_reflected_w_sr_um, &Sp::mutable_sea_reflected_stderr_w_sr_um,
+        &Sp::mutable_parts_reflected_w_sr_um, &Sp::mutable_parts_reflected_stderr_w_sr_um})
+    scale((spectrum.*values)());
+}
+
 }  // namespace
 
 absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const SightLine& from,
                                    const SightLine& to, const ReflectedSpread& spread_of_unit,
-                                   double perspective) {
+                                   const ShapeChange& shape) {
   const std::size_t bins = from.bin.width.size();
   if (!std::isnan(row.plume_w_sr))
     return absl::InvalidArgumentError(fmt::format(
@@ -193,8 +194,6 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   if (spectrum.lambda_um_size() != static_cast<int>(bins))
     return absl::InternalError(fmt::format("row {}: {} wavelengths are stored, its band has {}",
                                            row.row, spectrum.lambda_um_size(), bins));
-  const auto behind = behind_of(spectrum, from, to);
-  if (!behind.ok()) return behind.status();
 
   MovedRow out{row, spectrum, 0};
   double spread = 0;
@@ -216,10 +215,9 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
       of_bin +=
           std::abs(cause_at(spectrum, SightLine::kReflected[side], k)) * spread_of_unit[side][k];
     spread += of_bin * from.band.width[k];
-    const Seen here = seen(from.bin, behind->from_bin, spectrum, k, k + 1),
-               there = seen(to.bin, behind->to_bin, spectrum, k, k + 1);
-    keep.push_back(kept(here, there));
-    const Moved m = moved(held, here, there, of_bin);
+    const Seen here = seen(from.bin, spectrum, k, k + 1), there = seen(to.bin, spectrum, k, k + 1);
+    keep.push_back(shape.target_ratio * kept(here, there));
+    const Moved m = moved(held, here, there, of_bin, shape);
     const auto f = [](double v) { return static_cast<float>(v); };
     out.spectrum.set_apparent_spectral_intensity_w_sr_um(i, f(m.apparent.value));
     out.spectrum.set_apparent_spectral_intensity_stderr_w_sr_um(i, f(m.apparent.stderr_));
@@ -248,37 +246,42 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
             {}};
   for (std::size_t c = 0; c < kCauses; ++c)
     held.cause_stderr[c] = row.*kCauseColumns[c].in_band_stderr;
-  const Seen before = seen(from.band, behind->from_band, spectrum, 0, bins),
-             after = seen(to.band, behind->to_band, spectrum, 0, bins);
-  const Moved m = moved(held, before, after, spread);
+  const Seen before = seen(from.band, spectrum, 0, bins), after = seen(to.band, spectrum, 0, bins);
+  const Moved m = moved(held, before, after, spread, shape);
 
   S& s = out.signature;
-  const double path_w_sr = row.projected_area_m2 * after.path;  // of the air in front of it
+  change_source(shape, s, out.spectrum);
+  const double area_m2 = shape.area_ratio * row.projected_area_m2;
+  const double path_w_sr = area_m2 * after.path;  // of the air in front of it
   const double target_w_sr = std::abs(m.apparent.value - path_w_sr);
-  const double behind_w_sr = row.projected_area_m2 * std::abs(after.behind);
-  out.range_bound_w_sr = m.apparent_bound + perspective * (target_w_sr + std::abs(path_w_sr));
-  const double contrast_bound = m.contrast_bound + perspective * (target_w_sr + behind_w_sr);
+  const double behind_w_sr = area_m2 * std::abs(after.behind);
+  out.range_bound_w_sr =
+      m.apparent_bound + shape.target_bound * target_w_sr + shape.area_bound * std::abs(path_w_sr);
+  const double contrast_bound =
+      m.contrast_bound + shape.target_bound * target_w_sr + shape.area_bound * behind_w_sr;
   // The bias that the row had: as much of it arrives as of the target.
   const double grown = before.transmittance > 0
                            ? std::max(after.transmittance / before.transmittance,
                                       before.target > 0 ? after.target / before.target : 0.0)
                            : 1.0;
-  const auto error = [](const Measured& here, double growth, double new_stderr, double added) {
-    Measured there = scaled(here, growth);
+  const double growth = shape.target_ratio * grown;
+  const auto error = [](const Measured& here, double factor, double new_stderr, double added) {
+    Measured there = scaled(here, factor);
     there.stderr_ = new_stderr;
     there.of(BoundOf::kMoved) += added;
     return there.numerical_error();
   };
-  s.numerical_error_w_sr = error(source_of(row), 1, row.intensity_stderr_w_sr,
-                                 perspective * std::abs(row.intensity_w_sr));
+  s.numerical_error_w_sr =
+      error(source_of(row), shape.target_ratio, shape.target_ratio * row.intensity_stderr_w_sr,
+            shape.target_bound * std::abs(s.intensity_w_sr));
   s.apparent_intensity_w_sr = m.apparent.value;
   s.apparent_intensity_stderr_w_sr = m.apparent.stderr_;
   s.apparent_numerical_error_w_sr =
-      error(apparent_of(row), grown, m.apparent.stderr_, out.range_bound_w_sr);
+      error(apparent_of(row), growth, m.apparent.stderr_, out.range_bound_w_sr);
   s.contrast_intensity_w_sr = m.contrast.value;
   s.contrast_intensity_stderr_w_sr = m.contrast.stderr_;
   s.contrast_numerical_error_w_sr =
-      error(contrast_of(row), grown, m.contrast.stderr_, contrast_bound);
+      error(contrast_of(row), growth, m.contrast.stderr_, contrast_bound);
   // These are in the errors; by themselves they are known for the stored range alone.
   s.apparent_omitted_bound_w_sr = s.contrast_omitted_bound_w_sr = s.depth_bound_w_sr =
       s.background_bound_w_sr = s.apparent_temperature_bound_w_sr = kNotComputed;
@@ -290,7 +293,7 @@ absl::StatusOr<MovedRow> moved_row(const S& row, const Sp& spectrum, const Sight
   // more.
   const double model_here = apparent_model_error(row, spectrum, from, row.apparent_intensity_w_sr);
   const double model_growth =
-      model_here > 0 ? std::max(grown, s.apparent_model_error_w_sr / model_here) : grown;
+      model_here > 0 ? std::max(growth, s.apparent_model_error_w_sr / model_here) : growth;
   for (double S::*of : {&S::contrast_model_error_w_sr, &S::apparent_input_uncertainty_w_sr,
                         &S::contrast_input_uncertainty_w_sr})
     s.*of *= model_growth;

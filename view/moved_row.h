@@ -4,6 +4,7 @@
 #include "schema/result.pb.h"
 #include "schema/store/store.h"
 #include "view/arriving_reflected.h"
+#include "view/shape_change.h"
 #include "view/sight_line.h"
 
 namespace irsig {
@@ -14,14 +15,13 @@ struct MovedRow {
   double range_bound_w_sr;  // part of apparent_numerical_error_w_sr: all that moving added to it
 };
 
-// A stored row as it would be seen from another range: the formula and the errors of
-// range_change.h. perspective: relative bound. from, to: the row's lines of sight at both ranges,
-// spread: of these (arriving_reflected.h); without a known background by direction (homogeneous
-// air) the stored background is taken along. FAILED_PRECONDITION: the stored range lets too little
-// of the background through for that.
+// Returns a stored row as it would be seen from another range: the formula and the errors of
+// range_change.h. from, to: the row's lines of sight at both ranges; spread: of these
+// (arriving_reflected.h); shape: what perspective changes.
 [[nodiscard]] absl::StatusOr<MovedRow> moved_row(const StoredSignature& row,
                                                  const schema::Spectrum& spectrum,
                                                  const SightLine& from, const SightLine& to,
-                                                 const ReflectedSpread& spread, double perspective);
+                                                 const ReflectedSpread& spread,
+                                                 const ShapeChange& shape);
 
 }  // namespace irsig

@@ -31,10 +31,14 @@ struct Query {
   std::vector<double> range_m{};               // as seen from each of these: range_change.h
 };
 
-// How far a target reaches.
+struct TargetShape;
+
+// How far a target reaches, and its triangles (silhouette.h).
 struct TargetExtent {
   double length_m;  // longest side of its bounding box, along the axes of the body
   double reach_m;   // from the reference point to its farthest point
+  // Null: unknown. Then rows at another range have the widest bounds that the reach allows.
+  std::shared_ptr<const TargetShape> shape{};
 };
 using ExtentOf = std::function<absl::StatusOr<TargetExtent>(const StoredSweep&)>;
 

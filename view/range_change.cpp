@@ -5,18 +5,27 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "bridge/environment/surroundings_from_message.h"
 #include "bridge/environment/sweep_environment.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/environment/air.h"
+#include "core/environment/line_horizon.h"
+#include "core/environment/surroundings.h"
+#include "core/geo/sun.h"
 #include "core/geo/viewpoint.h"
+#include "core/spectral/planck.h"
+#include "core/spectral/solar.h"
 #include "view/arriving_reflected.h"
 #include "view/moved_row.h"
 #include "view/on_all_cores.h"
+#include "view/shape_change.h"
 #include "view/sight_line.h"
+#include "view/silhouette.h"
 
 namespace irsig {
 namespace {
@@ -24,20 +33,64 @@ namespace {
 constexpr double kFewestLengths = 20;
 // As of ranges in sweep files: farther, double precision no longer tells a target's sides apart.
 constexpr double kFarthestM = 1e9;
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+// What a condition without the embedded atmosphere holds, on the band's nodes.
+struct PlainLight {
+  double air_temperature_k;
+  std::vector<double> sky, lower;
+};
+
+absl::StatusOr<PlainLight> plain_light(const schema::ResolvedSweep& sweep,
+                                       const schema::Condition& condition,
+                                       const std::vector<double>& node_um) {
+  const auto surroundings = surroundings_from_message(condition.surroundings());
+  if (!surroundings.ok()) return surroundings.status();
+  double sun_scale = 0, cos_zenith = 0;
+  if (sweep.sweep().transport().sun()) {
+    const auto time = parse_rfc3339(condition.time_utc());
+    if (!time.ok()) return time.status();
+    const schema::Place& place = sweep.sweep().place();
+    const auto sun =
+        sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+    if (!sun.ok()) return sun.status();
+    cos_zenith = std::cos(sun->zenith_deg * kRadPerDeg);
+    sun_scale = condition.sun_irradiance_from_distance()
+                    ? 1 / (sun->distance_au * sun->distance_au)
+                    : condition.sun_irradiance_w_m2() / kSolarConstantWM2;
+    if (cos_zenith <= -std::sin(sun->angular_radius_deg * kRadPerDeg)) sun_scale = 0;
+  }
+  PlainLight out{condition.air_temperature_k(), {}, {}};
+  for (const double um : node_um) {
+    const double sun = sun_scale > 0 ? sun_scale * solar_irradiance_w_m2_um(um) : 0;
+    out.sky.push_back(sky_radiance_w_m2_sr_um(*surroundings, um));
+    out.lower.push_back(lower_radiance_w_m2_sr_um(*surroundings, um, sun, cos_zenith));
+  }
+  return out;
+}
 
 // The air of homogeneous surroundings and of none does the same to whatever comes through it.
-ViewEnvironment plain_view(const Air& air, double air_temperature_k, double range_m,
+ViewEnvironment plain_view(const Air& air, const PlainLight& light, double range_m,
                            const std::vector<double>& node_um) {
-  AirPath path = air_path(air, air_temperature_k, range_m, node_um);
+  AirPath path = air_path(air, light.air_temperature_k, range_m, node_um);
   const std::vector<double> all(node_um.size(), 1.0);
   ViewEnvironment out;
   out.sun = all;
   out.sun_apparent = path.transmittance;
   out.around = LightAround::of_spectra({all, all}, {path.transmittance, path.transmittance});
+  out.behind_apparent = {light.sky, light.lower};
+  for (std::vector<double>& behind : out.behind_apparent)
+    for (std::size_t i = 0; i < behind.size(); ++i) behind[i] *= path.transmittance[i];
   out.path_radiance = std::move(path.path_radiance_w_m2_sr_um);
   out.transmittance = std::move(path.transmittance);
   return out;
 }
+
+// What stands behind a target from one viewpoint.
+struct Behind {
+  BehindNodes nodes;
+  Silhouette::Fractions before;
+};
 
 // The air of one band of a stored sweep: what the other bands are does not matter to it.
 class BandAir {
@@ -56,7 +109,18 @@ class BandAir {
     auto grid = make_band_grid(band, spectral_breaks_um(resolved));
     if (!grid.ok()) return grid.status();
     out.grid_ = *std::move(grid);
-    if (!has_atmosphere(resolved)) return out;
+    if (!has_atmosphere(resolved)) {
+      auto air = air_from_message(resolved.sweep().air());
+      if (!air.ok()) return air.status();
+      out.air_ = *std::move(air);
+      for (const schema::Condition& condition : resolved.condition()) {
+        auto light = plain_light(resolved, condition, out.grid_.node_um);
+        if (!light.ok()) return light.status();
+        out.plain_.push_back(*std::move(light));
+        out.waterline_ = condition.surroundings().kind() != "none";
+      }
+      return out;
+    }
     auto environment = environment_of(resolved, out.grid_.node_um);
     if (!environment.ok()) return environment.status();
     out.environment_ = *std::move(environment);
@@ -73,31 +137,134 @@ class BandAir {
     return static_cast<std::uint32_t>(at - conditions.begin());
   }
 
-  // All conditions asked for, from one aspect and range. around: as Environment::view has it; what
-  // is reflected is not known without it.
-  [[nodiscard]] absl::StatusOr<std::vector<SightLine>> lines(
-      double aspect_azimuth_deg, double aspect_elevation_deg, double range_m,
-      const std::vector<std::uint32_t>& conditions, bool around) const {
-    std::vector<SightLine> out;
-    if (environment_ == nullptr) {
-      const auto air = air_from_message(sweep_.resolved.sweep().air());
-      if (!air.ok()) return air.status();
-      for (const std::uint32_t c : conditions) {
-        const schema::Condition& condition = sweep_.resolved.condition(static_cast<int>(c));
-        out.push_back(
-            sight_line(plain_view(*air, condition.air_temperature_k(), range_m, grid_.node_um),
-                       DirectionNodes(), grid_));
-      }
+  // The z at which the radiance behind the target jumps, of each weather.
+  [[nodiscard]] std::vector<float> horizons_z(const Viewpoint& v) const {
+    if (environment_ != nullptr) return environment_->horizons_z(environment_->line(v));
+    if (!waterline_) return {0.0f};
+    const GrazingRay straight;
+    return {LineHorizon(straight, 0, plain_line(v), 0).z()};
+  }
+  // Whether sea or ground hides what lies below body z = 0.
+  [[nodiscard]] bool waterline() const { return waterline_; }
+  // Whether the Earth hides the waterline of the target.
+  [[nodiscard]] bool hides_waterline(const Viewpoint& v) const {
+    if (!waterline_) return false;
+    const double lift_rad =
+        environment_ == nullptr ? 0 : environment_->horizon(environment_->line(v)).lift_rad;
+    return v.aspect_elevation_deg * kRadPerDeg + std::max(0.0, lift_rad) < -1e-6;
+  }
+
+  // silhouette: null or without area, then the target reaches `reach_m` anywhere, and as much of it
+  // as its bound says stands before another direction than its reference point does.
+  [[nodiscard]] Behind behind(const Viewpoint& v, const Silhouette* silhouette,
+                              double reach_m) const {
+    const std::vector<float> horizon = horizons_z(v);
+    const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+    const double elevation = v.aspect_elevation_deg * kRadPerDeg,
+                 reach = std::asin(std::min(1.0, reach_m / v.range_m));
+    const bool known = silhouette != nullptr && silhouette->area_m2() > 0;
+    const double least = known ? silhouette->least_z()
+                               : std::sin(std::max(elevation - reach, -std::numbers::pi / 2)),
+                 most = known ? silhouette->most_z()
+                              : std::sin(std::min(elevation + reach, std::numbers::pi / 2));
+    Behind out;
+    if (environment_ == nullptr)
+      out.nodes = BehindNodes({horizon.front(), horizon.front()});
+    else
+      out.nodes = BehindNodes::spanning(least, most, horizon, std::atan2(-towards.y, -towards.x));
+    if (known) {
+      out.before = silhouette->before(out.nodes);
       return out;
     }
-    const Vec<Body> towards = body_from_aspect(aspect_azimuth_deg, aspect_elevation_deg);
-    Environment::Line line =
-        environment_->line({aspect_azimuth_deg, aspect_elevation_deg, range_m});
-    line.behind = BehindNodes({static_cast<float>(-towards.z)}, std::atan2(-towards.y, -towards.x));
+    out.before.value.assign(out.nodes.count(), 0.0);
+    out.before.error.assign(out.nodes.count(), 0.0);
+    BehindNodes::Share share[2];
+    const int count = out.nodes.shares(static_cast<float>(-towards.z), share);
+    for (int i = 0; i < count; ++i)
+      out.before.value[share[i].node] += static_cast<double>(share[i].weight);
+    const auto z = static_cast<double>(horizon.front());
+    if (environment_ != nullptr || (least < z && z <= most))
+      out.before.error.front() = out.before.error.back() = 1;
+    return out;
+  }
+
+  // All conditions asked for, from one aspect and range. around: as Environment::view has it; what
+  // is reflected is not known without it. behind: null where what stands behind is not wanted.
+  [[nodiscard]] absl::StatusOr<std::vector<SightLine>> lines(
+      const Viewpoint& v, const std::vector<std::uint32_t>& conditions, bool around,
+      const Behind* behind) const {
+    std::vector<SightLine> out;
+    if (environment_ == nullptr) {
+      for (const std::uint32_t c : conditions)
+        out.push_back(sight_line(
+            plain_view(air_, plain_[c], v.range_m, grid_.node_um), DirectionNodes(), grid_,
+            behind != nullptr ? behind->before : Silhouette::Fractions{{1, 0}, {0, 0}}));
+      return out;
+    }
+    const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
+    Environment::Line line = environment_->line(v);
+    line.behind = behind != nullptr ? behind->nodes
+                                    : BehindNodes({static_cast<float>(-towards.z)},
+                                                  std::atan2(-towards.y, -towards.x));
     const auto views = environment_->view(line, conditions, around);
     if (!views.ok()) return views.status();
     for (const ViewEnvironment& view : *views)
-      out.push_back(sight_line(view, around ? environment_->nodes() : DirectionNodes(), grid_));
+      out.push_back(
+          sight_line(view, around ? environment_->nodes() : DirectionNodes(), grid_,
+                     behind != nullptr ? behind->before : Silhouette::Fractions{{1}, {0}}));
+    return out;
+  }
+
+  // What homogeneous air lets too little through for, at the stored range, is not brought nearer.
+  [[nodiscard]] absl::Status check_nearer(const SightLine& from, const SightLine& to) const {
+    if (environment_ != nullptr) return absl::OkStatus();
+    for (std::size_t k = 0; k < grid_.lambda_um.size(); ++k)
+      // Stored values have 24 bits: 1e-3 of transmittance leaves four digits of what lies behind
+      // it.
+      if (const double before = from.bin.transmittance[k];
+          before < 1e-3 && to.bin.transmittance[k] > before)
+        return absl::FailedPreconditionError(fmt::format(
+            "at {:g} um the air lets only {:.1e} of the background through at the stored range: it "
+            "cannot be brought nearer",
+            grid_.lambda_um[k], before));
+    return absl::OkStatus();
+  }
+
+  // How the light of a row's parts is spread over them.
+  [[nodiscard]] std::vector<PartLight> part_light(const StoredSignature& row,
+                                                  std::uint32_t condition,
+                                                  const std::vector<StoredPart>& stored) const {
+    const schema::Sweep& sweep = sweep_.resolved.sweep();
+    const schema::Condition& c = sweep_.resolved.condition(static_cast<int>(condition));
+    const double reflected = std::abs(row.sun_reflected_w_sr) + std::abs(row.sky_reflected_w_sr) +
+                             std::abs(row.sea_reflected_w_sr) + std::abs(row.parts_reflected_w_sr);
+    const double all = reflected + std::abs(row.emitted_w_sr);
+    std::vector<PartLight> out;
+    for (int p = 0; p < sweep.part_size(); ++p) {
+      const schema::Part& part = sweep.part(p);
+      double light = row.intensity_w_sr;
+      if (sweep.part_size() > 1) {
+        const auto at = std::find_if(stored.begin(), stored.end(),
+                                     [&](const StoredPart& s) { return s.part == part.name(); });
+        light = at == stored.end() ? 0 : at->intensity_w_sr;
+      }
+      const auto& field = c.temperature_field().part();
+      const bool stated =
+          std::find(field.begin(), field.end(), static_cast<std::uint32_t>(p)) == field.end() &&
+          p < c.part_temperature_k_size() && c.part_temperature_k(p) > 0;
+      const auto material =
+          std::find_if(sweep.material().begin(), sweep.material().end(),
+                       [&](const auto& m) { return m.name() == part.material(); });
+      const bool diffuse = material != sweep.material().end() && material->kind() == "lambert";
+      double blackbody = std::nan("");
+      if (stated) {
+        blackbody = 0;
+        for (std::size_t i = 0; i < grid_.node_um.size(); ++i)
+          blackbody += grid_.band_weight[i] *
+                       planck_radiance_w_m2_sr_um(grid_.node_um[i], c.part_temperature_k(p));
+      }
+      out.push_back({light, blackbody, stated && diffuse && all > 0 ? reflected / all : 1});
+    }
     return out;
   }
   // Whether lines take their time from what is around the target, and there is room for a table.
@@ -118,7 +285,15 @@ class BandAir {
 
   StoredSweep sweep_;
   BandGrid grid_;
+  Air air_;                        // homogeneous or none
+  std::vector<PlainLight> plain_;  // [condition] of such air
+  bool waterline_ = true;
   std::unique_ptr<const Environment> environment_;  // null: homogeneous air or none
+
+  static Environment::Line plain_line(const Viewpoint& v) {
+    return {v.range_m, v.aspect_elevation_deg,
+            body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BehindNodes()};
+  }
 };
 
 absl::Status check_lengths(double range_m, const char* what, const std::string& sweep,
@@ -130,6 +305,19 @@ absl::Status check_lengths(double range_m, const char* what, const std::string& 
                   "{:g} m): there "
                   "a signature changes with range by more than its air",
                   what, range_m, kFewestLengths, sweep, extent.length_m, least_m));
+}
+
+// From one of the ranges nothing of the target is seen, or much more of it than from the other.
+absl::Status check_seen(const Silhouette& before, const Silhouette& after,
+                        const StoredSignature& any, double range_m) {
+  constexpr double kMostChange = 2;
+  const double least = std::min(before.area_m2(), after.area_m2()),
+               most = std::max(before.area_m2(), after.area_m2());
+  if (most <= kMostChange * least) return absl::OkStatus();
+  return absl::FailedPreconditionError(fmt::format(
+      "row {}: the target shows {:.3g} m2 from {:g} m and {:.3g} m2 from {:g} m, other faces from "
+      "each: run the sweep with the other range in viewpoints.ranges_m",
+      any.row, before.area_m2(), any.range_m, after.area_m2(), range_m));
 }
 
 // Rows of one viewpoint and band.
@@ -170,6 +358,7 @@ struct RangeChanger::Air {
   struct View {
     std::vector<const QueryRow*> rows;
     std::vector<schema::Spectrum> spectra;
+    std::vector<std::vector<StoredPart>> parts;  // of each row, where the target has several
     std::vector<QueryRow*> out;
     std::vector<std::uint32_t> condition;  // [row]
     [[nodiscard]] const StoredSignature& any() const { return rows.front()->signature; }
@@ -184,15 +373,50 @@ struct RangeChanger::Air {
 absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>& ranges_m) const {
   const std::vector<std::uint32_t> conditions = view.conditions();
   const StoredSignature& any = view.any();
-  const auto at = [&](double m, bool around) {
-    return air.lines(any.aspect_azimuth_deg, any.aspect_elevation_deg, m, conditions, around);
+  struct Seen {
+    Viewpoint viewpoint;
+    std::optional<Silhouette> silhouette;
+    Behind behind;
+  };
+  const auto seen = [&](double range_m) {
+    Seen out{{any.aspect_azimuth_deg, any.aspect_elevation_deg, range_m}, {}, {}};
+    if (extent.shape)
+      out.silhouette.emplace(*extent.shape, out.viewpoint, air.waterline(),
+                             air.horizons_z(out.viewpoint));
+    out.behind =
+        air.behind(out.viewpoint, out.silhouette ? &*out.silhouette : nullptr, extent.reach_m);
+    return out;
+  };
+  const auto lines = [&](const Seen& from, bool around) {
+    return air.lines(from.viewpoint, conditions, around, &from.behind);
   };
   const bool tabulated = air.wants_table(ranges_m.size());
-  auto from = at(any.range_m, !tabulated);
+  const Seen here = seen(any.range_m);
+  auto from = lines(here, !tabulated);
   if (!from.ok()) return from.status();
   for (std::size_t r = 0; r < ranges_m.size(); ++r) {
-    auto to = at(ranges_m[r], !tabulated);
+    const bool own = ranges_m[r] == any.range_m;
+    const Seen there = own ? here : seen(ranges_m[r]);
+    auto to = lines(there, !tabulated);
     if (!to.ok()) return to.status();
+    if (!own)
+      for (const Seen* one : {&here, &there})
+        if (air.hides_waterline(one->viewpoint))
+          return absl::FailedPreconditionError(
+              fmt::format("row {}: from {:g} m at an elevation of {:g} deg the Earth hides a part "
+                          "of the target, "
+                          "another one at each range: run the sweep with the other range in "
+                          "viewpoints.ranges_m",
+                          any.row, one->viewpoint.range_m, any.aspect_elevation_deg));
+    std::optional<ShapeAtRanges> shape;
+    if (!own && here.silhouette) {
+      if (const absl::Status s = check_seen(*here.silhouette, *there.silhouette, any, ranges_m[r]);
+          !s.ok())
+        return s;
+      if (here.silhouette->area_m2() > 0)
+        shape.emplace(*extent.shape, here.viewpoint, ranges_m[r], air.waterline(), *here.silhouette,
+                      *there.silhouette);
+    }
     std::vector<ReflectedSpread> spread(conditions.size());
     bool known = tabulated;
     for (std::size_t c = 0; known && c < conditions.size(); ++c) {
@@ -202,17 +426,30 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
       if (known) spread[c] = *std::move(found);
     }
     if (tabulated && !known) {
-      if (from = at(any.range_m, true); !from.ok()) return from.status();
-      if (to = at(ranges_m[r], true); !to.ok()) return to.status();
+      if (from = lines(here, true); !from.ok()) return from.status();
+      if (to = lines(there, true); !to.ok()) return to.status();
     }
     for (std::size_t c = 0; !known && c < conditions.size(); ++c)
       spread[c] = spread_of((*from)[c], (*to)[c]);
+    for (std::size_t c = 0; c < conditions.size(); ++c) {
+      if (const absl::Status s = air.check_nearer((*from)[c], (*to)[c]); !s.ok()) return s;
+      // What both lines have alike is no error of a row that stays.
+      if (own)
+        for (SightLine* line : {&(*from)[c], &(*to)[c]})
+          for (SightLine::Integrals* of : {&line->bin, &line->band})
+            of->behind_fraction_bound = of->behind_between_bound = {};
+    }
+    const double perspective = perspective_bound(any.range_m, ranges_m[r], extent.reach_m);
     for (std::size_t i = 0; i < view.rows.size(); ++i) {
       const auto c = static_cast<std::size_t>(
           std::find(conditions.begin(), conditions.end(), view.condition[i]) - conditions.begin());
-      auto moved =
-          moved_row(view.rows[i]->signature, view.spectra[i], (*from)[c], (*to)[c], spread[c],
-                    perspective_bound(any.range_m, ranges_m[r], extent.reach_m));
+      const ShapeChange change =
+          own ? ShapeChange{}
+          : shape
+              ? shape->of(air.part_light(view.rows[i]->signature, view.condition[i], view.parts[i]))
+              : ShapeChange{1, 1, perspective, perspective};
+      auto moved = moved_row(view.rows[i]->signature, view.spectra[i], (*from)[c], (*to)[c],
+                             spread[c], change);
       if (!moved.ok()) return moved.status();
       moved->signature.range_m = ranges_m[r];
       *view.out[i * ranges_m.size() + r] = {
@@ -220,6 +457,7 @@ absl::Status RangeChanger::Air::move(const View& view, const std::vector<double>
           RangeChange{any.range_m, moved->range_bound_w_sr,
                       std::make_shared<const schema::Spectrum>(std::move(moved->spectrum))}};
     }
+    if (own && (from = lines(here, !tabulated), !from.ok())) return from.status();
   }
   return absl::OkStatus();
 }
@@ -284,6 +522,11 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
       auto spectrum = reader_.spectrum(row->signature.signature_id);
       if (!spectrum.ok()) return spectrum.status();
       view.spectra.push_back(*std::move(spectrum));
+      view.parts.emplace_back();
+      if ((*air)->extent.shape == nullptr || (*air)->extent.shape->two_sided.size() < 2) continue;
+      auto parts = reader_.parts(row->signature.signature_id);
+      if (!parts.ok()) return parts.status();
+      view.parts.back() = *std::move(parts);
     }
     list.emplace_back(*air, &view);
   }
@@ -298,7 +541,7 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
     const BandAir& air = tasks[i].first->air;
     ArrivingTable::compute(tasks[i].second, [&](double elevation_deg, double range_m,
                                                 const std::vector<std::uint32_t>& conditions) {
-      return air.lines(0, elevation_deg, range_m, conditions, true);
+      return air.lines({0, elevation_deg, range_m}, conditions, true, nullptr);
     });
     return absl::OkStatus();
   });

@@ -44,7 +44,8 @@ std::vector<double> solid_angles(const DirectionNodes& nodes, std::uint32_t firs
 
 }  // namespace
 
-SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, const BandGrid& grid) {
+SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, const BandGrid& grid,
+                     const Silhouette::Fractions& before) {
   SightLine out;
 
   struct Side {
@@ -71,6 +72,14 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
       (*side.share)[i] = radiance[i] > 0 ? seen[i] / radiance[i] : -1;
   }
 
+  // A fraction that is off goes to another node: each differs by so much from the mean.
+  std::vector<std::vector<double>> away = e.behind_apparent;
+  std::vector<double> middle(n, 0.0);
+  for (std::size_t k = 0; k < away.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) middle[i] += before.value[k] * away[k][i];
+  for (std::vector<double>& node : away)
+    for (std::size_t i = 0; i < n; ++i) node[i] = std::abs(node[i] - middle[i]);
+
   const std::vector<double> ones(e.transmittance.size(), 1.0);
   for (auto [to, weight] :
        {std::pair{&out.bin, &grid.bin_weight}, {&out.band, &grid.band_weight}}) {
@@ -89,7 +98,17 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
     to->path_radiance = integral(e.path_radiance);
     to->model_error_transmittance = integral(e.model_error_transmittance);
     to->model_error_path_radiance = integral(e.model_error_path_radiance);
-    if (!e.behind_apparent.empty()) to->behind = integral(e.behind_apparent.front());
+    const auto behind = [&](const std::vector<std::vector<double>>& node,
+                            const std::vector<double>& fraction) {
+      std::vector<double> sum(n, 0.0);
+      for (std::size_t k = 0; k < node.size(); ++k)
+        if (fraction[k] != 0)
+          for (std::size_t i = 0; i < n; ++i) sum[i] += fraction[k] * node[k][i];
+      return integral(sum);
+    };
+    to->behind = behind(e.behind_apparent, before.value);
+    to->behind_between_bound = behind(e.behind_interpolation, before.value);
+    to->behind_fraction_bound = behind(away, before.error);
     to->arriving = {to->transmittance,
                     arriving(integral(e.sun_apparent), mean(e.sun), to->transmittance),
                     of_side(sides[0].mean), of_side(sides[1].mean), to->transmittance};

@@ -6,6 +6,7 @@
 
 #include "core/environment/environment.h"
 #include "core/spectral/band.h"
+#include "view/silhouette.h"
 
 namespace irsig {
 
@@ -22,7 +23,9 @@ struct SightLine {
   struct Integrals {
     std::array<Values, kCauses> arriving;  // share of each cause's radiance that arrives
     Values width, transmittance, path_radiance;
-    Values behind;  // radiance from behind the target, as it arrives; empty: not known by direction
+    // Mean radiance from behind the silhouette, as it arrives, and bounds on it: of the fractions
+    // of the silhouette before each direction, and between the directions.
+    Values behind, behind_fraction_bound, behind_between_bound;
     Values model_error_transmittance, model_error_path_radiance;  // empty: none
   };
   Integrals bin, band;
@@ -35,7 +38,8 @@ struct SightLine {
 // environment: on the band's nodes. nodes: to which environment.around refers. Reflected sky and
 // sea arrive as the mean over the solid angle of their side does: which directions a target mirrors
 // is no longer known.
+// before: the fractions of the silhouette before each node of environment.behind_apparent.
 [[nodiscard]] SightLine sight_line(const ViewEnvironment& environment, const DirectionNodes& nodes,
-                                   const BandGrid& grid);
+                                   const BandGrid& grid, const Silhouette::Fractions& before);
 
 }  // namespace irsig

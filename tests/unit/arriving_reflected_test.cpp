@@ -28,7 +28,7 @@ struct World {
     if (!views.ok()) return views.status();
     std::vector<SightLine> out;
     for (const ViewEnvironment& view : *views)
-      out.push_back(sight_line(view, environment->nodes(), grid));
+      out.push_back(sight_line(view, environment->nodes(), grid, {{1}, {0}}));
     return out;
   }
 };

@@ -15,6 +15,7 @@
 #include "fake_store_reader.h"
 #include "view/moved_row.h"
 #include "view/sight_line.h"
+#include "view/silhouette.h"
 
 namespace irsig {
 namespace {
@@ -33,11 +34,11 @@ Air grey_air() {
 
 Band band() { return {"mwir", 3, 5, 0.25, {{2.9, 0.2}, {4, 1}, {5.1, 0.5}}}; }
 
-// Source by cause, the background's radiance at the target: smooth functions of the bin.
+// Source by cause, a smooth function of the bin; the background's radiance at the target.
 double cause(std::size_t c, std::size_t k) {
   return (static_cast<double>(c) + 1) * (20 + 3 * static_cast<double>(k));
 }
-double behind(std::size_t k) { return 1.5 + 0.1 * static_cast<double>(k); }
+constexpr double kBehind = 1.5;
 
 struct Row {
   StoredSignature signature{};
@@ -78,8 +79,8 @@ Row row_at(double range_m) {
     }
     s.intensity_w_sr += width * total;
     s.apparent_intensity_w_sr += width * total * t + kArea * radiance;
-    s.contrast_intensity_w_sr += width * t * (total - kArea * behind(k));
-    s.background_radiance_w_m2_sr += width * t * behind(k) + radiance;
+    s.contrast_intensity_w_sr += width * t * (total - kArea * kBehind);
+    s.background_radiance_w_m2_sr += width * t * kBehind + radiance;
     s.path_radiance_w_m2_sr += radiance;
     const auto f = [](double v) { return static_cast<float>(v); };
     schema::Spectrum& p = out.spectrum;
@@ -91,8 +92,8 @@ Row row_at(double range_m) {
     p.add_sea_reflected_w_sr_um(f(cause(3, k)));
     p.add_parts_reflected_w_sr_um(f(cause(4, k)));
     p.add_apparent_spectral_intensity_w_sr_um(f(total * t + kArea * mean_radiance));
-    p.add_contrast_spectral_intensity_w_sr_um(f(t * (total - kArea * behind(k))));
-    p.add_background_radiance_w_m2_sr_um(f(t * behind(k) + mean_radiance));
+    p.add_contrast_spectral_intensity_w_sr_um(f(t * (total - kArea * kBehind)));
+    p.add_background_radiance_w_m2_sr_um(f(t * kBehind + mean_radiance));
     p.add_path_transmittance(f(t));
     p.add_path_radiance_w_m2_sr_um(f(mean_radiance));
     for (auto add : {&schema::Spectrum::add_spectral_intensity_stderr_w_sr_um,
@@ -125,6 +126,9 @@ class RangeChanged : public ::testing::Test {
     condition.set_season("winter");
     condition.set_time_utc("2025-12-21T01:30:00Z");
     condition.set_air_temperature_k(kAir);
+    condition.mutable_surroundings()->set_kind("none");
+    condition.mutable_surroundings()->set_sky_radiance_w_m2_sr_um(kBehind);
+    condition.mutable_surroundings()->set_lower_radiance_w_m2_sr_um(kBehind);
     schema::Band& b = *resolved.mutable_sweep()->add_band();
     b.set_name("mwir");
     b.set_lambda_min_um(3);
@@ -290,6 +294,67 @@ TEST_F(RangeChanged, ManyRowsAreMovedAsEachAlone) {
   EXPECT_THAT(std::string(hot.status().message()), HasSubstr("row 301: hot gas"));
 }
 
+// Where the mesh is not known, as much of the target as its reach allows may stand before the sky.
+TEST_F(RangeChanged, WithoutAMeshTheHorizonMayBeBehindTheTarget) {
+  constexpr double kSky = 4 * kBehind;
+  schema::Surroundings& around =
+      *db_.sweeps["box"].resolved.mutable_condition(0)->mutable_surroundings();
+  around.set_sky_radiance_w_m2_sr_um(kSky);
+  const double before = at(5000)->front().signature.contrast_numerical_error_w_sr;
+  db_.signatures[0].aspect_elevation_deg = 0.04;  // 3.5 m high at 5 km
+  const StoredSignature s = at(5000)->front().signature;
+  double width = 0;
+  const BandGrid grid = make_band_grid(band()).value();
+  for (const double w : grid.band_weight) width += w;
+  const double most = kArea * s.path_transmittance * width * (kSky - kBehind);
+  EXPECT_LT(before, 0.2 * most / std::sqrt(3.0));
+  EXPECT_GT(s.contrast_numerical_error_w_sr, most / std::sqrt(3.0));
+}
+
+// The plate of the target at two ranges: 20 m high, the sensor 3.5 m and 17.5 m above the water.
+TEST_F(RangeChanged, AFartherSensorSeesMoreOfTheSeaBehindTheTarget) {
+  constexpr double kSky = 4 * kBehind, kElevationDeg = 0.1, kTo = 10000, kHigh = 20;
+  db_.sweeps["box"]
+      .resolved.mutable_condition(0)
+      ->mutable_surroundings()
+      ->set_sky_radiance_w_m2_sr_um(kSky);
+  const auto sky_fraction = [&](double range_m) {
+    return 1 - range_m * std::sin(kElevationDeg * std::numbers::pi / 180) / kHigh;
+  };
+  const auto mean = [&](double range_m) {
+    return kBehind + (kSky - kBehind) * sky_fraction(range_m);
+  };
+  StoredSignature& stored = db_.signatures[0];
+  stored.aspect_azimuth_deg = 0;
+  stored.aspect_elevation_deg = kElevationDeg;
+  const BandGrid grid = make_band_grid(band()).value();
+  double width = 0;
+  for (const double w : grid.band_weight) width += w;
+  const double before = stored.path_transmittance;
+  stored.background_radiance_w_m2_sr = width * before * mean(kRange) + stored.path_radiance_w_m2_sr;
+  stored.contrast_intensity_w_sr = before * (stored.intensity_w_sr - kArea * width * mean(kRange));
+  TargetExtent extent{20, 21};
+  const double y = kArea / kHigh / 2;
+  extent.shape = std::make_shared<const TargetShape>(
+      TargetShape{{{0, -y, 0}, {0, -y, -kHigh}, {0, y, -kHigh}, {0, y, 0}},
+                  {{0, 2, 3}, {0, 1, 2}},
+                  {0, 0},
+                  {false}});
+  db_.sweeps["box"].resolved.mutable_sweep()->add_part()->set_name("plate");
+  const auto rows = at(kTo, extent);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  const StoredSignature& s = rows->front().signature;
+  EXPECT_NEAR(s.background_radiance_w_m2_sr,
+              width * s.path_transmittance * mean(kTo) + s.path_radiance_w_m2_sr,
+              1e-3 * s.background_radiance_w_m2_sr);
+  EXPECT_NEAR(s.contrast_intensity_w_sr,
+              s.path_transmittance * (stored.intensity_w_sr - kArea * width * mean(kTo)),
+              1e-3 * s.apparent_intensity_w_sr);
+  // Kept as it was, the contrast would be off by far more than its error.
+  EXPECT_LT(5 * s.contrast_numerical_error_w_sr,
+            s.path_transmittance * kArea * width * (mean(kRange) - mean(kTo)));
+}
+
 TEST_F(RangeChanged, ABackgroundThatTheAirHidesIsNotBroughtNearer) {
   db_.sweeps["box"].resolved.mutable_sweep()->mutable_air()->set_absorption_m2_kg(5e-3);
   EXPECT_EQ(at(600).status().code(), absl::StatusCode::kFailedPrecondition);
@@ -337,7 +402,7 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     e.around = LightAround::of_spectra({flat(2), flat(1), flat(1)},
                                        {flat(2 * low), flat(high), flat(grey)}, nodes.sky());
     e.behind_apparent = {flat(grey)};
-    return sight_line(e, nodes, grid);
+    return sight_line(e, nodes, grid, {{1}, {0}});
   };
   const SightLine from = line(0.8, 0.9, 0.7), to = line(0.3, 0.6, 0.4);
   // Solid angles: half the sphere's height each.
@@ -360,7 +425,7 @@ TEST(ReflectedSky, ItsDirectionsAreBounded) {
     }
     row.apparent_intensity_w_sr = 0.5 * before;
     row.intensity_w_sr = 0.5 * sky;
-    const auto moved = moved_row(row, spectrum, from, to, spread_of(from, to), 0);
+    const auto moved = moved_row(row, spectrum, from, to, spread_of(from, to), ShapeChange{});
     ASSERT_TRUE(moved.ok()) << moved.status();
     EXPECT_NEAR(moved->signature.apparent_intensity_w_sr, 0.5 * after, moved->range_bound_w_sr);
     EXPECT_GT(moved->range_bound_w_sr, 0.01 * after);

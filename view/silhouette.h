@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/environment/behind_nodes.h"
+#include "core/geo/frames.h"
+#include "core/geo/viewpoint.h"
+
+namespace irsig {
+
+// The triangles of a target in the body frame [m].
+struct TargetShape {
+  std::vector<Vec<Body>> vertex;
+  std::vector<std::array<std::uint32_t, 3>> triangle;
+  std::vector<std::uint32_t> part;  // [triangle]
+  std::vector<bool> two_sided;      // [part]
+};
+
+// The outline of a target in perspective from one viewpoint, with what lies below the waterline
+// (body z > 0) cut off where there is one. Rows of constant height in the sensor's image plane hold
+// the union of the facets that face the sensor: exact along a row, sampled across rows. Rows begin
+// and end at the horizons and at the vertices of small meshes, so that a box is exact.
+class Silhouette {
+ public:
+  //   horizon_z  z of the directions at which the radiance behind the target jumps (BehindNodes)
+  Silhouette(const TargetShape& shape, const Viewpoint& viewpoint, bool waterline,
+             std::span<const float> horizon_z);
+
+  // range^2 x solid angle [m2], and by how much half as many rows differ.
+  [[nodiscard]] double area_m2() const { return fine_.area_m2; }
+  [[nodiscard]] double area_error_m2() const;
+  // Smallest and largest z of the directions (unit vectors away from the sensor) that it covers.
+  [[nodiscard]] double least_z() const { return fine_.least_z; }
+  [[nodiscard]] double most_z() const { return fine_.most_z; }
+
+  // The fraction of the silhouette before each node, and by how much half as many rows differ.
+  struct Fractions {
+    std::vector<double> value, error;
+  };
+  [[nodiscard]] Fractions before(const BehindNodes& nodes) const;
+
+ private:
+  struct Piece {
+    double z, area_m2;
+  };
+  struct Rows {
+    std::vector<Piece> piece;
+    double area_m2 = 0, least_z = 1, most_z = -1;
+  };
+  Rows fine_, coarse_;
+};
+
+// The visible area of each part [m2: range^2 x solid angle] from one viewpoint, by a raster with a
+// depth buffer, and the error (one sigma) that its cells leave.
+struct PartAreas {
+  std::vector<double> area_m2, error_m2;
+};
+[[nodiscard]] PartAreas part_areas(const TargetShape& shape, const Viewpoint& viewpoint,
+                                   bool waterline);
+
+// By how much facets of each part change relative to each other between two ranges, whatever hides
+// them: [part] the sum over facets of the change of the area that they turn towards the sensor, or
+// the largest change by distance alone, where that is more; relative to the part's area, less the
+// change that all of them share.
+[[nodiscard]] std::vector<double> facet_changes(const TargetShape& shape, const Viewpoint& from,
+                                                double to_range_m, bool waterline);
+
+}  // namespace irsig
