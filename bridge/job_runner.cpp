@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "bridge/check_numbers.h"
+#include "bridge/environment/weather_from_message.h"
 #include "bridge/heat_field.h"
 #include "bridge/input_views.h"
 #include "bridge/model_warnings.h"
@@ -16,6 +17,7 @@
 #include "bridge/spec_to_request.h"
 #include "core/base/arithmetic_fingerprint.h"
 #include "core/scene/mesh_lint.h"
+#include "core/signature/in_sight.h"
 #include "core/signature/simulator.h"
 
 namespace irsig {
@@ -172,6 +174,27 @@ class CoreJobRunner final : public JobRunner {
 // 2e-4 too small, at 1e15 2 to 6 % (tests/physics/far_view_test.cpp).
 constexpr double kMostRangeInSizes = 1e9;
 
+// Before any view is computed: every viewpoint sees something of the target.
+absl::Status check_in_sight(const schema::ResolvedSweep& sweep, const Target& target,
+                            const Environment* environment) {
+  std::vector<ConditionSpec> conditions;
+  for (const schema::Condition& c : sweep.condition()) {
+    const std::string& kind = c.surroundings().kind();
+    ConditionSpec& condition = conditions.emplace_back();
+    condition.surroundings.kind = kind == "sea"      ? SurroundingsKind::kSea
+                                  : kind == "ground" ? SurroundingsKind::kGround
+                                                     : SurroundingsKind::kNone;
+    condition.above_surface_m = above_surface_m(sweep, c);
+  }
+  for (const schema::Viewpoint& v : sweep.viewpoint())
+    if (const absl::Status status =
+            check_in_sight(target, conditions, environment,
+                           {v.aspect_azimuth_deg(), v.aspect_elevation_deg(), v.range_m()});
+        !status.ok())
+      return absl::InvalidArgumentError(absl::StrCat("viewpoints: ", status.message()));
+  return absl::OkStatus();
+}
+
 std::string cpu_vendor() {
   if (__builtin_cpu_is("amd")) return "amd";
   if (__builtin_cpu_is("intel")) return "intel";
@@ -190,6 +213,7 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   if (!scene.ok()) return scene.status();
   if (const absl::Status status = check_above_surface(sweep, scene->mesh); !status.ok())
     return status;
+  if (const absl::Status status = check_offset(sweep, scene->mesh); !status.ok()) return status;
   auto simulator = Simulator::create(*scene);
   if (!simulator.ok()) return simulator.status();
   if (const absl::Status status = check_energy(sweep.sweep(), (*simulator)->materials());
@@ -211,6 +235,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
   if (!environment.ok()) return environment.status();
+  if (const absl::Status status = check_in_sight(sweep, target, environment->get()); !status.ok())
+    return status;
   auto plumes = plumes_from_sweep(sweep, assets);
   if (!plumes.ok()) return plumes.status();
   std::optional<InputViews> inputs;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "bridge/environment/weather_from_message.h"
 #include "core/scene/mesh_lint.h"
 #include "core/scene/target.h"
 
@@ -131,9 +132,9 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
     say("model.file",
         absl::StrFormat(
             "the model's lowest point is %.6g m up, but air and sky are taken 5 m above "
-            "the surface: lower it (draft_m = 0) and raise it with offset_m, which they "
-            "follow",
-            above_m));
+            "the surface: lower it (draft_m = 0) and put it there with [place] above_surface_m = "
+            "%.6g, which they follow",
+            above_m, above_m));
   } else if (kind == "sea" && std::abs(above_m) <= 1e-3 * longest && !placement.placed) {
     say("model.file",
         "the model stands on the sea with its lowest point at the waterline: draft_m says how deep "
@@ -145,7 +146,14 @@ std::vector<PlacementNote> placement_notes(const Mesh& mesh, const Placement& pl
 absl::Status check_above_surface(const schema::ResolvedSweep& sweep, const Mesh& mesh) {
   if (sweep.condition_size() == 0) return absl::OkStatus();
   const std::string& kind = sweep.condition(0).surroundings().kind();
-  if ((kind != "sea" && kind != "ground") || !(box_of(mesh).low.z > 0)) return absl::OkStatus();
+  const auto lowest =
+      std::min_element(sweep.condition().begin(), sweep.condition().end(),
+                       [&](const schema::Condition& a, const schema::Condition& b) {
+                         return above_surface_m(sweep, a) < above_surface_m(sweep, b);
+                       });
+  if ((kind != "sea" && kind != "ground") ||
+      !(box_of(mesh).low.z > above_surface_m(sweep, *lowest)))
+    return absl::OkStatus();
   const schema::Model& model = sweep.sweep().model();
   const char* key = model.has_draft_m()         ? "model.draft_m"
                     : model.offset_m_size() > 0 ? "model.offset_m"
@@ -156,15 +164,42 @@ absl::Status check_above_surface(const schema::ResolvedSweep& sweep, const Mesh&
                         ", where nothing is seen, expected something that rises above it"));
 }
 
+absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh) {
+  const schema::Model& model = sweep.sweep().model();
+  if (model.offset_m_size() != 3) return absl::OkStatus();
+  const Vec<Body> offset{model.offset_m(0), model.offset_m(1), -model.offset_m(2)};
+  const Box box = box_of(mesh);
+  const Vec<Body> middle = 0.5 * (box.low + box.high);
+  const double size_m = length(box.high - box.low), away_m = length(middle);
+  // An offset that brings a far model to its reference point is what it is for.
+  if (!(length(offset) > size_m && away_m > size_m && away_m > length(middle - offset)))
+    return absl::OkStatus();
+  std::string remedy;
+  if (-offset.z > 0.5 * length(offset))
+    remedy = absl::StrFormat(
+        "leave offset_m out and put the target into the air: above_surface_m = %.9g in [place]",
+        -offset.z);
+  else
+    remedy = "leave offset_m out: viewpoints are where the sensor is, seen from the target";
+  return keyed_problem(
+      "model.offset_m",
+      absl::StrFormat("moves the target by %.6g m (its size is %.4g m), away from the reference "
+                      "point from which range_m and aspects of viewpoints count; %s",
+                      length(offset), size_m, remedy));
+}
+
 std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const SceneSpec& scene) {
   std::vector<Problem> out;
   see_near_sensors(sweep, scene.mesh, out);
   const schema::Model& model = sweep.sweep().model();
   if (!model.has_file()) return out;
   if (!model.has_accepted_backface_share()) see_open_parts(scene, out);
+  // What floats in the air stands on nothing.
+  const bool in_the_air =
+      sweep.condition_size() > 0 && above_surface_m(sweep, sweep.condition(0)) > 0;
   Placement placement{.unit_m = model.unit_m(),
                       .placed = model.has_draft_m() || model.offset_m_size() > 0,
-                      .surroundings = sweep.condition_size() > 0
+                      .surroundings = sweep.condition_size() > 0 && !in_the_air
                                           ? sweep.condition(0).surroundings().kind()
                                           : std::string(),
                       .atmosphere = sweep.sweep().air().model() == "atmosphere"};

@@ -29,9 +29,14 @@ struct PlacementNote {
 // Of the facets' area, what lies below z = 0, by their middles: 0 to 1.
 [[nodiscard]] double share_below_surface(const Mesh& mesh);
 
-// INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen.
+// INVALID_ARGUMENT: nothing of the target rises above the sea or ground, so that nothing is seen,
+// where above_surface_m is lowest.
 [[nodiscard]] absl::Status check_above_surface(const schema::ResolvedSweep& sweep,
                                                const Mesh& mesh);
+
+// INVALID_ARGUMENT: model.offset_m moves the target away from its reference point, farther than it
+// is large.
+[[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
 // What is odd about a model from a file, for people, each at the key that may be wrong. One-sided parts with
 // facets of open shells (not where the sweep states model.accepted_backface_share); a size that

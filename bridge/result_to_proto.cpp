@@ -169,7 +169,7 @@ absl::StatusOr<schema::JobResult> result_to_proto(const ViewResult& view,
         return status;
     row->set_stop_reason(reason(r.stop_reason));
     row->set_energy_gain(simulator.energy_gain());
-    if (sweep.sweep().has_place()) {
+    if (sweep.sweep().place().has_latitude_deg()) {
       const auto sun = sun_angles(sweep, sweep.condition(static_cast<int>(r.condition)));
       if (!sun.ok()) return sun.status();
       row->set_sun_azimuth_deg(sun->azimuth_deg);

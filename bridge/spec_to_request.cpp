@@ -25,7 +25,8 @@ absl::StatusOr<SunPosition> sun_of(const schema::ResolvedSweep& sweep,
   const auto time = parse_rfc3339(condition.time_utc());
   if (!time.ok()) return time.status();
   const schema::Place& place = sweep.sweep().place();
-  return sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+  return sun_position(*time, place.latitude_deg(), place.longitude_deg(),
+                      place.height_m() + above_surface_m(sweep, condition));
 }
 
 absl::StatusOr<EffectChoice> effects_of(const schema::Effects& effects) {
@@ -173,6 +174,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
     if (!surroundings.ok()) return surroundings.status();
     condition.surroundings = *surroundings;
     condition.air_temperature_k = c.air_temperature_k();
+    condition.above_surface_m = above_surface_m(resolved, c);
     if (c.has_plume() && !plumes.empty()) {
       if (c.plume() >= plumes.size())
         return absl::InvalidArgumentError(
@@ -199,6 +201,8 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
         condition.sun_direction = seen.direction;
         condition.sun_cos_zenith = -seen.direction.z;
         condition.sun_horizon_z = seen.horizon_z;
+      } else if (condition.surroundings.kind != SurroundingsKind::kNone) {
+        condition.sun_horizon_z = sine_of_dip(condition.above_surface_m);
       }
     }
     request.condition.push_back(std::move(condition));

@@ -13,6 +13,7 @@
 #include "core/geo/sun.h"
 #include "jobs/check_weather.h"
 #include "jobs/nearest_name.h"
+#include "jobs/resolve.h"
 
 namespace irsig {
 namespace {
@@ -231,7 +232,7 @@ SunThere sun_there(const schema::Place& place, const schema::Condition& conditio
 }
 
 void check_calendar(schema::ResolvedSweep& resolved, Findings& findings) {
-  if (!resolved.sweep().has_place()) return;
+  if (!has_position(resolved.sweep())) return;
   for (int s = 0; s < resolved.sweep().season_size(); ++s) check_season_name(resolved, s, findings);
   double highest_deg = -90;
   for (schema::Condition& condition : *resolved.mutable_condition()) {

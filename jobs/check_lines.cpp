@@ -17,15 +17,16 @@ namespace irsig {
 namespace {
 
 // Of a line of sight above a spherical sea or ground, as Environment::line has it: the sensor's
-// height, and its distance from the point that stands for the target.
+// height, and its distance from the point that stands for the target. above_m: of the target's
+// reference point, from which viewpoints count.
 struct Sight {
   double sensor_m, range_m;
 };
-Sight sight_of(double target_m, const schema::Viewpoint& view) {
+Sight sight_of(double target_m, double above_m, const schema::Viewpoint& view) {
   const double elevation = view.aspect_elevation_deg() * M_PI / 180;
-  const double up_m = view.range_m() * std::sin(elevation),
-               along_m = view.range_m() * std::cos(elevation);
-  return {(view.range_m() * view.range_m() + 2 * kEarthRadiusM * up_m) /
+  const double r = view.range_m(), up_m = r * std::sin(elevation) + above_m,
+               along_m = r * std::cos(elevation);
+  return {(up_m * up_m + along_m * along_m + 2 * kEarthRadiusM * up_m) /
               (std::hypot(kEarthRadiusM + up_m, along_m) + kEarthRadiusM),
           std::hypot(up_m - target_m, along_m)};
 }
@@ -54,14 +55,16 @@ void check_joined_profile(const schema::Sweep& sweep, int s, const AirProfile& p
 // Lines that fall away from the target: the others cannot meet the surface.
 void check_hidden(const schema::ResolvedSweep& resolved, int s, const WeatherSpec& weather,
                   Findings& findings) {
-  const double target_m = target_height_m(resolved);
+  const double above_m = weather.above_surface_m;
+  const double target_m = air_point_height_m(resolved, above_m);
   for (int v = 0; v < resolved.viewpoint_size(); ++v) {
     const schema::Viewpoint& view = resolved.viewpoint(v);
     if (view.aspect_elevation_deg() >= 0) continue;
-    const Sight sight = sight_of(target_m, view);
+    const Sight sight = sight_of(target_m, above_m, view);
     const auto path = look_between(weather.air.profile, sight.sensor_m, target_m, sight.range_m,
                                    weather.refraction);
-    if (path.ok()) continue;
+    // What the Earth hides of the target is found where its mesh is known.
+    if (path.ok() || absl::IsOutOfRange(path.status())) continue;
     findings.add(viewpoint_path(resolved.sweep().viewpoints(), static_cast<std::size_t>(v),
                                 static_cast<std::size_t>(resolved.viewpoint_size())),
                  absl::StrCat(text_of(v, view), " does not see the target in season \"",
@@ -88,8 +91,9 @@ void check_wavelengths(const schema::Sweep& sweep, const ImportedPath& imported,
   }
 }
 
-void check_import(schema::ResolvedSweep& resolved, int s, const ImportedPaths& paths,
+void check_import(schema::ResolvedSweep& resolved, int s, const WeatherSpec& weather,
                   Findings& findings) {
+  const ImportedPaths& paths = *weather.imported;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const schema::Sweep& sweep = resolved.sweep();
   const std::string path = absl::StrCat("season[", s, "].modtran_file");
@@ -98,7 +102,7 @@ void check_import(schema::ResolvedSweep& resolved, int s, const ImportedPaths& p
     const schema::Condition& condition = resolved.condition(s * times + t);
     const schema::Surroundings& around = condition.surroundings();
     const SunThere sun = sun_there(sweep.place(), condition);
-    const bool placed = sweep.has_place();
+    const bool placed = has_position(sweep);
     const absl::Status agrees = check_conditions(
         paths, {.sun_zenith_deg = placed ? 90 - sun.elevation_deg : kUnknown,
                 .latitude_deg = placed ? sweep.place().latitude_deg() : kUnknown,
@@ -110,11 +114,12 @@ void check_import(schema::ResolvedSweep& resolved, int s, const ImportedPaths& p
       findings.add(path, absl::StrCat(path, " was not made for ", condition.time_utc(), ": ",
                                       absl::StrReplaceAll(agrees.message(), {{"\n", "; "}})));
   }
-  const double target_m = target_height_m(resolved);
+  const double above_m = weather.above_surface_m;
+  const double target_m = air_point_height_m(resolved, above_m);
   double off_m = 0;  // of ends of lines that a level path stands for
   for (int v = 0; v < resolved.viewpoint_size(); ++v) {
     const schema::Viewpoint& view = resolved.viewpoint(v);
-    const Sight sight = sight_of(target_m, view);
+    const Sight sight = sight_of(target_m, above_m, view);
     const auto found = find_path(paths, sight.sensor_m, target_m, sight.range_m);
     if (found.ok()) {
       check_wavelengths(sweep, **found, path, findings);
@@ -150,7 +155,7 @@ void check_lines(schema::ResolvedSweep& resolved, Findings& findings) {
     }
     check_joined_profile(resolved.sweep(), s, weather->air.profile, findings);
     check_hidden(resolved, s, *weather, findings);
-    if (weather->imported != nullptr) check_import(resolved, s, *weather->imported, findings);
+    if (weather->imported != nullptr) check_import(resolved, s, *weather, findings);
   }
 }
 

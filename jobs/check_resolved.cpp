@@ -251,6 +251,7 @@ void check_tables(const schema::ResolvedSweep& as_sent, Findings& findings) {
   check_effect_names(sweep.effects(), findings);
   check_heat(sweep, findings);
   check_plume(sweep, findings);
+  check_heights(sweep, findings);
   check_place(sweep, findings);
   check_air(sweep, findings);
   *resolved.mutable_viewpoint() = as_sent.viewpoint();

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/atmosphere/air_profile.h"
+#include "jobs/resolve.h"
 
 namespace irsig {
 namespace {
@@ -105,7 +106,7 @@ class SeasonGate {
   static double profile_surface_k(const schema::Weather& unbent);
 
   void check_profile_name(const std::string& path) {
-    if (!sweep_.has_place()) return;
+    if (!has_position(sweep_)) return;
     const double latitude_deg = sweep_.place().latitude_deg();
     const std::string& name = weather_.profile();
     int month = std::atoi(season_.date().substr(5, 2).c_str());
@@ -132,7 +133,7 @@ class SeasonGate {
 
   // Sea level has had 870 to 1085 hPa; 15 % and 8 % about the standard atmosphere's.
   void check_pressure() {
-    if (!sweep_.has_place()) return;
+    if (!has_position(sweep_)) return;
     const double height_m = sweep_.place().height_m();
     const double standard_pa = 101325 * std::pow(std::max(0.0, 1 - 2.25577e-5 * height_m), 5.25588);
     const double ratio = weather_.pressure_pa() / standard_pa;

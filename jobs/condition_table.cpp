@@ -269,10 +269,11 @@ class Expansion {
     Written weather;
     if (sweep_.has_weather()) {
       const SectionCheck check(sweep_.weather(), "weather", findings_);
-      check.only({"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s",
-                  "wind_speed_24h_m_s", "visibility_m", "profile", "profile_file",
-                  "sun_irradiance_w_m2", "weather_file", "day", "cloud_cover", "wind_from_deg"},
-                 "to [weather], which has what all seasons share");
+      check.only(
+          {"air_temperature_k", "relative_humidity_percent", "pressure_pa", "wind_speed_m_s",
+           "wind_speed_24h_m_s", "visibility_m", "profile", "profile_file", "sun_irradiance_w_m2",
+           "weather_file", "day", "cloud_cover", "wind_from_deg", "above_surface_m"},
+          "to [weather], which has what all seasons share");
       weather.season = sweep_.weather();
       weather.where = below(file_, "weather");
     }

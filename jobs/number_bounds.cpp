@@ -50,6 +50,8 @@ constexpr std::string_view kSigma =
     "smaller is known exactly; of larger ones one step says nothing";
 constexpr std::string_view kIndexOfList = "the longest list";
 constexpr std::string_view kGasTables = "the tables of hot gas end there";
+constexpr std::string_view kAbove = "on sea or ground to the end of the air";
+constexpr std::string_view kAboveHere = "lower it stands on sea or ground; the end of the air";
 constexpr std::string_view kInstrument = "far beyond any instrument";
 constexpr std::string_view kSeed = "every whole number of 64 bits";
 
@@ -70,6 +72,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Place.height_m", -500, 100e3, "the shore of the Dead Sea to the end of the air"},
     {"Place.heading_deg", -360, 360, kAzimuth},
     {"Place.speed_m_s", 0, 50, "faster than any ship"},
+    {"Place.above_surface_m", 0, 100e3, kAbove},
 
     {"Material.emissivity", 0, 1, kFraction},
     {"Material.n", 1e-6, 1e6, kIndex},
@@ -116,6 +119,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"TemperatureField.max_distance_m", 1e-9, 1e6, "the size of targets"},
     {"TemperatureField.error_k", 0, 1000, "nothing is known of a temperature"},
     {"Season.sun_irradiance_w_m2", 0, 1e9, "beyond the sun's surface"},
+    {"Season.above_surface_m", 1, 100e3, kAboveHere},
     {"Season.air_temperature_k", 0, kHottestK, kTemperature},
     {"Season.relative_humidity_percent", 0, 1000,
      "above 100 refused with the dew point that it means"},
@@ -134,6 +138,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Vary.relative_humidity_percent", 0, 100, kHumidity},
     {"Vary.air_temperature_k", 0, kHottestK, kTemperature},
     {"Vary.sea_temperature_k", 0, kHottestK, kTemperature},
+    {"Vary.above_surface_m", 1, 100e3, kAboveHere},
 
     {"Uncertainty.air_temperature_k", 1e-3, 50, kSigma},
     {"Uncertainty.dew_point_k", 1e-3, 50, kSigma},
@@ -288,6 +293,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Weather.air_mass", 0, 10, "open ocean to continent; 0: not the Navy's aerosol"},
     {"Weather.wind_speed_m_s", 0, 150, "more than any storm"},
     {"Weather.wind_speed_24h_m_s", 0, 150, "more than any storm"},
+    {"Weather.above_surface_m", 0, 100e3, kAbove},
     {"Weather.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
 
     {"Goniometer.seed", 0, 18446744073709551615.0, kSeed},

@@ -50,8 +50,21 @@ void take_temperature_field(const std::map<std::string, schema::ConditionField>&
 // if nothing was found so far. `file` has the text of the files that air and seasons name.
 void resolve_conditions(const SweepFile& file, schema::ResolvedSweep& resolved, Findings& findings);
 
-// [place]
+// [place]. Without latitude_deg it says only how high the target is.
+[[nodiscard]] inline bool has_position(const schema::Sweep& sweep) {
+  return sweep.place().has_latitude_deg();
+}
+// Height of the target's reference point above sea or ground, in a season of the sweep. [m]
+[[nodiscard]] inline double above_surface_m(const schema::Sweep& sweep,
+                                            const schema::Season& season) {
+  return season.has_above_surface_m() ? season.above_surface_m() : sweep.place().above_surface_m();
+}
 void check_place(const schema::Sweep& sweep, Findings& findings);
+
+// What does not go together with above_surface_m of [place], seasons and conditions.
+void check_heights(const schema::Sweep& sweep, Findings& findings);
+// The lowest of all seasons. [m]
+[[nodiscard]] double lowest_above_surface_m(const schema::Sweep& sweep);
 
 // [air], and what a season says about the air; `surroundings`: the season's, complete.
 void check_air(const schema::Sweep& sweep, Findings& findings);

@@ -142,6 +142,11 @@ void check_place(const schema::Sweep& sweep, Findings& findings) {
     return;
   }
   const SectionCheck check(sweep.place(), "place", findings);
+  // Where neither the sun nor the profile depends on the place, a height alone will do.
+  const schema::Place& place = sweep.place();
+  if (place.has_above_surface_m() && !sweep.transport().sun() && !place.has_latitude_deg() &&
+      !place.has_longitude_deg() && !place.has_heading_deg() && !place.has_speed_m_s())
+    return;
   check.require({"latitude_deg"}, "expected degrees north of the equator, -90 to 90");
   check.require({"longitude_deg"}, "expected degrees east of Greenwich, -180 to 180");
   check.require({"heading_deg"},

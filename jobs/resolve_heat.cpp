@@ -75,7 +75,7 @@ void check_heat(const schema::Sweep& sweep, Findings& findings) {
     findings.add(
         "transport.sun",
         "transport.sun = false, but [heat] computes temperatures in the sun, expected true");
-  if (!sweep.has_place())
+  if (!has_position(sweep))
     findings.add("heat",
                  "[heat] needs [place], expected latitude_deg, longitude_deg and heading_deg: "
                  "temperatures depend on where the sun stands");

@@ -152,7 +152,7 @@ void check_funnel(const schema::Sweep& sweep, const SectionCheck& check, Finding
     check.error("kind",
                 "= \"funnel\", but air.model = \"vacuum\", expected \"atmosphere\" or "
                 "\"homogeneous\": a funnel's gas rises in air, and the wind bends it");
-  if (!sweep.has_place())
+  if (!has_position(sweep))
     findings.add("plume",
                  "plume.kind = \"funnel\" needs [place], expected latitude_deg, longitude_deg and "
                  "heading_deg: the wind that bends the plume is relative to the bow");

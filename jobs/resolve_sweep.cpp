@@ -47,7 +47,7 @@ void write_defaults(schema::Sweep& sweep) {
   if (kind == "frigate") dimension(model.has_height_m(), height, 6.4);
   if (model.has_file() && !model.has_reference()) model.set_reference("origin");
 
-  if (sweep.has_place() && !sweep.place().has_height_m()) sweep.mutable_place()->set_height_m(0);
+  if (has_position(sweep) && !sweep.place().has_height_m()) sweep.mutable_place()->set_height_m(0);
 
   for (schema::Material& material : *sweep.mutable_material()) {
     if (!material.has_allow_energy_gain()) material.set_allow_energy_gain(false);
@@ -166,6 +166,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   check_effects(file, findings);
   check_heat(file.sweep, findings);
   check_plume(file.sweep, findings);
+  check_heights(file.sweep, findings);
   resolve_viewpoints(resolved, findings);
   resolve_conditions(file, resolved, findings);
   check_profiles(resolved, findings);

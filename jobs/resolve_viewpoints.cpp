@@ -115,11 +115,11 @@ bool anywhere(const schema::Sweep& sweep, const char* kind) {
   return false;
 }
 
-// Height of the sensor above a spherical sea or ground. z = 0 of the target is that surface.
-double height_above_surface_m(const Viewpoint& view) {
+// Height of the sensor above a spherical sea or ground, of a reference point so high above it.
+double height_above_surface_m(const Viewpoint& view, double reference_m) {
   const double up_m = view.range_m * std::sin(view.aspect_elevation_deg * kRadPerDeg);
   const double along_m = view.range_m * std::cos(view.aspect_elevation_deg * kRadPerDeg);
-  return std::hypot(kEarthRadiusM + up_m, along_m) - kEarthRadiusM;
+  return std::hypot(kEarthRadiusM + reference_m + up_m, along_m) - kEarthRadiusM;
 }
 
 }  // namespace
@@ -154,6 +154,7 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
   const bool sea = anywhere(sweep, "sea"), ground = anywhere(sweep, "ground");
   std::map<std::tuple<double, double, double>, std::size_t> seen;
   const std::vector<Viewpoint> views = expanded(set);
+  const double reference_m = lowest_above_surface_m(sweep);
   std::size_t below = 0;  // the surface; the first of them
   std::string first_below, text_below;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -171,7 +172,7 @@ void resolve_viewpoints(schema::ResolvedSweep& resolved, Findings& findings) {
                                       ", expected different ones"));
     }
     // A millimetre of tolerance: elevation 0 is at the sea's height at any range.
-    if ((sea || ground) && height_above_surface_m(view) < -1e-3 && ++below == 1) {
+    if ((sea || ground) && height_above_surface_m(view, reference_m) < -1e-3 && ++below == 1) {
       first_below = path;
       text_below = absl::StrCat(what, sea ? " lies under water" : " lies under the ground");
     }

@@ -13,6 +13,7 @@
 #include "core/thermal/clear_sky.h"
 #include "core/thermal/weather_file.h"
 #include "jobs/number_bounds.h"
+#include "jobs/resolve.h"
 #include "jobs/resolve_plume.h"
 #include "jobs/weather_files.h"
 
@@ -77,7 +78,7 @@ class CourseReader {
   }
 
   bool has_place(const std::string& key) {
-    if (sweep_.has_place()) return true;
+    if (has_position(sweep_)) return true;
     findings_.add(key, absl::StrCat(key,
                                     ": [place] is missing, expected latitude_deg, "
                                     "longitude_deg and heading_deg: hours of a day are those "

@@ -54,6 +54,7 @@ constexpr auto kSizes = std::to_array<SizeBound>({
     {"Vary.air_temperature_k", kNames},
     {"Vary.profile", kNames},
     {"Vary.sea_temperature_k", kNames},
+    {"Vary.above_surface_m", kNames},
     {"Band.response", kTable},
     {"Viewpoints.azimuth_deg", kMostViewpoints},
     {"Viewpoints.elevation_deg", kMostViewpoints},

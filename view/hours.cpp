@@ -156,7 +156,7 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
   Hours out{rows->front().signature.sweep, query.quantity, std::nullopt, {}, {}};
   const auto sweep = reader.sweep(out.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
-  if (sweep->resolved.sweep().has_place())
+  if (sweep->resolved.sweep().place().has_latitude_deg())
     out.solar_offset_h = sweep->resolved.sweep().place().longitude_deg() / 15;
   // The temperatures of what is drawn: a day of which no signature is asked for has none.
   std::set<std::pair<std::string, std::string>> conditions;

@@ -49,8 +49,8 @@ absl::StatusOr<std::unique_ptr<const Environment>> environment_of(
     const auto time = parse_rfc3339(c.time_utc());
     if (!time.ok()) return time.status();
     const schema::Place& place = sweep.place();
-    const auto sun =
-        sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
+    const auto sun = sun_position(*time, place.latitude_deg(), place.longitude_deg(),
+                                  place.height_m() + c.weather().above_surface_m());
     if (!sun.ok()) return sun.status();
     condition.sun = true;
     condition.sun_direction = body_from_enu(sun->direction, place.heading_deg());

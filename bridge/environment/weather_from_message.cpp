@@ -51,12 +51,22 @@ bool is_rough_sea(const schema::Surroundings& surroundings) {
 
 double target_height_m(const schema::ResolvedSweep& sweep) {
   constexpr double kModelFromFileM = 5;
+  if (sweep.sweep().place().has_above_surface_m()) return kLowestAirPointM;
   const schema::Model& model = sweep.sweep().model();
   const double raised_m = model.offset_m_size() == 3 ? std::max(0.0, model.offset_m(2)) : 0;
   if (!model.has_generate()) return kModelFromFileM + raised_m;
   // The frigate's mast rises as high above its deck as that above the water, and more.
   const bool ship = model.generate() == "frigate";
   return std::max(1.0, ship ? model.height_m() : model.height_m() / 2) + raised_m;
+}
+
+double above_surface_m(const schema::ResolvedSweep& sweep, const schema::Condition& condition) {
+  return condition.has_weather() ? condition.weather().above_surface_m()
+                                 : sweep.sweep().place().above_surface_m();
+}
+
+double air_point_height_m(const schema::ResolvedSweep& sweep, double above_surface_m) {
+  return above_surface_m > 0 ? std::max(above_surface_m, kLowestAirPointM) : target_height_m(sweep);
 }
 
 absl::StatusOr<Air> air_from_message(const schema::Air& message) {
@@ -116,6 +126,7 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   if (const absl::Status status = check_aerosol(spec.air.aerosol); !status.ok()) return status;
   spec.air.co2_ppmv = weather.co2_ppmv();
   spec.refraction = weather.refraction();
+  spec.above_surface_m = weather.above_surface_m();
   auto lower = lower_from_message(surroundings, weather.wind_speed_m_s());
   if (!lower.ok()) return lower.status();
   spec.lower = *lower;

@@ -19,12 +19,20 @@ namespace irsig {
 // The air of homogeneous surroundings and of none; beside the embedded atmosphere: none.
 [[nodiscard]] absl::StatusOr<Air> air_from_message(const schema::Air& message);
 
-// Height of the point that stands for the target, above the sea or ground: half the height of a
+// Height of the point that stands for a target on sea or ground, above it: half the height of a
 // generated model, 5 m for one from a file, at least 1 m; and as much more as model.offset_m raises
-// it. A function of the resolved sweep alone,
+// it; 1 m where place.above_surface_m is stated, even as 0. A function of the resolved sweep alone,
 // so that whoever evaluates a stored sweep anew finds the same air. 10 m more or less change the
 // amounts of a path that stays below 2 km by 0.5 % at most (water vapour halves in 1.5-2 km).
 [[nodiscard]] double target_height_m(const schema::ResolvedSweep& sweep);
+
+// Height of the target's reference point above sea or ground, in a condition of the sweep. [m]
+[[nodiscard]] double above_surface_m(const schema::ResolvedSweep& sweep,
+                                     const schema::Condition& condition);
+
+// The same where the reference point lies so high above the surface: that point itself, at least
+// 1 m up. above_surface_m 0: the target stands on the surface.
+[[nodiscard]] double air_point_height_m(const schema::ResolvedSweep& sweep, double above_surface_m);
 
 // The names that air.aerosol may have, in the order of AerosolKind.
 [[nodiscard]] std::span<const char* const> aerosol_names();

@@ -27,6 +27,8 @@ class DirectionNodes {
   [[nodiscard]] std::uint32_t lower() const { return lower_; }
   [[nodiscard]] std::uint32_t count() const { return sky_ + lower_; }
   [[nodiscard]] bool uniform() const { return sky_ == 1 && lower_ == 1; }
+  // Whether the rings below begin at the horizontal: of a target in the air, which sees sky there.
+  [[nodiscard]] bool has_limb() const { return lower_sin_.size() > 1 && lower_sin_.front() == 0; }
   [[nodiscard]] std::uint32_t azimuths() const { return azimuths_; }
 
   struct Share {

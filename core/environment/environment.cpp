@@ -55,6 +55,29 @@ absl::Status check(const WeatherSpec& w) {
   return absl::OkStatus();
 }
 
+// Rings between the horizontal and the horizon of targets in the air, where rays that leave the
+// target fall and yet miss the surface: sines of their depression, increasing. How many there are
+// depends on the heights alone, so that moved inputs have as many.
+//   dip  sine of the largest dip, by height
+std::vector<float> limb_rings(const std::map<double, double>& dip) {
+  // Of many heights a few stand for all: the error of interpolating between rings is measured.
+  constexpr std::size_t kMostHeights = 6;
+  constexpr std::array kOfDip = {0.35, 0.65, 0.85, 0.95, 0.999};
+  std::vector<float> out;
+  if (dip.empty()) return out;
+  const std::vector<std::pair<double, double>> of(dip.begin(), dip.end());
+  const std::size_t count = std::min(of.size(), kMostHeights);
+  out.push_back(0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double sine = of[count > 1 ? i * (of.size() - 1) / (count - 1) : 0].second;
+    for (const double share : kOfDip) out.push_back(static_cast<float>(share * sine));
+  }
+  std::sort(out.begin(), out.end());
+  for (std::size_t i = 1; i < out.size(); ++i)
+    out[i] = std::max(out[i], std::nextafter(out[i - 1], 1.0f));
+  return out;
+}
+
 // The rest of a unit vector where its z is another.
 Vec<Body> with_elevation(Vec<Body> v, double elevation_rad) {
   const double level = std::hypot(v.x, v.y), c = std::cos(elevation_rad);
@@ -111,7 +134,8 @@ struct Environment::Parts {
   struct Weather {
     WeatherSpec spec;
     std::optional<Atmosphere> atmosphere;
-    double height_m = 0;  // of the target, as the profile counts
+    double height_m = 0;     // of the target, as the profile counts
+    double reference_m = 0;  // of its reference point, above the surface
     GrazingRay ray;
     MadeOnce<std::unique_ptr<const WeatherLight>> light;
     MadeOnce<std::unique_ptr<const WeatherBounds>> bounds;
@@ -128,7 +152,7 @@ struct Environment::Parts {
   std::deque<Condition> condition;
   NodeWavelengths wavelengths;
   DirectionNodes nodes, rings;  // rings: the same with one azimuth
-  double target_height_m = 0;
+  double point_above_m = 0;     // the point that stands for the target, above its reference point
 
   [[nodiscard]] const WeatherLight& light_of(const Weather& w) const {
     return *w.light.get([&] {
@@ -192,7 +216,8 @@ struct Environment::Look::Parts {
     Weather& here = weather.at(index);
     if (!here.light) {
       const Environment::Parts::Weather& w = of.weather[index];
-      for (const Line::End& end : line.end) {
+      for (Line::End end : line.end) {
+        end.height_m += w.reference_m;
         here.end.emplace_back(end_path(w.spec, *w.atmosphere, w.height_m, here.path, end),
                               *w.atmosphere, w.height_m, of.wavelengths);
       }
@@ -216,23 +241,29 @@ const DirectionNodes& Environment::nodes(bool with_azimuths) const {
 }
 Environment::Line Environment::line(const Viewpoint& v) const {
   const double elevation = v.aspect_elevation_deg * kRadPerDeg;
-  const double up_m = v.range_m * std::sin(elevation) - parts_->target_height_m;
+  const double up_m = v.range_m * std::sin(elevation) - parts_->point_above_m;
   const double along_m = v.range_m * std::cos(elevation);
   return {std::hypot(up_m, along_m), std::atan2(up_m, along_m) / kRadPerDeg,
           body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg), BehindNodes()};
 }
 
 Environment::Horizon Environment::horizon(const Line& line) const {
-  Horizon sum{0, 0, 0};
-  for (const Parts::Condition& c : parts_->condition) {
-    const Parts::Weather& w = parts_->weather[c.spec.weather];
-    const Horizon h = LineHorizon(w.ray, w.height_m, line, 0).horizon();
+  Horizon sum{0, 0, 0, 0};
+  for (std::uint32_t c = 0; c < parts_->condition.size(); ++c) {
+    const Horizon h = horizon(line, c);
     sum.z += h.z;
     sum.earth_radius_m += 1 / h.earth_radius_m;
     sum.lift_rad += h.lift_rad;
+    sum.hides_m += h.hides_m;
   }
   const auto n = static_cast<double>(parts_->condition.size());
-  return {sum.z / n, n / sum.earth_radius_m, sum.lift_rad / n};
+  return {sum.z / n, n / sum.earth_radius_m, sum.lift_rad / n, sum.hides_m / n};
+}
+
+Environment::Horizon Environment::horizon(const Line& line, std::uint32_t condition) const {
+  IRSIG_CHECK(condition < parts_->condition.size());
+  const Parts::Weather& w = parts_->weather[parts_->condition[condition].spec.weather];
+  return LineHorizon(w.ray, w.height_m, line, 0).horizon();
 }
 
 std::vector<float> Environment::horizons_z(const Line& line) const {
@@ -263,9 +294,12 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
   absl::StatusOr<NodeWavelengths> wavelengths = node_wavelengths(node_um);
   if (!wavelengths.ok()) return wavelengths.status();
   parts->wavelengths = *std::move(wavelengths);
-  parts->target_height_m = target_height_m;
+  const double raised_m = weather.front().above_surface_m;
+  parts->point_above_m =
+      raised_m > 0 ? std::max(0.0, kLowestAirPointM - raised_m) : target_height_m;
 
   double dip = 0;
+  std::map<double, double> dip_of_height;
   for (std::size_t i = 0; i < weather.size(); ++i) {
     const auto named = [i](const absl::Status& s) {
       return absl::Status(s.code(), absl::StrCat("weather ", i, ": ", s.message()));
@@ -277,9 +311,24 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     if (!atmosphere.ok()) return named(atmosphere.status());
     w.atmosphere.emplace(*std::move(atmosphere));
     const AirProfile& profile = w.atmosphere->profile();
-    w.height_m = profile.level.front().height_m + target_height_m;
+    w.reference_m = w.spec.above_surface_m;
+    if (!(w.reference_m >= 0 && w.reference_m <= 100e3)) {
+      return named(absl::InvalidArgumentError(
+          absl::StrFormat("above_surface_m %g: expected 0 to 100000", w.reference_m)));
+    }
+    if ((w.reference_m > 0) != (raised_m > 0)) {
+      return named(absl::InvalidArgumentError(
+          "above_surface_m: expected it in all weathers or in none of them"));
+    }
+    w.height_m = profile.level.front().height_m +
+                 (w.reference_m > 0 ? std::max(w.reference_m, kLowestAirPointM) : target_height_m);
     w.ray = GrazingRay(profile, w.spec.refraction);
-    dip = std::max(dip, sin_of_dip(profile, w.height_m, w.spec.refraction));
+    const double own_dip = sin_of_dip(profile, w.height_m, w.spec.refraction);
+    dip = std::max(dip, own_dip);
+    if (w.reference_m > 0) {
+      double& of_height = dip_of_height[w.reference_m];
+      of_height = std::max(of_height, own_dip);
+    }
   }
   bool sun = false;
   for (std::size_t i = 0; i < condition.size(); ++i) {
@@ -301,7 +350,7 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
   }
   // The first ring below the horizon lies safely on the sea.
   const double first = dip * 1.001 + 1e-5;
-  std::vector<float> lower;
+  std::vector<float> lower = limb_rings(dip_of_height);
   for (const double share : kLowerSines) {
     lower.push_back(static_cast<float>(first + share * (1 - first)));
   }

@@ -31,6 +31,9 @@ struct LowerSpec {
   double wind_speed_m_s = 0;  // kRoughSea
 };
 
+// Lowest height above sea or ground of the point that stands for a target in the air. [m]
+inline constexpr double kLowestAirPointM = 1;
+
 // One season's weather: everything that does not move with the sun.
 struct WeatherSpec {
   AtmosphereSpec air;  // its profile already bent to the surface
@@ -38,6 +41,9 @@ struct WeatherSpec {
   LowerSpec lower;
   // Somebody else's transmittance and path radiance instead of the embedded model's; null: none.
   std::shared_ptr<const ImportedPaths> imported;
+  // Height of the target's reference point above sea or ground; it then stands for the target, from
+  // kLowestAirPointM on. 0: the target stands on the surface (Environment::make). [m]
+  double above_surface_m = 0;
 };
 
 // The air, sky and sea of one condition of a sweep.
@@ -115,7 +121,8 @@ struct LightBounds {
 // for a line of sight depends on that line and the condition alone.
 class Environment {
  public:
-  // target_height_m: of the point that stands for the target, above the sea or ground (> 0).
+  // target_height_m: of the point that stands for the target, above the sea or ground (> 0), where
+  // weathers have no above_surface_m. INVALID_ARGUMENT: only some of them have one.
   // node_um: the wavelengths; OUT_OF_RANGE if one lies outside the atmosphere's table.
   [[nodiscard]] static absl::StatusOr<std::unique_ptr<const Environment>> make(
       std::vector<WeatherSpec> weather, std::vector<ConditionEnvironment> condition,
@@ -145,14 +152,14 @@ class Environment {
     Vec<Body> direction;   // unit vector towards the sensor
     BehindNodes behind;    // where the background is wanted: directions away from the sensor
     // Other places of the target, by what of the air lies in front of them: how far they are from
-    // the sensor, and how high.
+    // the sensor, and how high above the target's reference point.
     struct End {
       double range_m, height_m;
     };
     std::vector<End> end = {};
   };
-  // From the point that stands for the target: `viewpoint` has range and elevation at the surface
-  // below it. Without directions behind it.
+  // From the point that stands for the target: `viewpoint` has range and elevation at its reference
+  // point. Without directions behind it.
   [[nodiscard]] Line line(const Viewpoint& viewpoint) const;
 
   // Where the sea (or ground) ends for the sensor of a line, refracted if the weather says so.
@@ -163,16 +170,20 @@ class Environment {
     // What it hides of the target is what a sphere of this radius hides from straight lines that
     // rise to the sensor by `lift_rad` more than the geometric ones.
     double earth_radius_m, lift_rad;
+    // Up to this height above the surface it hides what stands where the target does; 0: nothing.
+    double hides_m = 0;
   };
   // The mean of all conditions': one set of paths has one geometry.
   [[nodiscard]] Horizon horizon(const Line& line) const;
+  [[nodiscard]] Horizon horizon(const Line& line, std::uint32_t condition) const;
   // z of each weather's, in their order.
   [[nodiscard]] std::vector<float> horizons_z(const Line& line) const;
 
   // around: with the light of sky and surface that a target reflects, which takes most of the time;
   // else ViewEnvironment::around is of two dark nodes.
-  // INVALID_ARGUMENT: a sensor below the surface, or hidden by the Earth; a line that the imported
-  // paths do not cover.
+  // INVALID_ARGUMENT: a sensor below the surface; one from which the Earth hides the target up to
+  // the highest of Line::end; a line that the imported paths do not cover. Where the Earth hides
+  // the target's point, the air is that in front of the middle of what is in sight above it.
   [[nodiscard]] absl::StatusOr<std::vector<ViewEnvironment>> view(
       const Line& line, std::span<const std::uint32_t> conditions, bool around = true) const;
 

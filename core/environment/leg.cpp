@@ -39,9 +39,51 @@ std::vector<double> NodeWavelengths::of_used(const AirSpectrum& of_band) const {
   return out;
 }
 
+namespace {
+
+// The middle of what the Earth leaves in sight of a target, straight above its point.
+struct InSight {
+  absl::StatusOr<LightPath> path;
+  double elevation_deg = 0;  // of the sensor there, geometric
+};
+InSight in_sight(const WeatherSpec& spec, const AirProfile& profile, double sensor_m,
+                 double central_angle_rad, double hidden_m, double highest_m) {
+  const double half_chord = std::sin(0.5 * central_angle_rad);
+  const auto at = [&](double height_m) {
+    const double rise_m = sensor_m - height_m, r = kEarthRadiusM + height_m;
+    const double range_m =
+        std::hypot(rise_m, 2 * half_chord * std::sqrt(r * (kEarthRadiusM + sensor_m)));
+    const double up_m = rise_m - 2 * (kEarthRadiusM + sensor_m) * half_chord * half_chord;
+    return InSight{look_between(profile, sensor_m, height_m, range_m, spec.refraction),
+                   std::asin(std::clamp(up_m / range_m, -1.0, 1.0)) / kRadPerDeg};
+  };
+  if (!(highest_m > hidden_m)) return {absl::OutOfRangeError("nothing is higher"), 0};
+  InSight top = at(highest_m);
+  if (!top.path.ok()) return top;
+  double low_m = hidden_m, high_m = highest_m;
+  for (int i = 0; i < 12; ++i) {
+    const double middle_m = 0.5 * (low_m + high_m);
+    (at(middle_m).path.ok() ? high_m : low_m) = middle_m;
+  }
+  InSight middle = at(0.5 * (high_m + highest_m));
+  return middle.path.ok() ? middle : top;
+}
+
+// Of the target's places, as the profile counts; 0: none is stated.
+double highest_m(const Environment::Line& line, double reference_m) {
+  double out = 0;
+  for (const Environment::Line::End& end : line.end) {
+    out = std::max(out, end.height_m + reference_m);
+  }
+  return out;
+}
+
+}  // namespace
+
 absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmosphere,
                                  double height_m, const Environment::Line& line,
                                  const BandChoice& bands) {
+  const double reference_m = spec.above_surface_m;
   if (!(line.range_m >= 0 && std::isfinite(line.range_m) && line.elevation_deg >= -90 &&
         line.elevation_deg <= 90)) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -60,12 +102,23 @@ absl::StatusOr<LegPath> leg_path(const WeatherSpec& spec, const Atmosphere& atmo
         absl::StrFormat("the sensor, %g m away at %g deg, would be %.4g m below the surface", d,
                         line.elevation_deg, bottom_m - out.sensor_height_m));
   }
+  double elevation_deg = line.elevation_deg;
   absl::StatusOr<LightPath> path =
       look_between(profile, out.sensor_height_m, height_m, d, spec.refraction);
+  if (absl::IsOutOfRange(path.status())) {
+    const double sensor_m = out.sensor_height_m;
+    const double along_m = d * std::cos(line.elevation_deg * kRadPerDeg);
+    const InSight seen = in_sight(spec, profile, sensor_m, std::atan2(along_m, r + rise_m),
+                                  height_m, highest_m(line, reference_m));
+    if (seen.path.ok()) {
+      path = seen.path;
+      elevation_deg = seen.elevation_deg;
+    }
+  }
   if (!path.ok()) return absl::InvalidArgumentError(path.status().message());
   out.path = *std::move(path);
   if (spec.refraction && !out.path.step_m.empty()) {
-    out.lift_rad = (out.path.node.back().zenith_deg - 90 - line.elevation_deg) * kRadPerDeg;
+    out.lift_rad = (out.path.node.back().zenith_deg - 90 - elevation_deg) * kRadPerDeg;
   }
   if (!spec.imported) return out;
 

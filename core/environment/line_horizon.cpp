@@ -28,7 +28,8 @@ LineHorizon::LineHorizon(const GrazingRay& ray, double height_m, const Environme
 
 Environment::Horizon LineHorizon::horizon() const {
   const double bottom_m = ray_.bottom_m(), surface_m = kEarthRadiusM + bottom_m;
-  Environment::Horizon out{static_cast<double>(z_), surface_m, 0};
+  Environment::Horizon out{static_cast<double>(z_), surface_m, 0,
+                           between_rad_ > to_touch_rad_ ? passes_m_ - bottom_m : 0};
   if (ray_.straight()) return out;
   // The sphere above which straight rays go as these do: one that leaves the sensor and touches it
   // passes the target at that height; or, if the target is nearer, touches it as far away.

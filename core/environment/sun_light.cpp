@@ -178,7 +178,7 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const Sky& sky) const {
   const LowerRing& ring = weather_.lower[r];
   const ScatteredSun air = ring.layers.scattered(*sun_);
   const AirSpectrum through = quotient(far(r), near_);
-  const double diffuse = diffuse_per_sr();
+  const double diffuse = ring.limb ? 0 : diffuse_per_sr();
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
     out.air.push_back(air.per_sr(phase(sine, r, -1, a)));
     multiply(out.air.back(), outside);

@@ -449,19 +449,23 @@ ViewLight::Behind ViewLight::lower_at(const BehindSight& sight, const SunLight* 
   const AirSpectrum dark(kAirBandCount, 0.0);
   Behind out{dark, dark, dark};
   std::vector<double> sine;
-  for (const LowerRing& r : light_.lower) sine.push_back(r.sin_elevation);
+  // Of the rings those that meet the surface.
+  const std::size_t first = light_.limb_rings();
+  for (std::size_t r = first; r < light_.lower.size(); ++r)
+    sine.push_back(light_.lower[r].sin_elevation);
   const double s = std::clamp(sight.sine, sine.front(), sine.back());
   const Stencil stencil = cubic(sine, s);
   for (std::size_t i = 0; i < stencil.count; ++i) {
     if (stencil.weight[i] == 0) continue;
-    add(out.thermal, stencil.weight[i], lower(stencil.first + i));
+    add(out.thermal, stencil.weight[i], lower(first + stencil.first + i));
   }
   for (double& x : out.thermal) x = std::max(0.0, x);
   const double surface_relative = light_.surface_relative(sight.direction.z);
   add(out.model_error, surface_relative, out.thermal);
   if (!sun) return out;
 
-  const auto [ring, f] = interval(sine, s);
+  const auto [of_surface, f] = interval(sine, s);
+  const std::size_t ring = first + of_surface;
   AirSpectrum& light = out.light;
   light = sun->glint_towards(sight.direction, ring, f);
   const std::size_t rings = f > 0 ? 2 : 1;

@@ -98,7 +98,8 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
       height_m_(height_m),
       nodes_(nodes),
       bands_(bands),
-      refraction_(spec.refraction) {
+      refraction_(spec.refraction),
+      in_the_air_(spec.above_surface_m > 0) {
   surface_planck = AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (chosen(bands, b)) {
@@ -222,6 +223,19 @@ SkyRing WeatherLight::make_sky(double sin_elevation) const {
 LowerRing WeatherLight::make_lower(double sin_elevation) const {
   LightPath path =
       look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation), kInfinity, refraction_);
+  if (in_the_air_ && path.end != PathEnd::kSurface) {
+    const AirSpectrum dark(kAirBandCount, 0.0);
+    return {sin_elevation,
+            PathLayers(atmosphere_, path, bands_),
+            {},
+            std::vector<AirSpectrum>(nodes_.sky() / nodes_.azimuths(), dark),
+            dark,
+            0,
+            dark,
+            dark,
+            dark,
+            true};
+  }
   // Air that bends rays back up lets some pass below the lowest that pass elsewhere.
   for (double steeper = sin_elevation; path.end != PathEnd::kSurface;) {
     IRSIG_CHECK(steeper < 1);
@@ -232,7 +246,8 @@ LowerRing WeatherLight::make_lower(double sin_elevation) const {
       path.node.empty()
           ? sin_elevation
           : std::clamp(-std::cos(path.node.back().zenith_deg * kRadPerDeg), 1e-6, 1.0);
-  LowerRing ring{sin_elevation, PathLayers(atmosphere_, path, bands_), {}, {}, {}, 0, {}, {}, {}};
+  LowerRing ring{sin_elevation, PathLayers(atmosphere_, path, bands_), {}, {}, {}, 0, {}, {}, {},
+                 false};
   ring.emission = AirSpectrum(kAirBandCount, 0.0);
   ring.from_ring.assign(nodes_.sky() / nodes_.azimuths(), AirSpectrum(kAirBandCount, 0.0));
   if (spec_.kind == LowerSpec::Kind::kGreySea || spec_.kind == LowerSpec::Kind::kGround) {

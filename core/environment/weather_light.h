@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -26,7 +27,7 @@ struct LowerRing {
     std::uint32_t ring, turn;  // of the sky; steps of azimuth from the direction of sight
     AirSpectrum weight;        // share x reflectance
   };
-  double sin_elevation;  // > 0: below the horizon by so much
+  double sin_elevation;  // > 0: below the horizontal by so much
   PathLayers layers;     // of the air in front of the surface
   std::vector<Cell> cell;
   std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together
@@ -35,6 +36,8 @@ struct LowerRing {
   AirSpectrum reflected;               // thermal sky, at the surface
   AirSpectrum reflected_ratio;         // of it at the target, by summed amounts
   AirSpectrum total;                   // at the target
+  // Seen by a target in the air: the ray misses the surface, and ends in space. No cells.
+  bool limb = false;
 };
 
 class WeatherLight {
@@ -53,6 +56,12 @@ class WeatherLight {
   // [ring] Twice the relative error half way to the rings beside it, the larger, in the worst
   // quarter of a micrometre: towards the horizon the largest error is not half way.
   std::vector<double> sky_ring_error, lower_ring_error;
+
+  // Rings of `lower` that miss the surface: the first ones.
+  [[nodiscard]] std::size_t limb_rings() const {
+    return static_cast<std::size_t>(
+        std::count_if(lower.begin(), lower.end(), [](const LowerRing& r) { return r.limb; }));
+  }
 
   // The sky between the horizon and the horizontal, which nothing but a line of sight sees: rings
   // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.
@@ -89,6 +98,7 @@ class WeatherLight {
   const DirectionNodes& nodes_;
   const BandChoice& bands_;
   bool refraction_;
+  bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
   WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
   MadeOnce<std::vector<SkyRing>> limb_;

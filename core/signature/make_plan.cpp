@@ -12,6 +12,7 @@
 #include "core/base/problems.h"
 #include "core/signature/aim_at_bright.h"
 #include "core/signature/effect_bounds.h"
+#include "core/signature/in_sight.h"
 #include "core/signature/pass.h"
 #include "core/signature/scene_hash.h"
 
@@ -345,15 +346,19 @@ absl::Status check_request(const PreparedScene& scene, const ViewRequest& reques
   if (request.condition.front().surroundings.kind != SurroundingsKind::kNone) {
     const double el = viewpoint.aspect_elevation_deg * std::numbers::pi / 180;
     const double along = viewpoint.range_m * std::cos(el);
-    const double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
+    double height = viewpoint.range_m * std::sin(el) + along * along / (2 * kEarthRadiusM);
+    const auto lowest = std::min_element(request.condition.begin(), request.condition.end(),
+                                         [](const ConditionSpec& a, const ConditionSpec& b) {
+                                           return a.above_surface_m < b.above_surface_m;
+                                         });
+    height += lowest->above_surface_m;
     if (height < 0)
       return keyed_problem("viewpoints",
                            absl::StrCat("a sensor at ", viewpoint.range_m, " m range and ",
                                         viewpoint.aspect_elevation_deg,
                                         " deg elevation is under the sea"));
   }
-
-  return absl::OkStatus();
+  return check_in_sight(scene.target, request.condition, request.environment.get(), viewpoint);
 }
 
 absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest& request) {

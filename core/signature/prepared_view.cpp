@@ -104,7 +104,11 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;
-    const LineHorizon horizon(straight, 0, {range_m, v.aspect_elevation_deg, towards, {}}, 0);
+    double lowest_m = INFINITY;
+    for (const ConditionSpec& c : request.condition)
+      lowest_m = std::min(lowest_m, c.above_surface_m);
+    const LineHorizon horizon(straight, lowest_m, {range_m, v.aspect_elevation_deg, towards, {}},
+                              0);
     out.horizon_ = horizon.horizon();
     out.behind_ = BehindNodes({horizon.z(), horizon.z()});
     return out;

@@ -27,7 +27,12 @@ struct ConditionSpec {
   double sun_scale = 0;     // irradiance at the target = sun_scale x E490 (1 AU, in vacuum)
   double sea_wind_m_s = 0;  // > 0: the sea mirrors the sun, as rough as this wind makes it
   double air_temperature_k = 0;
+  // Height of the target's reference point above sea or ground. [m]
+  double above_surface_m = 0;
 };
+
+// Sine of the depression of the horizon above a sphere without air, from so high.
+[[nodiscard]] double sine_of_dip(double height_m);
 
 // Whether a condition's sun shines: some of its disk is above the horizon.
 [[nodiscard]] bool sun_shines(const ConditionSpec& condition);

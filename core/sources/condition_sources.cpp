@@ -6,12 +6,18 @@
 #include <numbers>
 
 #include "core/base/check.h"
+#include "core/base/constants.h"
 #include "core/base/ordered_dot.h"
 #include "core/environment/sea_glint.h"
 #include "core/environment/sea_surface.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
+
+double sine_of_dip(double height_m) {
+  const double r = kEarthRadiusM + height_m;
+  return std::sqrt(height_m * (kEarthRadiusM + r)) / r;
+}
 
 bool sun_shines(const ConditionSpec& condition) {
   return condition.sun && condition.sun_scale > 0 &&

@@ -1,6 +1,7 @@
 #include "core/sources/source_geometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 namespace irsig {
@@ -14,6 +15,19 @@ std::optional<Plane> plane_of(const Boundary& boundary) {
           return std::nullopt;
       },
       boundary);
+}
+
+bool hidden_by(const Plane& plane, Vec<Body> point, Vec<Body> sensor) {
+  const double h = plane.z_m - point.z, radius = plane.earth_radius_m;
+  if (h < 0) return true;
+  if (!(radius > 0) || sensor.z <= plane.z_m) return false;
+  const Vec<Body> towards = sensor - point;
+  const double range_m = length(towards);
+  const double up = -towards.z / range_m + plane.lift_rad;
+  const double b = (point.x * towards.x + point.y * towards.y) / range_m + (radius + h) * up;
+  const double c = point.x * point.x + point.y * point.y + 2 * radius * h + h * h;
+  // Where the line enters the sphere; behind the sensor it may well do so.
+  return b < 0 && b * b > c && c / (-b + std::sqrt(b * b - c)) < range_m;
 }
 
 bool SourceGeometry::glitters() const {

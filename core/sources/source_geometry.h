@@ -47,6 +47,10 @@ struct Ground : Plane {};  // mirrors nothing; the target stands on it as it flo
 using Boundary = std::variant<NoBoundary, Sea, Ground>;
 [[nodiscard]] std::optional<Plane> plane_of(const Boundary& boundary);
 
+// Whether the Earth hides a point from a sensor: the straight segment between them against the
+// sphere of the plane's radius, with the plane's lift. A point below the surface is hidden.
+[[nodiscard]] bool hidden_by(const Plane& plane, Vec<Body> point, Vec<Body> sensor);
+
 // Hot gas as rays of a view meet it. A ray is traced once and shaded under any condition:
 // what it meets is kept in measures, which are added up over rays, and what the gas takes of the
 // light behind it as shares of what a few classes of gas take.
@@ -90,6 +94,8 @@ struct SunDirection {
   // Directions of the disk with a larger z have set (boundaries only): the sine of the horizon's
   // dip.
   double horizon_z = 0;
+  // Rays that leave the target and fall less than this miss the sea that mirrors it.
+  double sea_begins_z = 0;
 
   bool operator==(const SunDirection&) const = default;
 };
@@ -106,6 +112,9 @@ struct SourceGeometry {
   // Primary rays that fall more steeply than this (z of the unit vector) and meet no target end
   // below the horizon; all others below the horizontal.
   double horizon_z = 0;
+  // The same of rays that leave the target, where the light below the horizon is one: the sine of
+  // the horizon's dip for a target in the air.
+  double around_horizon_z = 0;
 
   // Whether a sea mirrors one of the suns.
   [[nodiscard]] bool glitters() const;

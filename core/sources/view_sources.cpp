@@ -1,6 +1,7 @@
 #include "core/sources/view_sources.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -33,10 +34,23 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
   if (request.emitters) geometry_.emitters = *request.emitters;
   // Paths are traced once for all conditions: theirs is one boundary (check_request).
   const std::optional<Environment::Horizon>& horizon = environments_->horizon;
-  geometry_.boundary =
-      boundary_of(request.condition.front(), request.surface_z_m, horizon ? &*horizon : nullptr);
+  double lowest_m = INFINITY, highest_m = 0;
+  for (const ConditionSpec& c : request.condition) {
+    lowest_m = std::min(lowest_m, c.above_surface_m);
+    highest_m = std::max(highest_m, c.above_surface_m);
+  }
+  geometry_.boundary = boundary_of(request.condition.front(), request.surface_z_m + lowest_m,
+                                   horizon ? &*horizon : nullptr);
+  // Of several heights none hides anything (check_in_sight).
+  if (lowest_m < highest_m) {
+    if (Plane* plane = std::get_if<Sea>(&geometry_.boundary)) plane->earth_radius_m = 0;
+    if (Plane* plane = std::get_if<Ground>(&geometry_.boundary)) plane->earth_radius_m = 0;
+  }
   if (horizon) geometry_.horizon_z = horizon->z;
   geometry_.directions = environments_->directions;
+  if (geometry_.directions.uniform() && plane_of(geometry_.boundary) && lowest_m > 0) {
+    geometry_.around_horizon_z = sine_of_dip(lowest_m);
+  }
   if (request.contrast) geometry_.behind = environments_->behind;
   // Of conditions whose suns stand at the same place the paths are the same.
   const auto place_of = [this](const SunDirection& sun) {
@@ -53,9 +67,10 @@ ViewSources::ViewSources(const SourceRequest& request, const EffectSet& effects,
     std::vector<LitSun>& here = lit.emplace_back();
     if (sun_shines(condition) && effects.follows_sun(c))
       here.push_back(
-          {place_of(
-               {condition.sun_direction, condition.sun_angular_radius_deg * std::numbers::pi / 180,
-                0, effects.sun[c].mirrored ? condition.sea_wind_m_s : 0, condition.sun_horizon_z}),
+          {place_of({condition.sun_direction,
+                     condition.sun_angular_radius_deg * std::numbers::pi / 180, 0,
+                     effects.sun[c].mirrored ? condition.sea_wind_m_s : 0, condition.sun_horizon_z,
+                     condition.above_surface_m > 0 ? condition.sun_horizon_z : 0}),
            effects.sun[c].direct, environment.sun, environment.sun_apparent});
   }
   // Of all conditions, so that no bit depends on which are wanted.

@@ -28,7 +28,8 @@ struct PathTracer::Arrivals {
                                   : std::numeric_limits<float>::infinity()),
         horizon(order == 0 && tracer.plane_ && tracer.plane_->earth_radius_m > 0 &&
                 tracer.view_.frame.sensor.z > tracer.plane_->z_m),
-        horizon_z(order == 0 ? static_cast<float>(tracer.sources_.horizon_z) : 0.0f),
+        horizon_z(static_cast<float>(order == 0 ? tracer.sources_.horizon_z
+                                                : tracer.sources_.around_horizon_z)),
         uniform(tracer.sources_.directions.uniform()) {}
 };
 
@@ -140,9 +141,10 @@ IRSIG_STAGE void PathTracer::end_beyond(const Arrivals& all, Work& work, const R
                    spectrum);
     return;
   }
-  // Between the horizontal and the horizon: the sky at the horizontal.
-  const float z =
-      above ? std::min(d.z * s.inverse_length, -1e-30f) : std::max(d.z * s.inverse_length, 0.0f);
+  // Between the horizontal and the horizon: the sky at the horizontal, unless nodes lie there.
+  const float z = sources_.directions.has_limb() ? d.z * s.inverse_length
+                  : above                        ? std::min(d.z * s.inverse_length, -1e-30f)
+                                                 : std::max(d.z * s.inverse_length, 0.0f);
   DirectionNodes::Share share[4];
   const int count = sources_.directions.shares(d.x, d.y, z, share);
   for (int k = 0; k < count; ++k)
@@ -264,6 +266,7 @@ void PathTracer::meet_sea(Work& work, const PathState& path, Float3 from, Float3
   const Float3 place{from.x + t * direction.x, from.y + t * direction.y, from.z + t * direction.z};
   for (std::uint32_t j = 0; j < sources_.sun.size(); ++j) {
     if (!(sources_.sun[j].sea_wind_m_s > 0)) continue;
+    if (static_cast<double>(direction.z) < sources_.sun[j].sea_begins_z) continue;
     const SeaGlint glint =
         sea_glint(to_observer, sources_.sun[j].direction, sources_.sun[j].sea_wind_m_s);
     // Less than 1e-6 of a diffuse white sea.

@@ -106,7 +106,7 @@ class Init(unittest.TestCase):
                 (("relative_humidity_percent = 70", "relative_humidity_percent = 0.7"), "is it a fraction? 70 %"),
                 (("temperature_k = 297", "temperature_k = 24"), "is it in degrees Celsius? 24 C are 297.15 K"),
                 (('reference = "origin"', 'reference = "origin"\noffset_m = [400, 0, 0]'),
-                 "400 m away from the reference point")):
+                 "model.offset_m: moves the target by 400 m")):
             self.assertIn(change[0], text)
             (self.path / "odd.toml").write_text(text.replace(*change).replace("range_m = 5000", "range_m = 500000"))
             plan = subprocess.run([IRSIG, "plan", "odd.toml"], cwd=self.path, capture_output=True, text=True, timeout=600)

@@ -243,6 +243,60 @@ TEST(ResolveSweep, WithoutSunAStatedIrradianceIsNotUsed) {
   EXPECT_EQ(sweep.condition(0).air_temperature_k(), 0);
 }
 
+TEST(ResolveSweep, AHeightAloneIsAPlace) {
+  const std::string rest =
+      absl::StrCat(kTarget, kBand, kSeason, kView, kNothingAround, kVacuumNoSun);
+  const schema::ResolvedSweep high =
+      resolved(absl::StrCat(kNoon, "[place]\nabove_surface_m = 3000\n", rest));
+  EXPECT_EQ(high.sweep().place().above_surface_m(), 3000);
+  EXPECT_FALSE(high.sweep().place().has_latitude_deg());
+  EXPECT_THAT(std::string(resolved_text(absl::StrCat(kNoon, "[place]\nabove_surface_m = 3000\n",
+                                                     "longitude_deg = 3\n", rest))
+                              .status()
+                              .message()),
+              HasSubstr("place.latitude_deg is missing"));
+}
+
+TEST(ResolveSweep, HeightsOfConditionsAreTheirWeathers) {
+  const auto text = [](const std::string& place, const std::string& seasons) {
+    return absl::StrCat(kNoon, place, kTarget, kBand, seasons, R"(
+[viewpoints]
+kind = "list"
+range_m = 500
+aspect = [ { azimuth_deg = 0, elevation_deg = -30 } ]
+[surroundings]
+kind = "ground"
+ground_temperature_k = 290
+ground_emissivity = 0.9
+[air]
+model = "atmosphere"
+profile = "midlatitude_summer"
+aerosol = "none"
+[transport]
+sun = false
+)");
+  };
+  const std::string low = "[[season]]\nname = \"low\"\ndate = 2025-06-21\n";
+  const std::string high =
+      "[[season]]\nname = \"high\"\ndate = 2025-06-21\n"
+      "above_surface_m = 4000\n";
+  const schema::ResolvedSweep both = resolved(text("[place]\nabove_surface_m = 300\n", low + high));
+  EXPECT_EQ(both.condition(0).weather().above_surface_m(), 300);
+  EXPECT_EQ(both.condition(1).weather().above_surface_m(), 4000);
+  // Without the key nothing is written, so that keys of jobs stay what they were.
+  const std::string ground = low + "[vary]\nabove_surface_m = [ 500, 600 ]\n";
+  EXPECT_EQ(resolved(text("", ground)).condition(1).weather().above_surface_m(), 600);
+  const auto error = [&](const std::string& place, const std::string& seasons) {
+    return std::string(resolved_text(text(place, seasons)).status().message());
+  };
+  EXPECT_THAT(error("", low + high), HasSubstr("lies under the ground"));
+  EXPECT_THAT(error("[place]\nabove_surface_m = 200\n", low), HasSubstr("lies under the ground"));
+  std::string level = text("", low + high);
+  level.replace(level.find("-30"), 3, "30");
+  EXPECT_THAT(std::string(resolved_text(level).status().message()),
+              HasSubstr("season[0].above_surface_m is missing, but other conditions have it"));
+}
+
 TEST(ResolveSweep, HashesTheModelFile) {
   const absl::StatusOr<SweepFile> file = parse_sweep(
       std::string(kNoon) + kBand + kSeason + kView + kNothingAround + kVacuumNoSun +

@@ -62,6 +62,10 @@ TEST(SweepEnvironment, SeesThroughTheAirOfEachSeason) {
   for (const double m : {0.0, 0.0, 1000.0})
     raised.mutable_sweep()->mutable_model()->add_offset_m(m);
   EXPECT_EQ(target_height_m(raised), 1006.4);
+  // In the air it is the reference point.
+  EXPECT_EQ(air_point_height_m(sweep, 0), 6.4);
+  EXPECT_EQ(air_point_height_m(sweep, 0.5), 1);
+  EXPECT_EQ(air_point_height_m(sweep, 3000), 3000);
   const auto environment = environment_of(sweep, std::vector<double>{4.0, 10.0});
   ASSERT_TRUE(environment.ok()) << environment.status();
   EXPECT_EQ((*environment)->conditions(), 3U);

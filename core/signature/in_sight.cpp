@@ -1,0 +1,91 @@
+#include "core/signature/in_sight.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+
+#include "absl/strings/str_format.h"
+#include "core/environment/line_horizon.h"
+#include "core/sources/view_sources.h"
+
+namespace irsig {
+namespace {
+
+std::string text_of(const Viewpoint& v) {
+  return absl::StrFormat("the sensor at azimuth %.6g, elevation %.6g deg, range %.6g m",
+                         v.aspect_azimuth_deg, v.aspect_elevation_deg, v.range_m);
+}
+
+Vec<Body> vertex(const Target& target, std::size_t i) {
+  const float* v = target.vertex.data() + 3 * i;
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+// Whether some vertex is hidden, or is not.
+bool any_vertex(bool hidden, const Target& target, const Plane& plane, Vec<Body> sensor) {
+  for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
+    if (hidden_by(plane, vertex(target, i), sensor) == hidden) return true;
+  return false;
+}
+
+// Above the surface. [m]
+double highest_m(const Target& target, const Plane& plane) {
+  double out = -INFINITY;
+  for (std::size_t i = 0; i < target.vertex.size() / 3; ++i)
+    out = std::max(out, plane.z_m - vertex(target, i).z);
+  return out;
+}
+
+}  // namespace
+
+absl::Status check_in_sight(const Target& target, std::span<const ConditionSpec> condition,
+                            const Environment* environment, const Viewpoint& viewpoint) {
+  const auto [least, most] = std::minmax_element(
+      condition.begin(), condition.end(), [](const ConditionSpec& a, const ConditionSpec& b) {
+        return a.above_surface_m < b.above_surface_m;
+      });
+  const bool one_height = least->above_surface_m == most->above_surface_m;
+  const Vec<Body> towards =
+      body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
+  const Vec<Body> sensor = viewpoint.range_m * towards - target.centre;
+  std::optional<double> known_m;
+  for (std::uint32_t c = 0; c < condition.size(); ++c) {
+    const double above_m = condition[c].above_surface_m;
+    if (known_m == above_m && (one_height || environment == nullptr)) continue;
+    known_m = above_m;
+    const double surface_z_m = above_m - target.centre.z;
+    Environment::Horizon horizon{};
+    if (environment != nullptr) {
+      const Environment::Line line = environment->line(viewpoint);
+      horizon = one_height ? environment->horizon(line) : environment->horizon(line, c);
+    } else {
+      const GrazingRay straight;
+      horizon = LineHorizon(straight, above_m,
+                            {viewpoint.range_m, viewpoint.aspect_elevation_deg, towards, {}}, 0)
+                    .horizon();
+    }
+    const std::optional<Plane> plane = plane_of(boundary_of(condition[c], surface_z_m, &horizon));
+    if (!plane) return absl::OkStatus();
+    if (!any_vertex(false, target, *plane, sensor)) {
+      const double top_m = highest_m(target, *plane);
+      if (top_m < 0)
+        return absl::InvalidArgumentError(
+            absl::StrFormat("%s has nothing of the target in sight: all of it lies below the "
+                            "surface; raise the target",
+                            text_of(viewpoint)));
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s has nothing of the target in sight: the Earth hides what is lower than %.4g m there, "
+          "and the target's highest point is %.4g m above the surface; take a shorter range or a "
+          "higher sensor",
+          text_of(viewpoint), horizon.hides_m, top_m));
+    }
+    if (!one_height && any_vertex(true, target, *plane, sensor))
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s does not see all of the target at above_surface_m = %.6g, and conditions of several "
+          "heights share their paths; put this height into a sweep of its own",
+          text_of(viewpoint), above_m));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace irsig
