@@ -195,6 +195,13 @@ class SeasonGate {
   }
 
   void check_sea() {
+    constexpr double kMostSlopeWindMS = 20;
+    if (condition_.surroundings().sea_model() == "cox_munk" &&
+        weather_.wind_speed_m_s() > kMostSlopeWindMS)
+      odd(of_surface("wind_speed_m_s", season_.has_wind_speed_m_s()),
+          absl::StrCat("= ", absl::SixDigits(weather_.wind_speed_m_s()),
+                       ": the slopes of sea waves are known up to ", kMostSlopeWindMS,
+                       " m/s and held there; the model error of the sea is larger"));
     const double sea_k = condition_.surroundings().sea_temperature_k();
     const std::string path =
         of_surroundings("sea_temperature_k", season_.surroundings().has_sea_temperature_k());

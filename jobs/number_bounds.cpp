@@ -37,7 +37,8 @@ constexpr std::string_view kReplicates = "fewer tell no error, more only cost me
 constexpr std::string_view kSamples = "numbered in single precision; for more, raise replicates";
 constexpr std::string_view kReflections = "deeper paths than that carry nothing";
 constexpr std::string_view kZenith = "a grazing direction sees no surface";
-constexpr std::string_view kWind = "the slopes of Cox and Munk and the Navy's aerosol end there";
+constexpr std::string_view kWind =
+    "no storm blows harder for ten minutes; the Navy's aerosol ends at 20";
 constexpr std::string_view kVisibility = "dense fog to air without particles";
 constexpr std::string_view kHumidity = "dry to saturated, over water";
 constexpr std::string_view kStep = "the finest that 64 bits resolve, to the longest wavelength";
@@ -124,8 +125,8 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Season.relative_humidity_percent", 0, 1000,
      "above 100 refused with the dew point that it means"},
     {"Season.pressure_pa", 5e4, 1.1e5, "at the surface, mountains included"},
-    {"Season.wind_speed_m_s", 0, 20, kWind},
-    {"Season.wind_speed_24h_m_s", 0, 20, kWind},
+    {"Season.wind_speed_m_s", 0, 100, kWind},
+    {"Season.wind_speed_24h_m_s", 0, 20, "the Navy's aerosol ends there"},
     {"Season.visibility_m", 100, 100e3, kVisibility},
     {"Season.cloud_cover", 0, 1, kFraction},
     {"Season.wind_from_deg", -360, 360, kAzimuth},
@@ -133,7 +134,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Day.air_temperature_max_k", 180, 340, kAirOutdoors},
     {"Day.warmest_hour", 0, 24, "hours of a day"},
     {"Day.dew_point_k", 120, 340, kAirOutdoors},
-    {"Vary.wind_speed_m_s", 0, 20, kWind},
+    {"Vary.wind_speed_m_s", 0, 100, kWind},
     {"Vary.visibility_m", 100, 100e3, kVisibility},
     {"Vary.relative_humidity_percent", 0, 100, kHumidity},
     {"Vary.air_temperature_k", 0, kHottestK, kTemperature},

@@ -271,6 +271,14 @@ schema::Weather resolve_weather(const SweepFile& file, int season_index,
   weather.set_aerosol(air.aerosol());
   weather.set_visibility_m(season.has_visibility_m() ? season.visibility_m() : air.visibility_m());
   if (navy(air)) {
+    constexpr double kMostNavyWindMS = 20;
+    if (season.wind_speed_m_s() > kMostNavyWindMS) {
+      const std::string path = absl::StrCat("season[", season_index, "].wind_speed_m_s");
+      if (!findings.any_at(path))
+        findings.add(path, absl::StrCat(path, " = ", absl::SixDigits(season.wind_speed_m_s()),
+                                        ": air.aerosol = \"navy_maritime\" holds from 0 to ",
+                                        kMostNavyWindMS, " m/s, expected another hour or aerosol"));
+    }
     weather.set_air_mass(air.has_air_mass() ? air.air_mass() : kDefaultAirMass);
     weather.set_wind_speed_24h_m_s(season.has_wind_speed_24h_m_s() ? season.wind_speed_24h_m_s()
                                                                    : season.wind_speed_m_s());

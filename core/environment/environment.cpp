@@ -48,9 +48,11 @@ absl::Status check(const WeatherSpec& w) {
     return absl::InvalidArgumentError(
         absl::StrFormat("surface emissivity %g: expected 0 to 1", l.emissivity));
   }
-  if (l.kind == LowerSpec::Kind::kRoughSea && !(l.wind_speed_m_s >= 0 && l.wind_speed_m_s <= 20)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "wind_speed_m_s %g: the sea's slopes are known from 0 to 20", l.wind_speed_m_s));
+  constexpr double kMostWindMS = 150;  // more than any storm
+  if (l.kind == LowerSpec::Kind::kRoughSea &&
+      !(l.wind_speed_m_s >= 0 && l.wind_speed_m_s <= kMostWindMS)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("wind_speed_m_s %g: expected 0 to %g", l.wind_speed_m_s, kMostWindMS));
   }
   return absl::OkStatus();
 }

@@ -30,12 +30,16 @@ const OpticalConstants& water() {
 
 Vec<Body> mirror(Vec<Body> v, Vec<Body> normal) { return 2 * dot(v, normal) * normal - v; }
 
+constexpr double kSlopePerMS = 0.00512;  // [cox1954]
+
 // -x ln x + x: the integral of -ln from 0.
 double integral_of_minus_ln(double x) { return x > 0 ? x - x * std::log(x) : 0; }
 
 }  // namespace
 
-double sea_slope_variance(double wind_speed_m_s) { return 0.003 + 0.00512 * wind_speed_m_s; }
+double sea_slope_variance(double wind_speed_m_s) {
+  return 0.003 + kSlopePerMS * std::min(wind_speed_m_s, kMostSlopeWindMS);
+}
 
 std::complex<double> sea_water_index(double lambda_um) {
   const OpticalConstant c = constants_at(water(), lambda_um);
@@ -114,7 +118,8 @@ double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m
 }
 
 double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s) {
-  constexpr double kVarianceError = 0.004;
+  const double variance_error =
+      0.004 + kSlopePerMS * std::max(0.0, wind_speed_m_s - kMostSlopeWindMS);
   const double variance = sea_slope_variance(wind_speed_m_s);
   const Vec<Body> normal = normalized(to_observer + to_sun);
   const double tan2 = 1 / std::max(normal.z * normal.z, 1e-12) - 1;
@@ -125,7 +130,7 @@ double glint_model_relative(Vec<Body> to_observer, Vec<Body> to_sun, double wind
     return std::max(0.0, 0.5 * (std::numbers::inv_sqrtpi * std::exp(-v * v) / v - std::erfc(v)));
   };
   const double of_sun = hidden(to_sun);
-  return std::hypot(kVarianceError / variance * std::abs(tan2 / variance - 1),
+  return std::hypot(variance_error / variance * std::abs(tan2 / variance - 1),
                     of_sun / (1 + hidden(to_observer) + of_sun));
 }
 

@@ -12,7 +12,9 @@ namespace irsig {
 // Mean square slope of a clean sea surface, upwind + crosswind, taken isotropic: [cox1954, clean
 // sea]
 //   0.003 + 0.00512 wind
-//   wind_speed_m_s at 12.5 m, 0-20.
+//   wind_speed_m_s at 12.5 m. Above 20 the slopes are held at those of 20: what they would be more
+//   by the same line is part of the model errors.
+inline constexpr double kMostSlopeWindMS = 20;
 [[nodiscard]] double sea_slope_variance(double wind_speed_m_s);
 
 // Complex refractive index of sea water (1.33 + 0i and so on), 2.5-16 um: pure water's at 25 C,
@@ -52,7 +54,8 @@ struct SeaFacet {
 // beam and of reflectance: P(slope) / (4 n_z^4 projected area).                        [1/sr]
 [[nodiscard]] double glint_per_sr(Vec<Body> to_observer, Vec<Body> to_sun, double wind_speed_m_s);
 
-// One sigma of glint_per_sr(), relative: of the slopes' variance, 0.004 [cox1954], and what waves
+// One sigma of glint_per_sr(), relative: of the slopes' variance, 0.004 [cox1954] (above 20 m/s and
+// 0.00512 for each m/s more), and what waves
 // that stand in the sun of others would take from it, L_sun / (1 + L_observer + L_sun) with the
 // shadowing function L of Gaussian slopes [smith1967], which is left out. (What is hidden from the
 // observer by other waves is not: of what he sees, the projected area is that of facets towards

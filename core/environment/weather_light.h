@@ -108,7 +108,8 @@ class WeatherLight {
 inline constexpr std::array kLimb = {1.0, 0.97, 0.92, 0.85, 0.76, 0.65, 0.5, 0.33, 0.16};
 
 // One sigma of what a surface emits and reflects, seen at an angle to it: relative.
-[[nodiscard]] double surface_model_relative(LowerSpec::Kind kind, double sine);
+// Of a rough sea above kMostSlopeWindMS, whose slopes are held there, more.
+[[nodiscard]] double surface_model_relative(const LowerSpec& spec, double sine);
 
 // Mean over the hemisphere of rings of the sine of the elevation from 0 to 1: weights of the rings.
 [[nodiscard]] std::vector<double> ring_weights(const std::vector<double>& sine);

@@ -4,6 +4,7 @@
 // random-overlap sums of core/atmosphere (atmosphere_limits_test.cpp), Kirchhoff, Planck.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <thread>
 
@@ -380,13 +381,35 @@ TEST(EnvironmentLimits, SameBitsInAnyOrderAndFromAnyThread) {
   for (const double x : all[3].sun) EXPECT_EQ(x, 0);
 }
 
+// Rationale: the slopes of waves are known to 20 m/s, and weather has gusts. Expected: the sea of
+// 20 m/s, and a larger model error where it is seen at a grazing angle.
+TEST(EnvironmentLimits, AStormIsTheSeaOf20WithALargerError) {
+  const auto of_wind = [](double wind_m_s) {
+    WeatherSpec w = sea_weather();
+    w.lower.wind_speed_m_s = wind_m_s;
+    return seen(*environment({w}, {{}}), line(1000, 2));
+  };
+  const ViewEnvironment strong = of_wind(20), storm = of_wind(26);
+  double largest = 0, smallest = 1e9;
+  for (std::size_t node = 0; node < strong.behind_model_error.size(); ++node)
+    for (std::size_t i = 0; i < strong.behind_model_error[node].size(); ++i) {
+      const double ratio = storm.behind_model_error[node][i] / strong.behind_model_error[node][i];
+      if (!(strong.behind_model_error[node][i] > 0)) continue;
+      largest = std::max(largest, ratio);
+      smallest = std::min(smallest, ratio);
+    }
+  EXPECT_GT(largest, 1.3);
+  EXPECT_LT(largest, 3);
+  EXPECT_NEAR(smallest, 1, 1e-6);
+}
+
 TEST(EnvironmentLimits, WhatIsNotCoveredIsRefused) {
   EXPECT_EQ(Environment::make({sea_weather()}, {{}}, 10, {2.0}).status().code(),
             absl::StatusCode::kOutOfRange);
   EXPECT_FALSE(Environment::make({sea_weather()}, {sunny(10, 0, 1)}, 10, {4.0}).ok());
   EXPECT_FALSE(Environment::make({sea_weather()}, {{}}, 0, {4.0}).ok());
   WeatherSpec storm = sea_weather();
-  storm.lower.wind_speed_m_s = 30;
+  storm.lower.wind_speed_m_s = 300;
   EXPECT_FALSE(Environment::make({storm}, {{}}, 10, {4.0}).ok());
   const auto e = environment({sea_weather()}, {{}});
   const std::vector<std::uint32_t> first = {0};

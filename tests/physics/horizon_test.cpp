@@ -337,6 +337,11 @@ TEST(Behind, GrazingGlitterHasAModelError) {
   EXPECT_GT(low, 0.25);
   EXPECT_LT(low, 0.6);
   EXPECT_LT(glint_model_relative(towards(60, 180), towards(60, 0), 5), 0.2);
+  // Slopes are held at those of 20 m/s; what they would be more is an error.
+  EXPECT_EQ(glint_per_sr(towards(60, 180), towards(60, 0), 26),
+            glint_per_sr(towards(60, 180), towards(60, 0), 20));
+  EXPECT_GT(glint_model_relative(towards(60, 180), towards(60, 0), 26),
+            0.00512 * 6 / sea_slope_variance(20) * 0.9);
   // The higher of two suns is shaded less.
   EXPECT_LT(glint_model_relative(towards(2, 180), towards(20, 0), 5), low);
 }

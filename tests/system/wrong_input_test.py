@@ -44,7 +44,7 @@ SWEEPS = [
     (r"^pressure_pa = .*", "pressure_pa = 1013", r"1013 hPa are 101300 Pa"),
     (r"^visibility_m = .*", "visibility_m = 23", r"23 km are 23000 m"),
     (r"^sea_temperature_k = .*", "sea_temperature_k = 14", r"is ice, expected .*14 C are 287.15 K"),
-    (r"^wind_speed_m_s = .*", "wind_speed_m_s = 90", r"wind_speed_m_s = 90, expected a number from 0 to 20"),
+    (r"^wind_speed_m_s = .*", "wind_speed_m_s = 190", r"wind_speed_m_s = 190, expected a number from 0 to 100"),
     (r"^latitude_deg = .*", "latitude_deg = 110.1", r"latitude_deg = 110.1, expected a number from -90 to 90"),
     (r"^latitude_deg = .*", "latitude_deg = 54,3", r"numbers have a decimal point"),
     (r'^kind = "ring"\ncount = 12\nelevation_deg = .*', 'kind = "fibonacci"\ncount = 12\nelevation_min_deg = -20',

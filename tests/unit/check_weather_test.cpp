@@ -129,6 +129,30 @@ TEST(ResolveAtmosphere, TheNavysAerosolHasItsDefaults) {
   EXPECT_EQ(sweep->sweep().air().air_mass(), 3);
 }
 
+// Rationale: the slopes of waves and the Navy's aerosol are known to 20 m/s; gusts are in weather
+// files, and on land nobody asks for waves. Expected: at sea a warning, on land nothing, with the
+// Navy's aerosol an error.
+TEST(CheckWeather, StormsAreLimitedWhereTheirModelIs) {
+  Pieces sea;
+  sea.season =
+      "air_temperature_k = 290\nrelative_humidity_percent = 70\npressure_pa = 101300\n"
+      "wind_speed_m_s = 24\n";
+  EXPECT_EQ(error_of(sea), "");
+  EXPECT_THAT(warnings_of(sea), ElementsAre(AllOf(HasSubstr("season[0].wind_speed_m_s = 24"),
+                                                  HasSubstr("known up to 20 m/s"))));
+  Pieces navy = sea;
+  navy.air = "aerosol = \"navy_maritime\"\n";
+  EXPECT_THAT(error_of(navy), HasSubstr("season[0].wind_speed_m_s = 24: air.aerosol = "
+                                        "\"navy_maritime\" holds from 0 to 20 m/s"));
+  Pieces grey = sea;
+  grey.surroundings += "sea_model = \"grey\"\nsea_emissivity = 0.96\n";
+  grey.season =
+      "day = { air_temperature_min_k = 285, air_temperature_max_k = 293, dew_point_k = 283 }\n"
+      "pressure_pa = 101300\nwind_speed_m_s = 24\n";
+  EXPECT_EQ(error_of(grey), "");
+  EXPECT_THAT(warnings_of(grey), IsEmpty());
+}
+
 constexpr const char* kSonde =
     "height_m, pressure_hpa, temperature_c, dew_point_c\n"
     "0, 1013, 20, 15\n1000, 900, 14, 10\n3000, 700, 2, -5\n";
