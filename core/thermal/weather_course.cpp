@@ -18,34 +18,29 @@ constexpr double kDayS = 86400;
 constexpr double kSolarConstantWM2 = 1361;  // [kopp2011], as clear_sky.h
 const double kTwilight = std::sin(6 * kRadPerDeg);
 
-struct Limit {
-  const char* name;
-  double least, most;
-};
-
 absl::Status wrong(std::size_t record, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("weather record ", record, ": ", what));
 }
 
-absl::Status check_number(std::size_t i, double value, const Limit& limit) {
+absl::Status check_number(std::size_t i, double value, const WeatherLimit& limit,
+                          const char* unit) {
   if (value >= limit.least && value <= limit.most) return absl::OkStatus();
-  return wrong(
-      i, absl::StrCat(limit.name, " = ", value, ", expected ", limit.least, " to ", limit.most));
+  return wrong(i, absl::StrCat(value, unit, ": expected ", limit.name, " from ", limit.least,
+                               " to ", limit.most, unit));
 }
 
 absl::Status check_record(const WeatherRecord& r, std::size_t i) {
-  for (const auto& [value, limit] : {std::pair{r.air_k, Limit{"air temperature (K)", 160, 350}},
-                                     {r.dew_point_k, {"dew point (K)", 100, 350}},
-                                     {r.pressure_pa, {"pressure (Pa)", 3e4, 1.1e5}},
-                                     {r.wind_m_s, {"wind speed (m/s)", 0, 120}},
-                                     {r.wind_from_deg, {"wind direction (deg)", -360, 360}},
-                                     {r.cloud_cover, {"cloud cover", 0, 1}}})
-    if (absl::Status status = check_number(i, value, limit); !status.ok()) return status;
-  for (const auto& [value, limit] :
-       {std::pair{r.direct_normal_w_m2, Limit{"direct normal radiation (W/m2)", 0, 1500}},
-        {r.diffuse_horizontal_w_m2, {"diffuse horizontal radiation (W/m2)", 0, 1500}},
-        {r.sky_w_m2, {"long-wave radiation of the sky (W/m2)", 0, 1500}}})
-    if (absl::Status status = value ? check_number(i, *value, limit) : absl::OkStatus();
+  for (const auto& [value, limit, unit] : {std::tuple{r.air_k, kAirLimit, " K"},
+                                           {r.dew_point_k, kDewPointLimit, " K"},
+                                           {r.pressure_pa, kPressureLimit, " Pa"},
+                                           {r.wind_m_s, kWindLimit, " m/s"},
+                                           {r.wind_from_deg, kWindFromLimit, " deg"},
+                                           {r.cloud_cover, kCloudLimit, ""}})
+    if (absl::Status status = check_number(i, value, limit, unit); !status.ok()) return status;
+  for (const auto& [value, limit] : {std::pair{r.direct_normal_w_m2, kDirectLimit},
+                                     {r.diffuse_horizontal_w_m2, kDiffuseLimit},
+                                     {r.sky_w_m2, kSkyLimit}})
+    if (absl::Status status = value ? check_number(i, *value, limit, " W/m2") : absl::OkStatus();
         !status.ok())
       return status;
   if (r.dew_point_k > r.air_k)

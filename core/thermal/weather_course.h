@@ -12,6 +12,24 @@ namespace irsig {
 // The weather at the surface as it goes on, in SI. Times: seconds since 1970 UTC, without leap
 // seconds. Equations and sources: docs/methods/thermal.md, "Weather".
 
+// What no weather goes beyond, whoever states it: the coldest and warmest air ever measured (184
+// and 330 K) and some more, the pressure of inhabited mountains and of the deepest highs, the
+// strongest wind of some minutes (85 m/s), sunlight outside the air at perihelion (1407 W/m2);
+// diffuse and global sunlight, to which clouds may add. The sky's long-wave radiation is, besides,
+// a share of what a black sky as warm as the air sends: clear nights on the driest mountains have
+// 0.5, fog that is 20 K warmer than the air below it 1.3 (files: weather_file.h).
+struct WeatherLimit {
+  const char* name;
+  double least, most;
+};
+inline constexpr WeatherLimit kAirLimit{"an air temperature", 180, 340},
+    kDewPointLimit{"a dew point", 120, 340}, kHumidityLimit{"a relative humidity", 0, 110},
+    kPressureLimit{"an air pressure", 5e4, 1.1e5}, kWindLimit{"a wind speed", 0, 100},
+    kWindFromLimit{"a wind direction", -360, 360}, kCloudLimit{"a cloud cover", 0, 1},
+    kDirectLimit{"direct normal radiation", 0, 1420}, kDiffuseLimit{"diffuse radiation", 0, 1420},
+    kGlobalLimit{"global radiation", 0, 1800}, kSkyLimit{"long-wave radiation", 15, 1000},
+    kSkyOfBlackLimit{"long-wave radiation over that of a black sky", 0.3, 1.5};
+
 struct WeatherRecord {
   double unix_s = 0;
   double air_k = 0;
@@ -33,9 +51,9 @@ struct WeatherCourse {
 };
 
 // INVALID_ARGUMENT, which record (from 0) and what: fewer than two, times that do not increase, a
-// dew point above the air, numbers that no weather has (160 to 350 K, 300 to 1100 hPa, wind to
-// 120 m/s, radiation of 0 to 1500 W/m2), radiation in some records only, means over other intervals
-// than those between records or of more than 3 h, a periodic course that does not close.
+// dew point above the air, numbers that no weather has (the limits above), radiation in some
+// records only, means over other intervals than those between records or of more than 3 h, a
+// periodic course that does not close.
 [[nodiscard]] absl::Status check_course(const WeatherCourse& course);
 
 // The instant within the course that stands for this one: of a periodic course that of its day,

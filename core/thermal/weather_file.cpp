@@ -1,7 +1,9 @@
 #include "core/thermal/weather_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -55,6 +57,7 @@ class CourseMaker {
       if (errors_.full()) break;
       out_.course.record.push_back(record(u));
     }
+    warn_of_no_sunlight();
     out_.course.periodic = wanted_.periodic;
     const bool any = out_.course.record.empty() || direct_ || sky_;
     out_.course.radiation_interval_s = any ? file_.radiation_interval_s : 0;
@@ -83,7 +86,24 @@ class CourseMaker {
   }
 
  private:
-  [[nodiscard]] double value(const Row& row, Q q) const { return row.value[at(q)]; }
+  // NaN: missing, or impossible.
+  [[nodiscard]] double value(const Row& row, Q q) const {
+    const double v = row.value[at(q)];
+    const bool none = row.impossible[at(q)] || (q == Q::kSky && v == 0);
+    return none ? std::numeric_limits<double>::quiet_NaN() : v;
+  }
+  // Whether what is missing is there, as a number that no weather has: then that is said.
+  bool add_impossible(const Row& row, Q q) {
+    if (!row.impossible[at(q)]) return false;
+    const auto in_file = [&](double si) {
+      return absl::SixDigits((si - file_.offset[at(q)]) / file_.factor[at(q)]);
+    };
+    const WeatherLimit& limit = limit_of(q);
+    add(row, q,
+        absl::StrCat(in_file(row.value[at(q)]), ": expected ", limit.name, " from ",
+                     in_file(limit.least), " to ", in_file(limit.most)));
+    return true;
+  }
   void add(const Row& row, Q q, const std::string& what) {
     errors_.add(row.line, row.column[at(q)], what);
   }
@@ -115,6 +135,22 @@ class CourseMaker {
                   absl::StrCat("the file is of ", file_.place->height_m,
                                " m of height, the sweep's place.height_m = ",
                                wanted_.place.height_m, ": expected at most 300 m apart"));
+  }
+
+  // Sunlight that a file does not know may stand there as 0.
+  void warn_of_no_sunlight() {
+    constexpr double kHighDeg = 10;
+    double highest = -1;
+    for (const WeatherRecord& r : out_.course.record) {
+      if (!r.direct_normal_w_m2 || *r.direct_normal_w_m2 > 0 || *r.diffuse_horizontal_w_m2 > 0)
+        return;
+      highest = std::max(highest, sine_.of(r.unix_s));
+    }
+    if (highest > std::sin(kHighDeg * kRadPerDeg))
+      out_.warning.push_back(absl::StrCat(
+          file_.name, ": no sunlight in any record, though the sun rises to ",
+          round_deg(std::asin(std::min(1.0, highest)) / kRadPerDeg),
+          ": leave the columns of sunlight away where it is not known, and it is computed"));
   }
 
   void check_year() {
@@ -215,9 +251,18 @@ class CourseMaker {
     const auto missing = [&](const Used& u) { return std::isnan(value(*u.row, q)); };
     const auto count = std::count_if(used.begin(), used.end(), missing);
     if (count == 0) return true;
-    if (static_cast<std::size_t>(count) == used.size()) return false;
+    const bool impossible = std::any_of(used.begin(), used.end(),
+                                        [&](const Used& u) { return u.row->impossible[at(q)]; });
+    if (static_cast<std::size_t>(count) == used.size() && !impossible) {
+      if (std::any_of(used.begin(), used.end(),
+                      [&](const Used& u) { return u.row->value[at(q)] == 0; }))
+        out_.warning.push_back(absl::StrCat(
+            file_.name, ": long-wave radiation of 0 W/m2 from line ", used.front().row->line,
+            " on, which no sky has: taken as missing, and computed from the air and its clouds"));
+      return false;
+    }
     for (const Used& u : used)
-      if (missing(u) && !errors_.full())
+      if (missing(u) && !errors_.full() && !add_impossible(*u.row, q))
         add(*u.row, q,
             absl::StrCat("radiation is missing at ", time_text(u.unix_s),
                          ", expected it in all records of ", time_text(used.front().unix_s), " to ",
@@ -239,7 +284,8 @@ class CourseMaker {
 
   double needed(const Used& u, Q q, const char* what) {
     const double v = value(*u.row, q);
-    if (std::isnan(v)) add(*u.row, q, absl::StrCat(what, " is missing at ", time_text(u.unix_s)));
+    if (std::isnan(v) && !add_impossible(*u.row, q))
+      add(*u.row, q, absl::StrCat(what, " is missing at ", time_text(u.unix_s)));
     return v;
   }
 
@@ -275,6 +321,14 @@ class CourseMaker {
   double sky(const Used& u, double air_k) {
     const double w_m2 = value(*u.row, Q::kSky),
                  black_w_m2 = kStefanBoltzmannWM2K4 * std::pow(air_k, 4);
+    if (!(w_m2 >= kSkyOfBlackLimit.least * black_w_m2 &&
+          w_m2 <= kSkyOfBlackLimit.most * black_w_m2)) {
+      add(*u.row, Q::kSky,
+          absl::StrCat(w_m2, " W/m2 is the long-wave radiation of no sky above air of ", air_k,
+                       " K, expected ", std::ceil(kSkyOfBlackLimit.least * black_w_m2), " to ",
+                       std::floor(kSkyOfBlackLimit.most * black_w_m2), " W/m2"));
+      return w_m2;
+    }
     if (!(w_m2 >= kColdestSky * black_w_m2 && w_m2 <= kWarmestSky * black_w_m2) &&
         odd_sky_.count++ == 0)
       odd_sky_ = {1, u.row->line, w_m2, black_w_m2};
@@ -285,6 +339,10 @@ class CourseMaker {
     const Row& row = *u.row;
     double dew_k = value(row, Q::kDewPoint);
     Q of = Q::kDewPoint;
+    if (std::isnan(dew_k) &&
+        (add_impossible(row, Q::kDewPoint) ||
+         (std::isnan(value(row, Q::kHumidity)) && add_impossible(row, Q::kHumidity))))
+      return air_k;
     if (std::isnan(dew_k) && !std::isnan(value(row, Q::kHumidity))) {
       of = Q::kHumidity;
       const double percent = value(row, Q::kHumidity);
@@ -334,7 +392,7 @@ class CourseMaker {
       const bool low = mean_sine < kLow;
       r.direct_normal_w_m2 = low ? 0 : std::max(0.0, horizontal) * up / mean_sine;
       r.diffuse_horizontal_w_m2 = low ? std::max(diffuse, global) : diffuse;
-      if (*r.direct_normal_w_m2 > 1500)
+      if (*r.direct_normal_w_m2 > kDirectLimit.most)
         add(row, Q::kGlobalHorizontal,
             absl::StrCat("global radiation of ", global, " W/m2 and diffuse radiation of ", diffuse,
                          " W/m2 at ", time_text(u.unix_s), " mean direct radiation of ",
@@ -382,6 +440,13 @@ class CourseMaker {
 };
 
 }  // namespace
+
+const WeatherLimit& limit_of(WeatherQuantity quantity) {
+  static const std::array<WeatherLimit, kWeatherQuantities> limits = {
+      kAirLimit,   kDewPointLimit, kHumidityLimit, kPressureLimit, kWindLimit, kWindFromLimit,
+      kCloudLimit, kDirectLimit,   kDiffuseLimit,  kGlobalLimit,   kSkyLimit};
+  return limits[at(quantity)];
+}
 
 absl::StatusOr<FileCourse> course_of(const WeatherFile& file, const CourseWanted& wanted) {
   return CourseMaker(file, wanted).make();

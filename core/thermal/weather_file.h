@@ -29,6 +29,9 @@ enum class WeatherQuantity : std::uint8_t {
 };
 inline constexpr std::size_t kWeatherQuantities = 11;
 
+// What no weather goes beyond.
+[[nodiscard]] const WeatherLimit& limit_of(WeatherQuantity quantity);
+
 // Rows as a file has them, checked as numbers only.
 struct WeatherFile {
   struct Row {
@@ -36,14 +39,17 @@ struct WeatherFile {
     double local_s = 0;  // EPW, TMY3: the end of its hour in local standard time, in the row's own
                          // year, seconds since 1970; CSV: unix time
     int hour_of_year = 0;  // EPW, TMY3: 10000 month + 100 day + hour (1 to 24)
-    std::array<double, kWeatherQuantities> value{};  // NaN: missing
+    std::array<double, kWeatherQuantities> value{};     // NaN: missing
+    std::array<bool, kWeatherQuantities> impossible{};  // beyond what any weather has
     std::array<std::uint32_t, kWeatherQuantities> column{};
   };
   std::string name;
   std::vector<Row> row;  // in the order of the file, which is that of time (in any_year: of a year)
   std::array<bool, kWeatherQuantities> has{};  // whether there is such a column
-  std::optional<WeatherPlace> place;           // EPW, TMY3
-  double utc_offset_h = 0;                     // EPW, TMY3: of local standard time
+  // Its unit: SI = factor x what the file has + offset.
+  std::array<double, kWeatherQuantities> factor{}, offset{};
+  std::optional<WeatherPlace> place;  // EPW, TMY3
+  double utc_offset_h = 0;            // EPW, TMY3: of local standard time
   bool any_year = false;  // EPW, TMY3: rows are those of a month, day and hour, in whatever year
   int one_year = 0;       // of any_year: the year of all rows; 0: they have different ones
   double radiation_interval_s = 0;
@@ -60,10 +66,12 @@ struct WeatherFile {
 //   global_horizontal_w_m2, sky_w_m2, of which two of the three of sunlight make sense. With any
 //   radiation a remark "# radiation_interval_s: 3600" says that it is the mean over so long before
 //   each time; 0: of the time itself.
-// An empty cell, and in EPW and TMY3 the code for it, is a missing value.
+// A missing value is an empty cell; NA, NaN, null; the code of EPW or TMY3; 99, 999 and so on to
+// 999999, of either sign and with or without .9, where no weather has such a number. Numbers that
+// no weather has (weather_course.h) matter only in records that are used: course_of().
 //
-// INVALID_ARGUMENT, "file:line:column: ..." a line, the first ten: what is no such file, numbers
-// that no weather has, unknown columns, rows out of order or there twice.
+// INVALID_ARGUMENT, "file:line:column: ..." a line, the first ten: what is no such file, cells that
+// are no numbers, unknown columns, rows out of order or there twice.
 [[nodiscard]] absl::StatusOr<WeatherFile> read_weather_file(std::string_view text,
                                                             const std::string& file_name);
 
@@ -90,12 +98,17 @@ struct FileCourse {
 // sun's elevation over the interval; what is direct while that is below that of 1 deg counts as
 // diffuse.
 //
-// INVALID_ARGUMENT, "file:line:column: ..." a line, the first ten: a place more than 1 deg (of a
+// Long-wave radiation of 0 is missing: no sky has it. Where it is missing in all records it is
+// computed, with a warning.
+//
+// INVALID_ARGUMENT, "file:line:column: ..." a line, the first ten: numbers that no weather has, in
+// records that are used; a place more than 1 deg (of a
 // great circle) or 300 m of height away; hours that the file does not have (29 February; gaps above
 // 3 h); values that are missing where they are needed; a dew point more than 0.15 K above the air;
 // direct radiation above 1 W/m2 while the sun stays more than 6 deg below the horizon.
-// Warnings: global radiation that differs from diffuse + direct by more than 10 % and 20 W/m2; all
-// rows of one year that is another than the one wanted.
+// Warnings: sunlight of 0 in all records while the sun is more than 10 deg high; global radiation
+// that differs from diffuse + direct by more than 10 % and 20 W/m2; all rows of one year that is
+// another than the one wanted.
 [[nodiscard]] absl::StatusOr<FileCourse> course_of(const WeatherFile& file,
                                                    const CourseWanted& wanted);
 

@@ -27,25 +27,18 @@ struct Form {
   double missing_below = -std::numeric_limits<double>::infinity();
 };
 
-struct Bound {
-  const char* name;
-  double least, most;
-};
-const Bound& bound_of(Q q) {
-  static const std::array<Bound, kWeatherQuantities> bounds = {{
-      {"an air temperature", 180, 340},
-      {"a dew point", 120, 340},
-      {"a relative humidity", 0, 110},
-      {"an air pressure", 5e4, 1.1e5},
-      {"a wind speed", 0, 100},
-      {"a wind direction", -360, 360},
-      {"a cloud cover", 0, 1},
-      {"direct normal radiation", 0, 1500},
-      {"diffuse radiation", 0, 1500},
-      {"global radiation", 0, 1800},
-      {"long-wave radiation", 0, 1000},
-  }};
-  return bounds[at(q)];
+// 99, 999 and so on to 999999, with or without .9, of either sign.
+bool is_code_of_missing(double value) {
+  double nines = 99;
+  for (int digits = 2; digits <= 6; ++digits, nines = 10 * nines + 9)
+    if (std::abs(value) == nines || std::abs(std::abs(value) - (nines + 0.9)) < 1e-9) return true;
+  return false;
+}
+
+bool is_word_of_missing(std::string_view text) {
+  for (const char* word : {"na", "n/a", "nan", "null"})
+    if (absl::EqualsIgnoreCase(std::string(text), word)) return true;
+  return false;
 }
 
 std::string quoted(std::string_view text) {
@@ -307,7 +300,7 @@ class RowReader {
       const CsvCell& cell = cells[i];
       const std::size_t q = at(form.quantity);
       row.column[q] = static_cast<std::uint32_t>(cell.column);
-      if (cell.text.empty()) continue;
+      if (cell.text.empty() || is_word_of_missing(cell.text)) continue;
       const auto value = finite_number(cell.text);
       if (!value) {
         add(cell, absl::StrCat(quoted(cell.text), ", expected a number"));
@@ -315,12 +308,13 @@ class RowReader {
       }
       if (*value >= form.missing_above || *value <= form.missing_below) continue;
       const double si = *value * form.factor + form.offset;
-      const Bound& bound = bound_of(form.quantity);
-      if (!(si >= bound.least && si <= bound.most))
-        add(cell, absl::StrCat(std::string(cell.text), ": expected ", bound.name, " from ",
-                               (bound.least - form.offset) / form.factor, " to ",
-                               (bound.most - form.offset) / form.factor));
-      row.value[q] = si;
+      const WeatherLimit& limit = limit_of(form.quantity);
+      const bool no_sky = form.quantity == Q::kSky && si == 0;  // of files that do not know it
+      row.impossible[q] = !(si >= limit.least && si <= limit.most) && !no_sky;
+      if (!row.impossible[q] || !is_code_of_missing(*value))
+        row.value[q] = si;
+      else
+        row.impossible[q] = false;
     }
     return row;
   }
@@ -348,7 +342,11 @@ class RowReader {
   absl::StatusOr<WeatherFile> done() {
     if (!errors_.any() && file_.row.empty()) errors_.add(rows_.line() + 1, 1, "there are no rows");
     if (errors_.any()) return errors_.status();
-    for (const auto& [i, form] : column_) file_.has[at(form.quantity)] = true;
+    for (const auto& [i, form] : column_) {
+      file_.has[at(form.quantity)] = true;
+      file_.factor[at(form.quantity)] = form.factor;
+      file_.offset[at(form.quantity)] = form.offset;
+    }
     return std::move(file_);
   }
 

@@ -173,16 +173,76 @@ TEST(Epw, MissingValuesAreErrorsWhereTheyAreNeeded) {
   EXPECT_THAT(odd->warning, ElementsAre(HasSubstr("global radiation differs from")));
 }
 
-// Files say 0 of what was not measured.
-TEST(Epw, SkiesThatNoneIsAreWarnedOf) {
+// Files say 0 of what was not measured: of one hour an error, of all of them missing. At noon a
+// black sky sends 369 W/m2.
+TEST(Epw, SkiesThatNoneIsAreErrorsAndOddOnesWarnedOf) {
   const CourseWanted wanted = day("2026-01-27");
-  for (const char* w_m2 : {"0", "130", "600"}) {
+  EXPECT_THAT(error(changed(12, 12, "0"), wanted),
+              HasSubstr("radiation is missing at 2026-01-27T12:00-08:00"));
+  EXPECT_THAT(error(changed(12, 12, "50"), wanted),
+              HasSubstr("50 W/m2 is the long-wave radiation of no sky above air of 28"));
+  EXPECT_THAT(error(changed(12, 12, "600"), wanted), HasSubstr("600 W/m2 is the long-wave"));
+  for (const char* w_m2 : {"130", "480"}) {
     const auto odd = course(changed(12, 12, w_m2), wanted);
     ASSERT_TRUE(odd.ok()) << odd.status();
     EXPECT_THAT(odd->warning, ElementsAre(HasSubstr(absl::StrCat(": ", w_m2, " W/m2"))));
   }
   for (const char* w_m2 : {"200", "420"})
     EXPECT_TRUE(course(changed(12, 12, w_m2), wanted)->warning.empty()) << w_m2;
+}
+
+// Expected: the course without the column, and a warning; 0 of all records stood there with 13 K
+// too cold a wall.
+TEST(Epw, ASkyOfZeroThroughoutIsMissing) {
+  std::string text, rest = shipped();
+  for (std::size_t at = 0, line = 0; at < rest.size(); ++line) {
+    const std::size_t end = rest.find('\n', at);
+    std::string row = rest.substr(at, end - at);
+    if (line >= 8) {
+      std::size_t first = 0;
+      for (int i = 0; i < 12; ++i) first = row.find(',', first) + 1;
+      row.replace(first, row.find(',', first) - first, "0");
+    }
+    text += row + "\n";
+    at = end + 1;
+  }
+  const auto out = course(text, day("2026-01-27"));
+  ASSERT_TRUE(out.ok()) << out.status();
+  EXPECT_THAT(out->warning, ElementsAre(HasSubstr("which no sky has: taken as missing")));
+  for (const WeatherRecord& r : out->course.record) EXPECT_FALSE(r.sky_w_m2.has_value());
+}
+
+// Expected: what no weather has matters in hours that are used, whatever the quantity; codes of
+// missing values are missing.
+TEST(Epw, NumbersThatNoWeatherHasMatterWhereTheyAreUsed) {
+  const CourseWanted wanted = day("2026-01-27"), other = day("2026-01-29");
+  const struct {
+    std::size_t field;
+    const char *impossible, *said, *code, *missing;
+  } cases[] = {
+      {6, "80", "80: expected an air temperature from -93.15 to 66.85", "-999",
+       "the air's temperature is missing"},
+      {7, "-200", "-200: expected a dew point from -153.15", "-9999", ""},
+      {9, "1013", "1013: expected an air pressure from 50000 to 110000", "-999",
+       "pressure is missing"},
+      {12, "3", "3: expected long-wave radiation from 15 to 1000", "-999", "radiation is missing"},
+      {13, "2500", "2500: expected global radiation from 0 to 1800", "-9999",
+       "radiation is missing"},
+      {14, "1450", "1450: expected direct normal radiation from 0 to 1420", "-999",
+       "radiation is missing"},
+      {15, "-7", "-7: expected diffuse radiation from 0 to 1420", "-999", "radiation is missing"},
+      {20, "720", "720: expected a wind direction from -360 to 360", "-999",
+       "direction is missing"},
+      {21, "150", "150: expected a wind speed from 0 to 100", "-999", "speed is missing"},
+  };
+  for (const auto& c : cases) {
+    EXPECT_THAT(error(changed(12, c.field, c.impossible), wanted), HasSubstr(c.said)) << c.field;
+    EXPECT_THAT(error(changed(12, c.field, c.code), wanted), HasSubstr(c.missing)) << c.field;
+    EXPECT_EQ(error(changed(12, c.field, c.impossible), other), "") << c.field;
+    EXPECT_EQ(error(changed(12, c.field, c.code), other), "") << c.field;
+  }
+  EXPECT_THAT(error(changed(12, 6, "warm"), other), HasSubstr("\"warm\", expected a number"));
+  EXPECT_EQ(error(changed(12, 6, "NaN"), other), "");
 }
 
 constexpr const char* kCsvHead =
