@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -132,6 +133,28 @@ std::vector<double> knots_between(const std::vector<double>& wanted,
   return out;
 }
 
+// Whether lines between knots beside a record of instants would miss what it states.
+bool bends_at(const std::vector<WeatherRecord>& record, std::size_t i, double step_s) {
+  if (i == 0 || i + 1 >= record.size()) return false;
+  constexpr double kBendWM2 = 2, kBendK = 0.2, kBendWindMS = 0.5, kBendCover = 0.02;
+  const auto missed = [&](double before, double here, double after) {
+    const double rises = (here - before) / (record[i].unix_s - record[i - 1].unix_s),
+                 goes_on = (after - here) / (record[i + 1].unix_s - record[i].unix_s);
+    return 0.25 * step_s * std::abs(goes_on - rises);
+  };
+  const auto of = [&](double WeatherRecord::*value) {
+    return missed(record[i - 1].*value, record[i].*value, record[i + 1].*value);
+  };
+  const auto of_stated = [&](std::optional<double> WeatherRecord::*value) {
+    if (!(record[i - 1].*value) || !(record[i].*value) || !(record[i + 1].*value)) return 0.0;
+    return missed(*(record[i - 1].*value), *(record[i].*value), *(record[i + 1].*value));
+  };
+  return of_stated(&WeatherRecord::direct_normal_w_m2) > kBendWM2 ||
+         of_stated(&WeatherRecord::diffuse_horizontal_w_m2) > kBendWM2 ||
+         of_stated(&WeatherRecord::sky_w_m2) > kBendWM2 || of(&WeatherRecord::air_k) > kBendK ||
+         of(&WeatherRecord::wind_m_s) > kBendWindMS || of(&WeatherRecord::cloud_cover) > kBendCover;
+}
+
 HeatWeather weather_at_knot(const WeatherCourse& course, const CourseRadiation& radiation,
                             const schema::Place& place, double unix_s) {
   const WeatherRecord w = weather_at(course, unix_s);
@@ -198,14 +221,15 @@ absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep, const schema:
   }
   const std::vector<double>& crossings = radiation->sun_crossings();
   other.insert(other.end(), crossings.begin(), crossings.end());
-  // Records where the course jumps, and those that are closer together than steps: what happens
-  // between knots is not known to the solver.
+  // Records where the course jumps or bends, and those that are closer together than steps: what
+  // happens between knots is not known to the solver, and every second knot must see them too.
   const double step_s = 60 * sweep.heat().step_minutes();
   const std::vector<WeatherRecord>& record = course.record;
   for (std::size_t i = 0; i < record.size(); ++i) {
     const bool close = (i > 0 && record[i].unix_s - record[i - 1].unix_s < step_s) ||
                        (i + 1 < record.size() && record[i + 1].unix_s - record[i].unix_s < step_s);
-    if (course.radiation_interval_s > 0 || close) other.push_back(record[i].unix_s);
+    if (course.radiation_interval_s > 0 || close || bends_at(record, i, step_s))
+      other.push_back(record[i].unix_s);
   }
   std::erase_if(other, [&](double t) { return t <= begin_s || t >= std::max(end_s, day_end_s); });
   out.knot_s = knots_between(must, other, step_s);

@@ -22,8 +22,8 @@ struct HeatKnots {
 };
 
 // Knots: the times wanted, those of what changes inside walls, sunrise and sunset, records where
-// they jump (means over hours), the end of the first day; between them at most heat.step_minutes.
-// Times within a minute of a wanted one are taken as that.
+// they jump (means over hours) or bend (instants under broken cloud), the end of the first day;
+// between them at most heat.step_minutes. Times within a minute of a wanted one are taken as that.
 [[nodiscard]] absl::StatusOr<HeatKnots> heat_weather(const schema::Sweep& sweep,
                                                      const schema::HeatRun& heat);
 
