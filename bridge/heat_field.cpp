@@ -110,13 +110,17 @@ void add_parts(const Target& target, const std::vector<double>& area_m2,
     }
 }
 
-// Degenerate facets send nothing; so that each facet of a part has a temperature, they have the
-// part's mean.
+bool is_degenerate(const Target::Facet& f) { return f.nx == 0 && f.ny == 0 && f.nz == 0; }
+
+// Degenerate facets send nothing; so that each facet of a part that may be seen has a temperature,
+// they have the part's mean.
 void fill_degenerate(const Target& target, const std::vector<HeatPart>& part,
                      const schema::HeatJobResult& means, SceneHeatResult& heat) {
   for (const schema::PartTemperature& mean : means.part())
     for (std::size_t f = 0; f < target.facet.size(); ++f) {
-      if (target.facet[f].part != mean.part_index() || !part[mean.part_index()].build_up) continue;
+      if (target.facet[f].part != mean.part_index() || !part[mean.part_index()].build_up ||
+          !is_degenerate(target.facet[f]))
+        continue;
       float& kelvin = heat.kelvin[mean.time_index()][f];
       if (!std::isnan(kelvin)) continue;
       kelvin = static_cast<float>(mean.mean_k());
@@ -150,6 +154,24 @@ std::string crossing_warning(const Target& target, const std::vector<HeatPart>& 
       "heat: %d facets whose middle is under the surface rise above it, up to %.3g m, and have "
       "its temperature as a whole: element_size_m cuts them",
       count, highest_m);
+}
+
+// Facets that nothing from outside reaches have no temperature: how many, and where the first is.
+std::string dark_warning(const schema::Sweep& sweep, const Target& target,
+                         const std::vector<HeatPart>& part, const SceneHeatResult& heat) {
+  std::size_t count = 0, first = 0;
+  for (std::size_t f = target.facet.size(); f-- > 0;) {
+    const Target::Facet& facet = target.facet[f];
+    if (!part[facet.part].build_up || is_degenerate(facet) || !std::isnan(heat.kelvin.front()[f]))
+      continue;
+    ++count;
+    first = f;
+  }
+  if (count == 0) return "";
+  return absl::StrCat("heat: ", count, " of ", target.facet.size(),
+                      " facets stand inside other bodies (the first: facet ", first, " of part \"",
+                      sweep.part(static_cast<int>(target.facet[first].part)).name(),
+                      "\"): no ray from outside reaches them, and they are left out");
 }
 
 // What is asked of one run, and at which of its outputs each time wanted stands.
@@ -338,6 +360,8 @@ absl::StatusOr<schema::HeatJobResult> compute_heat(const schema::ResolvedSweep& 
     area_m2.push_back(0.5 * length(cross(mesh->vertex[c[1]] - mesh->vertex[c[0]],
                                          mesh->vertex[c[2]] - mesh->vertex[c[0]])));
   }
+  if (std::string dark = dark_warning(sweep, *target, asked->request.part, by_time); !dark.empty())
+    asked->warning.push_back(std::move(dark));
   add_parts(*target, area_m2, by_time, out);
   fill_degenerate(*target, asked->request.part, out, by_time);
 

@@ -126,6 +126,7 @@ class CoreJobRunner final : public JobRunner {
     const auto measured = simulator_->measure(*request, *planned, moved);
     if (!measured.ok()) return measured.status();
     const ViewResult& view = measured->view;
+    if (auto status = check_temperatures_seen(view); !status.ok()) return status;
     if (auto status = check_numbers(view); !status.ok()) return status;
     if (auto status = check_back_faces(view); !status.ok()) return status;
     auto result = result_to_proto(view, *simulator_, sweep_, encoder_ ? &*encoder_ : nullptr);
@@ -134,6 +135,17 @@ class CoreJobRunner final : public JobRunner {
     if (auto status = add_profile_rows(sweep_, *simulator_, *request, *result); !status.ok())
       return status;
     return result;
+  }
+
+  // A facet without a temperature matters to views that see it, and to no other.
+  [[nodiscard]] absl::Status check_temperatures_seen(const ViewResult& view) const {
+    if (!view.unknown_seen) return absl::OkStatus();
+    const std::vector<std::uint32_t>& emitter = temperatures_.emitters->of_facet;
+    const std::size_t facet = static_cast<std::size_t>(
+        std::find(emitter.begin(), emitter.end(), view.unknown_seen->emitter) - emitter.begin());
+    return unknown_temperature(sweep_, simulator_->target(), facet,
+                               sweep_.condition(static_cast<int>(view.unknown_seen->condition)),
+                               temperatures_.unknown);
   }
 
   [[nodiscard]] double accepted_backface_share() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -62,6 +63,9 @@ std::vector<bool> parts_of(const schema::ResolvedSweep& sweep, const schema::Con
   return out;
 }
 
+// Of a part none of whose facets has a temperature, where no air is stated.
+constexpr double kStandInK = 290;
+
 // What a computed temperature must be to be used: as of one from a file.
 bool says_something(double kelvin, double error_k) {
   return kelvin - error_k >= 1 && kelvin + error_k <= kMostEmitterK;
@@ -78,13 +82,16 @@ class FacetReader {
         of_file_(std::move(of_file)),
         part_of_facet_(part_of_facet) {}
 
-  absl::Status read(const schema::Condition& c, FacetTemperatures& at) {
+  //   unknown  of facets without a usable temperature: what there is of it
+  absl::Status read(const schema::Condition& c, FacetTemperatures& at,
+                    std::map<std::size_t, std::string>& unknown) {
     if (!c.has_temperature_field()) return absl::OkStatus();
-    return c.temperature_field().has_heat() ? read_computed(c, at) : read_file(c, at);
+    return c.temperature_field().has_heat() ? read_computed(c, at, unknown) : read_file(c, at);
   }
 
  private:
-  absl::Status read_computed(const schema::Condition& c, FacetTemperatures& at) {
+  absl::Status read_computed(const schema::Condition& c, FacetTemperatures& at,
+                             std::map<std::size_t, std::string>& unknown) {
     const schema::ConditionField& from = c.temperature_field();
     const std::size_t run = from.heat(), facets = part_of_facet_.size();
     if (run >= heat_.size())
@@ -112,15 +119,25 @@ class FacetReader {
     std::memcpy(kelvin.data(), field.kelvin().data() + row * bytes, bytes);
     std::memcpy(error_k.data(), field.error_k().data() + row * bytes, bytes);
     const std::vector<bool> by_field = parts_of(sweep_, from);
+    std::vector<double> sum_k(by_field.size(), 0.0), count(by_field.size(), 0.0);
     for (std::size_t f = 0; f < facets; ++f) {
-      if (!by_field[part_of_facet_[f]]) continue;
-      if (!says_something(static_cast<double>(kelvin[f]), static_cast<double>(error_k[f])))
-        return named(absl::StrCat("facet ", f, " of part \"",
-                                  sweep_.sweep().part(static_cast<int>(part_of_facet_[f])).name(),
-                                  "\" is ", kelvin[f], " K +- ", error_k[f], " K at ", c.time_utc(),
-                                  ", which says nothing"));
+      const std::uint32_t part = part_of_facet_[f];
+      if (!by_field[part]) continue;
+      if (!says_something(static_cast<double>(kelvin[f]), static_cast<double>(error_k[f]))) {
+        unknown[f] =
+            std::isnan(kelvin[f]) ? "" : absl::StrCat(kelvin[f], " K +- ", error_k[f], " K");
+        continue;
+      }
       at.kelvin[f] = kelvin[f];
       at.error_k[f] = error_k[f];
+      sum_k[part] += static_cast<double>(kelvin[f]);
+      ++count[part];
+    }
+    const double air_k = c.air_temperature_k() > 0 ? c.air_temperature_k() : kStandInK;
+    for (const auto& [f, text] : unknown) {
+      const std::uint32_t part = part_of_facet_[f];
+      at.kelvin[f] = static_cast<float>(count[part] > 0 ? sum_k[part] / count[part] : air_k);
+      at.error_k[f] = std::numeric_limits<float>::infinity();
     }
     return absl::OkStatus();
   }
@@ -216,7 +233,8 @@ bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& 
 
 absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
-    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet) {
+    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet,
+    std::vector<std::map<std::size_t, std::string>>* unknown) {
   std::vector<FacetTemperatures> out;
   if (std::none_of(sweep.condition().begin(), sweep.condition().end(),
                    [](const schema::Condition& c) { return c.has_temperature_field(); }))
@@ -238,7 +256,9 @@ absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     FacetTemperatures& at = out.emplace_back();
     at.kelvin.assign(mesh.triangle.size(), NAN);
     at.error_k.assign(mesh.triangle.size(), NAN);
-    if (const absl::Status status = reader.read(c, at); !status.ok()) return status;
+    std::map<std::size_t, std::string> unknown_here;
+    if (const absl::Status status = reader.read(c, at, unknown_here); !status.ok()) return status;
+    if (unknown != nullptr) unknown->push_back(std::move(unknown_here));
   }
   return out;
 }
@@ -248,7 +268,8 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
                                                           const HeatOutputs& heat, const Mesh& mesh,
                                                           const std::vector<PartSpec>& parts) {
   SweepTemperatures out;
-  if (sweep.condition().empty()) return out;  // a goniometer's: what is measured may not be made yet
+  if (sweep.condition().empty())
+    return out;  // a goniometer's: what is measured may not be made yet
   const auto of_groups = part_of_groups(mesh, parts);
   if (!of_groups.ok()) return of_groups.status();
   std::vector<std::uint32_t> part_of_facet;
@@ -265,7 +286,7 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
       return read.status();
     return out;
   }
-  const auto facets = facet_temperatures(sweep, assets, heat, mesh, part_of_facet);
+  const auto facets = facet_temperatures(sweep, assets, heat, mesh, part_of_facet, &out.unknown);
   if (!facets.ok()) return facets.status();
   if (facets->empty()) return out;
   ElementEmission emission = make_element_emission(part_of_facet, parts.size(), *facets);
@@ -284,12 +305,45 @@ absl::StatusOr<SweepTemperatures> temperatures_from_sweep(const schema::Resolved
     for (std::size_t e = 0; e < of_condition.kelvin.size(); ++e) {
       if (std::isnan(of_condition.kelvin[e])) continue;
       double& of_part = hottest_k[out.emitters->part[e]];
+      const double error_k = static_cast<double>(of_condition.error_k[e]);
       of_part = std::max(of_part, static_cast<double>(of_condition.kelvin[e]) +
-                                      static_cast<double>(of_condition.error_k[e]));
+                                      (std::isinf(error_k) ? 0 : error_k));
     }
     out.condition.push_back(std::make_shared<const EmitterTemperatures>(std::move(of_condition)));
   }
   return out;
+}
+
+absl::Status unknown_temperature(const schema::ResolvedSweep& sweep, const Target& target,
+                                 std::size_t facet, const schema::Condition& condition,
+                                 const std::vector<std::map<std::size_t, std::string>>& unknown) {
+  Vec<Body> middle = target.centre;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float* at =
+        target.vertex.data() + 3 * static_cast<std::size_t>(target.triangle[3 * facet + c]);
+    middle = middle + (1.0 / 3) * Vec<Body>{static_cast<double>(at[0]), static_cast<double>(at[1]),
+                                            static_cast<double>(at[2])};
+  }
+  int c = 0;
+  while (c + 1 < sweep.condition_size() && (sweep.condition(c).season() != condition.season() ||
+                                            sweep.condition(c).time_utc() != condition.time_utc()))
+    ++c;
+  std::string computed;
+  if (static_cast<std::size_t>(c) < unknown.size())
+    if (const auto found = unknown[static_cast<std::size_t>(c)].find(facet);
+        found != unknown[static_cast<std::size_t>(c)].end())
+      computed = found->second;
+  const auto rounded = [](double m) { return absl::SixDigits(std::round(100 * m) / 100 + 0.0); };
+  return absl::InvalidArgumentError(absl::StrCat(
+      "computed temperatures of season \"", condition.season(), "\" at ", condition.time_utc(),
+      ": the view sees facet ", facet, " of part \"",
+      sweep.sweep().part(static_cast<int>(target.facet[facet].part)).name(), "\" at ",
+      rounded(middle.x), " m forward, ", rounded(-middle.y), " m to port, ", rounded(-middle.z),
+      " m up, whose temperature is not known (",
+      computed.empty() ? "fewer than 1 of 32 rays leave the body that the facet stands in"
+                       : absl::StrCat(computed, ": the error leaves nothing of it"),
+      "); expected facets that do not stand inside other bodies: state temperature_k for the part, "
+      "cut it with a smaller heat.element_size_m, or mend the model"));
 }
 
 bool is_hot(const schema::ResolvedSweep& sweep, const SweepTemperatures& temperatures,

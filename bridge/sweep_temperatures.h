@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -23,7 +25,16 @@ struct SweepTemperatures {
   // included, and their mean. Else 0.                                                      [K]
   std::vector<std::shared_ptr<const EmitterTemperatures>> condition;
   std::vector<std::vector<double>> part_k, part_mean_k;
+  // [condition] What was computed of facets that nobody can say the temperature of, as text, by
+  // facet: "286 K +- 295 K"; empty: no ray from outside reaches it.
+  std::vector<std::map<std::size_t, std::string>> unknown;
 };
+
+// Why a view that sees such a facet fails: which it is, where, and what there is of it.
+[[nodiscard]] absl::Status unknown_temperature(
+    const schema::ResolvedSweep& sweep, const Target& target, std::size_t facet,
+    const schema::Condition& condition,
+    const std::vector<std::map<std::size_t, std::string>>& unknown);
 
 // Whether jobs compute some of the sweep's temperatures and `heat` does not have what they left.
 [[nodiscard]] bool awaits_temperatures(const schema::ResolvedSweep& sweep, const HeatOutputs& heat);
@@ -37,10 +48,13 @@ struct SweepTemperatures {
 // heat: of its heat runs; part_of_facet: of `mesh`, the sweep's. INVALID_ARGUMENT: what is wrong
 // with a file; a facet of a part without temperature, or with an error that leaves nothing of it;
 // an instant beyond the file's, or one that no heat run was asked for. FAILED_PRECONDITION:
-// computed temperatures are not known.
+// computed temperatures are not known. A computed temperature that is no number, or has an error
+// that leaves nothing of it, is the mean of its part's with an infinite error: it matters to those
+// who see the facet.
 [[nodiscard]] absl::StatusOr<std::vector<FacetTemperatures>> facet_temperatures(
     const schema::ResolvedSweep& sweep, const Assets& assets, const HeatOutputs& heat,
-    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet);
+    const Mesh& mesh, const std::vector<std::uint32_t>& part_of_facet,
+    std::vector<std::map<std::size_t, std::string>>* unknown = nullptr);
 
 // Whether a part is 30 K or more above the coldest part in any condition, facets by their mean:
 // what Part.hot is by default (jobs/resolve_sweep.cpp, where all temperatures are stated). Not by

@@ -1,6 +1,7 @@
 #include "planning/export_temperatures.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -30,6 +31,8 @@ absl::Status export_temperatures(const std::string& database, const std::string&
                                        {"y"},      {"z"},    {"temperature"}, {"error"}};
   const auto table = make_table_writer("csv", columns, out);
   if (!table.ok()) return table.status();
+  // Nobody knows the temperature of a facet that nobody sees.
+  const auto known = [](double value) { return std::isnan(value) ? Cell() : Cell(value); };
   bool any = false;
   for (int c = 0; c < sweep.condition_size(); ++c) {
     const schema::Condition& condition = sweep.condition(c);
@@ -41,7 +44,7 @@ absl::Status export_temperatures(const std::string& database, const std::string&
       const std::array<double, 3> place = mesh->centroid(f);
       (*table)->row({condition.season(), condition.time_utc(),
                      sweep.sweep().part(static_cast<int>(part[f])).name(), std::uint64_t{f},
-                     place[0], place[1], place[2], at.kelvin, at.error_k});
+                     place[0], place[1], place[2], known(at.kelvin), known(at.error_k)});
     }
   }
   if (!any) return absl::NotFoundError("nothing to export: no condition matches the filters");

@@ -29,6 +29,7 @@ absl::StatusOr<SweepFacets> SweepFacets::load(const std::string& database,
 SweepFacets::Temperature SweepFacets::temperature(int condition, std::size_t facet) const {
   if (!fields_.empty()) {
     const FacetTemperatures& at = fields_[static_cast<std::size_t>(condition)];
+    if (std::isinf(at.error_k[facet])) return {NAN, NAN};
     if (!std::isnan(at.kelvin[facet]))
       return {static_cast<double>(at.kelvin[facet]), static_cast<double>(at.error_k[facet])};
   }

@@ -15,6 +15,7 @@ class SweepFacets {
   // Of a database or a sweep file. FAILED_PRECONDITION: temperatures have yet to be computed.
   static absl::StatusOr<SweepFacets> load(const std::string& database, const std::string& sweep);
 
+  // Not numbers: of a facet that nobody sees, or whose computed error leaves nothing of it.
   struct Temperature {
     double kelvin, error_k;
   };

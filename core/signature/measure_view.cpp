@@ -343,6 +343,7 @@ absl::StatusOr<ViewResult> measure_view(const PreparedScene& scene, const ViewRe
   out.silhouette_backface_hits = pass.counts().silhouette_backface_hits;
   out.guarded_nonfinite = pass.counts().guarded_nonfinite;
   out.guarded_negative = pass.counts().guarded_negative;
+  out.unknown_seen = pass.unknown_seen();
   out.guarded_path_limit = pass.counts().truncated_paths;
   out.seed = seed;
   for (std::size_t row = 0; row < pass.rows(); ++row)

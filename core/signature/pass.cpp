@@ -226,6 +226,9 @@ void Pass::find_temperature_errors(std::size_t condition, std::span<const PathWe
   const ConditionSources& light = this->light(first_row);
   if (!light.has_temperature_errors()) return;
   for (const PathWeights& w : weights) {
+    if (const auto e = light.unknown_emitter(w.weight, scene_.target.part.size());
+        e && !unknown_seen_)
+      unknown_seen_ = {rows_.condition[condition], *e};
     const SummedWeights change = light.temperature_errors(w.weight, scene_.target.part.size());
     for (std::size_t row = first_row; row < first_row + rows_.band.size(); ++row) {
       const SourceTable& table = in_band_[row];

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -62,6 +63,8 @@ class Pass {
     return rows_.band[row % rows_.band.size()];
   }
   [[nodiscard]] const PathCounts& counts() const { return counts_; }
+  // What paths have met and nobody knows the temperature of.
+  [[nodiscard]] const std::optional<UnknownSeen>& unknown_seen() const { return unknown_seen_; }
   [[nodiscard]] const ReplicateStatistics& statistics(std::size_t row) const {
     return statistics_[row];
   }
@@ -213,6 +216,7 @@ class Pass {
   std::vector<std::array<std::vector<double>, 3>> replicate_;  // [row][Replicated]
   std::vector<std::array<SpectralSet, 3>> modes_;              // likewise
   PathCounts counts_;
+  std::optional<UnknownSeen> unknown_seen_;
   std::uint64_t samples_ = 0;
   ImagePlan image_plan_;
   std::vector<double> image_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/accuracy/quantities.h"
@@ -13,14 +14,15 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-// 11: what the target reflects of hot gas, and what gas takes of light behind it; aerosol between 2
-// and 3 km, and that of the Navy's model above the surface; the air's stated model error; its
-// carbon dioxide at 2140-2430 cm-1 in warmer and colder air. 10: computed temperatures, whose
-// exchange and repeated day are settled together; the air's carbon dioxide at 2140-2430 cm-1, which
-// has the terms of the project's own lines; sky, sea and the sun in them, added up in the bands of
-// the air, scattered sunlight rounded to float; what of the sun was not met, bounded for facets
-// that face one way together.
-inline constexpr int kPhysicsVersion = 14;
+// 15: computed temperatures: skies that jump at a record, exact shares of the sky, errors of rays;
+// facets inside other bodies are left out. 11: what the target reflects of hot gas, and what gas
+// takes of light behind it; aerosol between 2 and 3 km, and that of the Navy's model above the
+// surface; the air's stated model error; its carbon dioxide at 2140-2430 cm-1 in warmer and colder
+// air. 10: computed temperatures, whose exchange and repeated day are settled together; the air's
+// carbon dioxide at 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and
+// the sun in them, added up in the bands of the air, scattered sunlight rounded to float; what of
+// the sun was not met, bounded for facets that face one way together.
+inline constexpr int kPhysicsVersion = 15;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {
@@ -71,6 +73,11 @@ struct SignatureResult {
   std::vector<double> replicate_w_sr, replicate_apparent_w_sr, replicate_contrast_w_sr;
 };
 
+// An emitter whose temperature is not known (EmitterTemperatures) and that a view sees.
+struct UnknownSeen {
+  std::uint32_t condition, emitter;
+};
+
 struct ViewResult {
   std::vector<SignatureResult> row;  // selected conditions x selected bands
   std::uint32_t image_width_px = 0, image_height_px = 0;
@@ -83,6 +90,7 @@ struct ViewResult {
   // alive after the last reflection.
   std::uint64_t guarded_backface_hits = 0, guarded_nonfinite = 0, guarded_negative = 0;
   std::uint64_t guarded_path_limit = 0;
+  std::optional<UnknownSeen> unknown_seen;     // then the rows say nothing
   std::uint64_t silhouette_backface_hits = 0;  // of guarded_backface_hits: by primary rays
   std::uint64_t seed =
       0;  // of the job, as derived from geometry, materials, viewpoint and the user's seed

@@ -68,6 +68,8 @@ ConditionSources::ConditionSources(const ConditionSpec& condition,
     hottest_k_ = std::max(hottest_k_, emitter_->hottest_k);
     has_temperature_errors_ = std::any_of(emitter_->error_k.begin(), emitter_->error_k.end(),
                                           [](float e) { return e > 0; });
+    has_unknown_temperatures_ = std::any_of(emitter_->error_k.begin(), emitter_->error_k.end(),
+                                            [](float e) { return std::isinf(e); });
   }
   coldest_k_ = std::clamp(coldest_k_, 1.0, hottest_k_);
   if (geometry.glitters())
@@ -161,6 +163,21 @@ SourceWeights ConditionSources::lit(const SourceWeights& of_paths) const {
   return out;
 }
 
+std::optional<std::uint32_t> ConditionSources::unknown_emitter(const SourceWeights& of_paths,
+                                                               std::size_t parts) const {
+  std::optional<std::uint32_t> out;
+  if (!has_unknown_temperatures_) return out;
+  for (std::uint32_t first = 0; first < parts && !out; ++first)
+    of_paths.for_each(first, layout_.paths.all_emitted(), [&](SourceId id, const double* row) {
+      const bool reflected = index_of(id) >= layout_.paths.emitters();
+      const std::uint32_t e = index_of(id) - (reflected ? layout_.paths.emitters() : 0);
+      if (std::isinf(emitter_->error_k[e]) &&
+          std::any_of(row, row + of_paths.columns(), [](double w) { return w != 0; }))
+        out = e;
+    });
+  return out;
+}
+
 SummedWeights ConditionSources::temperature_errors(const SourceWeights& of_paths,
                                                    std::size_t parts) const {
   const SourceLayout &paths = layout_.paths, &light = layout_.light;
@@ -180,7 +197,7 @@ SummedWeights ConditionSources::temperature_errors(const SourceWeights& of_paths
       const std::uint32_t e = index_of(id) - (reflected ? paths.emitters() : 0);
       const double kelvin = static_cast<double>(emitter_->kelvin[e]),
                    error_k = static_cast<double>(emitter_->error_k[e]);
-      if (!(error_k > 0)) return;
+      if (!(error_k > 0) || std::isinf(error_k)) return;
       const std::uint32_t from =
           (reflected ? light.emitters() : 0) + static_cast<std::uint32_t>(parts_);
       add(from, kelvin + error_k, 1, row);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,9 @@ class ConditionSources {
     std::array<double, 4> weight{1};
   };
   [[nodiscard]] EmitterShare share_of(std::uint32_t emitter) const;
+  // An emitter that paths have met and whose temperature is not known.
+  [[nodiscard]] std::optional<std::uint32_t> unknown_emitter(const SourceWeights& of_paths,
+                                                             std::size_t parts) const;
   // Of sums over parts of one replicate's weights: by how much more would be emitted if every
   // temperature were as much higher as it may be wrong. B is convex in T, so that less would change
   // less. [source of layout(), emitters alone]
@@ -109,7 +113,7 @@ class ConditionSources {
 
   LightLayout layout_;
   std::shared_ptr<const EmitterTemperatures> emitter_;  // null: each part has one
-  bool has_temperature_errors_ = false;
+  bool has_temperature_errors_ = false, has_unknown_temperatures_ = false;
   std::vector<LitSun> sun_;
   double coldest_k_, hottest_k_;
   std::size_t parts_;

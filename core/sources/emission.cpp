@@ -61,9 +61,10 @@ ElementEmission make_element_emission(std::span<const std::uint32_t> part_of_fac
       t.kelvin.push_back(c.kelvin[facet_of[e]]);
       t.error_k.push_back(c.error_k[facet_of[e]]);
       if (std::isnan(kelvin)) continue;
+      const double known_to_k = std::isinf(error_k) ? 0 : error_k;
       if (t.hottest_k == 0) t.coldest_k = kelvin;
-      t.coldest_k = std::min(t.coldest_k, kelvin - error_k);
-      t.hottest_k = std::max(t.hottest_k, kelvin + error_k);
+      t.coldest_k = std::min(t.coldest_k, kelvin - known_to_k);
+      t.hottest_k = std::max(t.hottest_k, kelvin + known_to_k);
     }
   }
   return out;

@@ -11,9 +11,11 @@ namespace irsig {
 
 // Temperatures of emitters under one condition. [emitter]
 struct EmitterTemperatures {
-  std::vector<float> kelvin;   // NaN: the one that is stated for its part
-  std::vector<float> error_k;  // the true one lies within kelvin +- error_k; NaN likewise
-  // Of those that are numbers, errors included.
+  std::vector<float> kelvin;  // NaN: the one that is stated for its part
+  // The true one lies within kelvin +- error_k; NaN likewise. Infinite: nothing is known of it, and
+  // kelvin stands for it in views that do not see it.
+  std::vector<float> error_k;
+  // Of those that are numbers, finite errors included.
   double coldest_k = 0, hottest_k = 0;
 };
 

@@ -16,6 +16,7 @@
 namespace irsig {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 schema::ResolvedSweep disk(std::uint32_t thumbnail_px) {
@@ -377,8 +378,46 @@ TEST(JobRunner, RefusesTemperaturesThatAreNotThoseOfTheSweep) {
   other = good;
   other.set_unix_s(0, good.unix_s(0) + 1e-3);
   refused({other.SerializeAsString()}, "there are none at " + sweep.condition(0).time_utc());
-  refused({field_with(sweep, NAN, NAN).SerializeAsString()}, "which says nothing");
-  refused({field_with(sweep, 310, 309.5).SerializeAsString()}, "which says nothing");
+}
+
+// Rationale: a facet inside other bodies has no temperature, and no view needs one.
+// Expected: a view that sees such a facet fails and says where it is; one that does not is
+// computed.
+TEST(JobRunner, AViewFailsForTheFacetsThatItSees) {
+  const schema::ResolvedSweep sweep = heated_plates();
+  const auto view = [&](const schema::HeatField& field) {
+    const auto runner =
+        JobRunner::create(sweep, model_alone(sweep, kPlates), {field.SerializeAsString()});
+    EXPECT_TRUE(runner.ok()) << runner.status();
+    return (*runner)->run(expand_jobs(sweep, physics_version()).back());
+  };
+  const auto unknown = view(field_with(sweep, NAN, NAN));
+  EXPECT_THAT(std::string(unknown.status().message()),
+              AllOf(HasSubstr("the view sees facet "), HasSubstr(" m forward, "),
+                    HasSubstr(" m up"), HasSubstr("fewer than 1 of 32 rays leave the body")));
+  const auto wide = view(field_with(sweep, 310, 309.5));
+  EXPECT_THAT(std::string(wide.status().message()),
+              HasSubstr("(310 K +- 309.5 K: the error leaves nothing of it)"));
+  int seen = 0;
+  const auto whole = view(field_with(sweep, 310, 1));
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  for (std::uint32_t f = 0; f < field_with(sweep, 310, 1).facets(); ++f) {
+    schema::HeatField one = field_with(sweep, 310, 1);
+    const float nan = NAN;
+    one.mutable_kelvin()->replace(f * sizeof(float), sizeof(float),
+                                  reinterpret_cast<const char*>(&nan), sizeof(float));
+    one.mutable_error_k()->replace(f * sizeof(float), sizeof(float),
+                                   reinterpret_cast<const char*>(&nan), sizeof(float));
+    const auto out = view(one);
+    if (!out.ok()) {
+      ++seen;
+      continue;
+    }
+    EXPECT_EQ(out->view().row(0).intensity_w_sr().value(),
+              whole->view().row(0).intensity_w_sr().value());
+  }
+  EXPECT_GT(seen, 0);
+  EXPECT_LT(seen, static_cast<int>(field_with(sweep, 310, 1).facets()));
 }
 
 TEST(JobRunner, FailsAViewThatIsSeenFromBehind) {
