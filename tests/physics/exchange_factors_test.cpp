@@ -103,12 +103,52 @@ TEST(ExchangeFactors, WhatIsHiddenExchangesNothing) {
       sum += static_cast<double>(f.share[k]);
       to_others += f.to[k] != i ? static_cast<double>(f.share[k]) : 0;
     }
-    EXPECT_NEAR(sum, 1, 1e-6);
+    EXPECT_NEAR(sum, f.exposed[i] > 0 ? 1 : 0, 1e-6);
     if (f.exposed[i] > 0) continue;
     ++hidden;
     EXPECT_EQ(to_others, 0);
   }
   EXPECT_GE(hidden, 32) << "the deck's facets below the block";
+}
+
+// Rationale: 256 rays and 128 may agree by luck on a share of the sky that both are wrong about.
+// Expected: where nothing of the target is seen, (1 + cos t) / 2 to rounding, and no ray; where
+// something is, blocks of rays that add up to all of them.
+TEST(ExchangeFactors, WhoSeesNothingOfTheTargetKnowsItsSky) {
+  Mesh mesh = generated("box", 12, 0, 2, 1, 1);
+  mesh = named(std::move(mesh), "box");
+  const double turn = 0.4;
+  for (auto& v : mesh.vertex)
+    v = {v.x, std::cos(turn) * v.y - std::sin(turn) * v.z,
+         std::sin(turn) * v.y + std::cos(turn) * v.z};
+  const auto box = static_cast<std::uint32_t>(mesh.triangle.size());
+  // A floor that the box hangs above, so that the target as a whole is not convex.
+  append(mesh, plate("floor", {-3, -3, 3}, {0, 6, 0}, {6, 0, 0}, 1));
+  const Target target = target_of(mesh, {part("box"), part("floor")});
+  ASSERT_FALSE(target.convex);
+  const ThermalFaces faces = make_thermal_faces(target);
+  const ExchangeFactors f =
+      exchange_factors(target, faces, {.rays = 256, .surface_z_m = INFINITY, .keep_hits = true});
+  int alone = 0;
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    double rays = 0, hits = 0;
+    for (std::size_t b = 0; b < ExchangeFactors::kBlocks; ++b) {
+      rays += f.all_hits[i * ExchangeFactors::kBlocks + b];
+      hits += f.sky_hits[i * ExchangeFactors::kBlocks + b] +
+              f.lower_hits[i * ExchangeFactors::kBlocks + b];
+    }
+    for (std::size_t h = f.first_hit[i]; h < f.first_hit[i + 1]; ++h) hits += f.hit[h].count;
+    EXPECT_EQ(hits, rays) << i;
+    if (i < box && normal_of(target, faces, i).z < -0.6f) {
+      ++alone;
+      EXPECT_EQ(rays, 0) << i;
+      EXPECT_NEAR(f.sky[i], 0.5 * (1 - static_cast<double>(normal_of(target, faces, i).z)), 1e-6);
+      EXPECT_NEAR(f.sky[i] + f.lower[i], 1, 1e-6);
+    } else {
+      EXPECT_EQ(rays, 256) << i;
+    }
+  }
+  EXPECT_EQ(alone, 2);
 }
 
 TEST(SunVisibility, HalfOfAPlateInTheShadow) {

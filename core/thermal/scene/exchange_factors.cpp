@@ -113,6 +113,8 @@ class RowTracer {
     met_.clear();
     for (PlaceSums* places : {&sky_, &lower_, &aims_}) places->clear();
     exposed_.fill(0);
+    for (auto* of_block : {&sky_block_, &lower_block_, &all_block_}) of_block->fill(0);
+    hit_.clear();
     std::uint32_t to_sky = 0, to_lower = 0, buried = 0;
     each_packet(
         settings_.rays,
@@ -126,30 +128,38 @@ class RowTracer {
                   {x * a.x + y * b.x + z * n.x, x * a.y + y * b.y + z * n.y,
                    x * a.z + y * b.z + z * n.z});
         },
-        [&](std::uint32_t, int lane) {
-          const std::size_t part = part_[static_cast<std::size_t>(lane)];
+        [&](std::uint32_t i, int lane) {
+          const std::size_t part = part_[static_cast<std::size_t>(lane)],
+                            block = kBlocks * i / settings_.rays;
           const bool misses = packet_.triangle[lane] == RayPacket::kMiss;
           exposed_[part] += 1;
+          ++all_block_[block];
           if (misses && packet_.dir_z[lane] < 0) {
             ++to_sky;
+            ++sky_block_[block];
             sky_.add(part, 1);
           } else if (misses || is_below(lane)) {
             ++to_lower;
+            ++lower_block_[block];
             lower_.add(part, 1);
           } else if (const std::uint32_t to = face_met(lane); to == ThermalFaces::kNone) {
             ++buried;
+            --all_block_[block];
             exposed_[part] -= 1;
           } else {
             meet(face, n, to, lane, 1);
+            // What is aimed at is known by the aimed rays.
+            const bool aimed = aimed_.rays(face) > 0 && aimed_.is_aim(to);
+            hit_.emplace_back(aimed ? ThermalFaces::kNone : to, block);
           }
         });
     out.exposed[face] = 1 - static_cast<float>(buried) / static_cast<float>(settings_.rays);
     // So few are rounding where two bodies touch.
     if (32 * buried > 31 * settings_.rays) {
       out.exposed[face] = 0;
-      entry.push_back({face, face, faces_.area_m2[face]});
       return;
     }
+    if (settings_.keep_hits) keep_hits(face, out);
     if (aimed_.rays(face) > 0) out.aimed_stderr_w_m2[face] = aim(face, n, seed) / out.exposed[face];
     if (!met_.empty()) {
       out.uneven_sky[face] = static_cast<float>(sky_.uneven_share(exposed_));
@@ -170,6 +180,23 @@ class RowTracer {
   }
 
  private:
+  static constexpr std::size_t kBlocks = ExchangeFactors::kBlocks;
+
+  void keep_hits(std::uint32_t face, ExchangeFactors& out) {
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      out.sky_hits[face * kBlocks + b] = sky_block_[b];
+      out.lower_hits[face * kBlocks + b] = lower_block_[b];
+      out.all_hits[face * kBlocks + b] = all_block_[b];
+    }
+    std::sort(hit_.begin(), hit_.end());
+    for (std::size_t i = 0; i < hit_.size();) {
+      const auto [to, block] = hit_[i];
+      std::uint16_t count = 0;
+      for (; i < hit_.size() && hit_[i] == std::pair{to, block}; ++i) ++count;
+      out.hit.push_back({to, static_cast<std::uint16_t>(block), count});
+    }
+  }
+
   // Rays 0 to count: set(ray, lane), then found(ray, lane) of what they have met.
   template <typename Set, typename Found>
   void each_packet(std::uint32_t rays, const Set& set, const Found& found) {
@@ -298,9 +325,41 @@ class RowTracer {
   RayPacket packet_{};
   std::array<std::size_t, RayPacket::kSize> part_{};  // of the face, where each ray begins
   OfParts exposed_{};                                 // of the rays that are not aimed
+  std::array<std::uint16_t, kBlocks> sky_block_{}, lower_block_{}, all_block_{};
+  std::vector<std::pair<std::uint32_t, std::size_t>> hit_;  // face, block
   PlaceSums sky_, lower_, aims_;
   std::vector<std::pair<std::uint32_t, double>> met_;  // face, exchanged_m2
 };
+
+// Whether all of the target lies behind a face's plane, as far as the target knows its own
+// coordinates: nothing of it is seen from there, and nothing of it sees the face. [face]
+std::vector<bool> faces_that_see_nothing(const Target& target, const ThermalFaces& faces) {
+  constexpr std::size_t kMostProducts = 1'000'000'000;  // half a second
+  const std::size_t vertices = target.vertex.size() / 3;
+  std::vector<bool> out(faces.size(), target.convex);
+  if (target.convex || faces.size() > kMostProducts / std::max<std::size_t>(1, vertices))
+    return out;
+  const auto allowed = static_cast<float>(0.5 * target.offset_m());
+  const auto above = [&](const FaceNormal& n, float level, std::size_t v) {
+    const float* at = target.vertex.data() + 3 * v;
+    return n.x * at[0] + n.y * at[1] + n.z * at[2] - level > allowed;
+  };
+  std::size_t last = 0;  // the vertex that told the face before
+  for (std::uint32_t face = 0; face < faces.size(); ++face) {
+    if (faces.area_m2[face] <= 0) continue;
+    const FaceNormal n = normal_of(target, faces, face);
+    const float* corner = target.vertex.data() +
+                          3 * static_cast<std::size_t>(
+                                  target.triangle[3 * static_cast<std::size_t>(faces.facet[face])]);
+    const float level = n.x * corner[0] + n.y * corner[1] + n.z * corner[2];
+    if (vertices > 0 && above(n, level, last)) continue;
+    std::size_t v = 0;
+    while (v < vertices && !above(n, level, v)) ++v;
+    out[face] = v == vertices;
+    if (v < vertices) last = v;
+  }
+  return out;
+}
 
 // d_i: d_i d_j S_ij and d_i x what leaves the target add up to the area of i.
 std::vector<double> scaled_rows(const ThermalFaces& faces, const ExchangeFactors& rows,
@@ -336,21 +395,30 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
     of_face->assign(count, 0);
   std::vector<Entry> entry;
   RowTracer tracer(target, faces, settings);
-  const bool alone = target.convex;  // nothing is seen but sky and surface
+  if (settings.keep_hits) {
+    for (auto* of_block : {&out.sky_hits, &out.lower_hits, &out.all_hits})
+      of_block->assign(count * ExchangeFactors::kBlocks, 0);
+    out.first_hit.push_back(0);
+  }
+  const std::vector<bool> sees_nothing = faces_that_see_nothing(target, faces);
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (faces.area_m2[i] <= 0) continue;
-    tracer.trace(i, entry, out);
+    if (sees_nothing[i]) {
+      out.sky[i] = std::clamp(0.5f * (1 - normal_of(target, faces, i).z), 0.0f, 1.0f);  // z is down
+      out.lower[i] = 1 - out.sky[i];
+    } else if (faces.area_m2[i] > 0) {
+      tracer.trace(i, entry, out);
+    }
+    if (settings.keep_hits) out.first_hit.push_back(out.hit.size());
   }
   out.first.assign(count + 1, 0);
-  if (entry.empty() || alone) return out;
+  if (entry.empty()) return out;
 
   const auto exposed_m2 = [&](std::uint32_t i) {
     return faces.area_m2[i] * static_cast<double>(out.exposed[i]);
   };
   // What is not exposed exchanges nothing.
-  std::erase_if(entry, [&](const Entry& e) {
-    return e.from != e.to && (out.exposed[e.from] <= 0 || out.exposed[e.to] <= 0);
-  });
+  std::erase_if(entry,
+                [&](const Entry& e) { return out.exposed[e.from] <= 0 || out.exposed[e.to] <= 0; });
   // Both ways of each pair.
   const std::size_t one_way = entry.size();
   entry.reserve(2 * one_way);
@@ -359,6 +427,7 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
   std::sort(entry.begin(), entry.end(), [](const Entry& a, const Entry& b) {
     return std::tie(a.from, a.to, a.m2) < std::tie(b.from, b.to, b.m2);
   });
+  if (entry.empty()) return out;
   std::vector<double> share;
   for (std::size_t k = 0; k < entry.size();) {
     const Entry& e = entry[k];
@@ -366,9 +435,8 @@ ExchangeFactors exchange_factors(const Target& target, const ThermalFaces& faces
     while (k < entry.size() && entry[k].from == e.from && entry[k].to == e.to)
       sum_m2 += entry[k++].m2;
     out.to.push_back(e.to);
-    const double from_m2 = out.exposed[e.from] > 0 ? exposed_m2(e.from) : faces.area_m2[e.from];
     // To itself both ways are the same one.
-    share.push_back((e.from == e.to ? 0.5 : 1) * sum_m2 / from_m2);
+    share.push_back((e.from == e.to ? 0.5 : 1) * sum_m2 / exposed_m2(e.from));
     ++out.first[e.from + 1];
   }
   for (std::size_t i = 0; i < count; ++i) out.first[i + 1] += out.first[i];

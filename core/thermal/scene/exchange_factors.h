@@ -14,7 +14,10 @@ namespace irsig {
 //
 // A ray that meets a facet from behind that has no back began inside a body (where a deckhouse
 // stands on a deck): that place of its face is not exposed and does not count. A face with less
-// than 1/32 of its places exposed has none, and sees itself alone.
+// than 1/32 of its places exposed has none: it is dark, its row is empty, it exchanges nothing.
+//
+// A face behind whose plane all of the target lies sees sky and lower hemisphere alone, by the
+// closed form: sky = (1 + cos t) / 2, t its tilt from lying face up.
 struct ExchangeFactors {
   std::vector<std::size_t> first;  // [face + 1] into the next two
   std::vector<std::uint32_t> to;   // face, increasing in a row
@@ -25,6 +28,18 @@ struct ExchangeFactors {
   // chance: in their shares of the sky and of what lies below the horizon, and in what would arrive
   // from the aims as below [W/m2].
   std::vector<float> uneven_sky, uneven_lower, uneven_aims_w_m2;
+  // How the rays of each face that are not aimed fall, in kBlocks parts of them, each spread
+  // evenly: what the blocks differ by says how well the rays know what arrives. A face that is
+  // known by the closed form, or dark, has none. Empty unless asked for.
+  static constexpr std::size_t kBlocks = 8;
+  struct Hits {
+    std::uint32_t to;  // face; ThermalFaces::kNone: one that is aimed at
+    std::uint16_t block, count;
+  };
+  std::vector<std::size_t> first_hit;  // [face + 1] into the next
+  std::vector<Hits> hit;
+  // [face x kBlocks + block] Rays to the sky, to what lies below, and all that count.
+  std::vector<std::uint16_t> sky_hits, lower_hits, all_hits;
   // [face] Of what would arrive from the aims if each sent what it may send beyond the others: by
   // eight parts of the aimed rays, each spread evenly, so that it is rather too large. [W/m2]
   std::vector<float> aimed_stderr_w_m2;
@@ -38,6 +53,7 @@ struct ExchangeSettings {
   // [face] By how much what it sends may differ from what is around it; empty: of none. What a
   // ray that misses it would matter for is aimed at, with half as many rays more.
   std::span<const double> beyond_w_m2 = {};
+  bool keep_hits = false;  // whether ExchangeFactors has first_hit and the rest of its blocks
 };
 
 // By rays: cosine-weighted Sobol points, each face with its own scrambling, so that a face's rays

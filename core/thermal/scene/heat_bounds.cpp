@@ -41,7 +41,7 @@ class Bounds {
         forced_w_m2_k_(exposure.knots() * n_) {
     for (std::uint32_t f = 0; f < faces_.fronts; ++f) {
       const auto& build_up = exposure_.part_of(f).build_up;
-      if (!build_up || faces_.area_m2[f] <= 0) continue;
+      if (!build_up || faces_.area_m2[f] <= 0 || exposure_.dark(f)) continue;
       is_wall_[f] = true;
       // The other side of a closed plate is as warm as the front and has no balance of its own.
       const std::uint32_t back = faces_.back_of_facet[f];
@@ -214,7 +214,8 @@ HeatBounds heat_bounds(const SceneHeatRequest& request, SceneExposure& exposure,
         exposure.long_wave_of_air(k, air);
         for (std::size_t i = 0; i < n; ++i)
           flux_w_m2[i] = bounds.emissivity(i) *
-                         (std::abs(others[i] - air[i]) + (others[i] == air[i] ? 0 : kArrivesWM2));
+                         (std::abs(others[i] - air[i]) + (others[i] == air[i] ? 0 : kArrivesWM2) +
+                          std::abs(exposure.exchanged_jump_w_m2(k, static_cast<std::uint32_t>(i))));
       }),
                      // On the side without exchange no face answers to another.
                      !request.exchange && exposure.can_exchange());

@@ -1,6 +1,7 @@
 #include "core/thermal/scene/scene_exposure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -128,7 +129,8 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
                          {.rays = knots_.rays,
                           .seed = knots_.seed,
                           .surface_z_m = surface_z_m(),
-                          .beyond_w_m2 = beyond_air(request, target, faces, emissivity_)}))),
+                          .beyond_w_m2 = beyond_air(request, target, faces, emissivity_),
+                          .keep_hits = knots_.keep_hits}))),
       long_wave_(*factors_, emissivity_, covered_),
       own_(faces.size()),
       emitted_(faces.size()) {
@@ -141,6 +143,24 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
     in_water_w_m2_k_ =
         plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s, 2 * target_.radius_m);
   light();
+  respond_to_sky();
+}
+
+// Long-wave radiation is linear in what the sky sends, so that a jump of it is known at both sides
+// of a knot once what it brings is.
+void SceneExposure::respond_to_sky() {
+  const std::size_t faces = faces_.size();
+  const double below = 1 - request_.beneath.emissivity;
+  std::vector<double> own(faces), nothing(faces), total(faces);
+  for (std::size_t i = 0; i < faces; ++i)
+    own[i] = covered_[i] ? 0
+                         : static_cast<double>(factors_->sky[i]) +
+                               static_cast<double>(factors_->lower[i]) * below;
+  of_sky_alone_.assign(own.begin(), own.end());
+  total = own;
+  long_wave_.solve(own, nothing, 1e-6, total);
+  of_sky_exchanged_.assign(total.begin(), total.end());
+  of_sky_ = exchanges() ? of_sky_exchanged_ : of_sky_alone_;
 }
 
 // Sunlight absorbed per direct normal irradiance at every knot, and per diffuse horizontal one at
@@ -285,9 +305,86 @@ double SceneExposure::aimed_k(std::size_t k, std::uint32_t facet, double kelvin)
          loss_w_m2_k(k, facet, kelvin);
 }
 
+double SceneExposure::ray_stderr_w_m2(std::size_t k, std::uint32_t face,
+                                      std::span<const float> kelvin,
+                                      std::span<const float> incoming) const {
+  const ExchangeFactors& f = *factors_;
+  constexpr std::size_t kBlocks = ExchangeFactors::kBlocks;
+  const std::size_t at = face * kBlocks, n = faces_.size();
+  double rays = 0;
+  for (std::size_t b = 0; b < kBlocks; ++b) rays += f.all_hits[at + b];
+  if (rays == 0 || covered_[face]) return 0;
+  const HeatWeather& w = weather(k);
+  const auto bright = [](double before, double after) { return std::max(before, after); };
+  const double sky = 0.5 * (w.before.sky_w_m2 + w.after.sky_w_m2),
+               air = kStefanBoltzmannWM2K4 * power4(w.air_k),
+               diffuse = bright(w.before.diffuse_horizontal_w_m2, w.after.diffuse_horizontal_w_m2),
+               direct = bright(w.before.direct_normal_w_m2, w.after.direct_normal_w_m2),
+               e_below = request_.beneath.emissivity,
+               below = e_below * kStefanBoltzmannWM2K4 * power4(request_.beneath.temperature_k) +
+                       (1 - e_below) * sky,
+               lit = request_.diffuse_sun ? diffuse : 0;
+  const double absorbs = part_of(face).solar_absorptance, emits = emissivity_[face];
+  const double of_sky = emits * sky + absorbs * lit,
+               of_below = emits * below + absorbs * request_.beneath.solar_albedo *
+                                              (lit + direct * std::max(0.0, -w.sun.z));
+  const auto of_face = [&](std::uint32_t j) {
+    if (j == ThermalFaces::kNone) return emits * air;
+    const double thermal = request_.exchange
+                               ? emissivity_[j] * kStefanBoltzmannWM2K4 *
+                                         power4(static_cast<double>(kelvin[k * n + j])) +
+                                     (1 - emissivity_[j]) * static_cast<double>(incoming[k * n + j])
+                               : air;
+    const double kept = part_of(j).solar_absorptance;
+    const double sun = kept > 0 ? (1 - kept) / kept *
+                                      (direct * static_cast<double>(direct_[k * n + j]) +
+                                       lit * static_cast<double>(diffuse_[j]))
+                                : 0;
+    return emits * thermal + absorbs * sun;
+  };
+  std::array<double, kBlocks> sum{};
+  for (std::size_t b = 0; b < kBlocks; ++b)
+    sum[b] = of_sky * f.sky_hits[at + b] + of_below * f.lower_hits[at + b];
+  for (std::size_t h = f.first_hit[face]; h < f.first_hit[face + 1]; ++h)
+    sum[f.hit[h].block] += f.hit[h].count * of_face(f.hit[h].to);
+  double mean = 0, square = 0, blocks = 0;
+  for (std::size_t b = 0; b < kBlocks; ++b) mean += sum[b] / rays;
+  for (std::size_t b = 0; b < kBlocks; ++b) {
+    if (f.all_hits[at + b] == 0) continue;
+    const double off = sum[b] / f.all_hits[at + b] - mean;
+    square += off * off;
+    ++blocks;
+  }
+  // What lies between two rays may be met by none.
+  const double unmet = emits * std::abs(sky - air) / rays;
+  return std::hypot(blocks > 1 ? std::sqrt(square / (blocks * (blocks - 1))) : mean, unmet);
+}
+
+std::vector<double> SceneExposure::by_rays_k(std::uint32_t facet, std::span<const float> kelvin,
+                                             std::span<const float> incoming,
+                                             std::span<const float> front_kelvin) const {
+  constexpr double kEveryS = 3600;
+  const std::uint32_t back = faces_.back_of_facet[facet];
+  std::vector<double> heat(knots());
+  double last_s = -1e300;
+  bool any = false;
+  for (std::size_t k = 0; k < knots(); ++k) {
+    if (k > 0 && knot_s(k) < last_s + kEveryS) {
+      heat[k] = heat[k - 1];
+      continue;
+    }
+    last_s = knot_s(k);
+    heat[k] = ray_stderr_w_m2(k, facet, kelvin, incoming);
+    if (back != ThermalFaces::kNone)
+      heat[k] = std::hypot(heat[k], ray_stderr_w_m2(k, back, kelvin, incoming));
+    any |= heat[k] > 0;
+  }
+  return any ? warms_k(facet, heat, front_kelvin) : heat;
+}
+
 std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
                                             std::span<const float> kelvin) const {
-  std::vector<double> out(knots(), 0.0);
+  std::vector<double> heat;
   const std::uint32_t back = faces_.back_of_facet[facet];
   const auto heat_w_m2 = [&](std::size_t k) {
     const HeatWeather& w = weather(k);
@@ -308,8 +405,13 @@ std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
     return of(facet) + (back == ThermalFaces::kNone ? 0 : of(back));
   };
   bool any = false;
-  for (std::size_t k = 0; k < knots(); ++k) any |= heat_w_m2(k) > 0;
-  if (!any) return out;
+  for (std::size_t k = 0; k < knots(); ++k) any |= heat.emplace_back(heat_w_m2(k)) > 0;
+  return any ? warms_k(facet, heat, kelvin) : heat;
+}
+
+std::vector<double> SceneExposure::warms_k(std::uint32_t facet, std::span<const double> heat_w_m2,
+                                           std::span<const float> kelvin) const {
+  std::vector<double> out(knots(), 0.0);
   const WallBuildUp& wall = request_.build_up[*part_of(facet).build_up];
   for (const double reach_s : {3600.0, 86400.0}) {
     const double stored_j_m2_k = heat_capacity_reached(wall.layers, reach_s);
@@ -317,7 +419,7 @@ std::vector<double> SceneExposure::uneven_k(std::uint32_t facet,
     const auto go_on = [&](std::size_t k) {
       const double loss = loss_w_m2_k(k, facet, static_cast<double>(kelvin[k]));
       const double fades = std::exp(-(knot_s(k) - knot_s(k - 1)) * loss / stored_j_m2_k);
-      now_k = fades * now_k + (1 - fades) * std::max(heat_w_m2(k), heat_w_m2(k - 1)) / loss;
+      now_k = fades * now_k + (1 - fades) * std::max(heat_w_m2[k], heat_w_m2[k - 1]) / loss;
     };
     // A day that has repeated for ever, by its second time.
     for (std::size_t k = 1; k <= knots_.day_intervals; ++k) go_on(k);

@@ -19,6 +19,7 @@ struct SceneKnots {
   std::size_t day_intervals;
   std::uint32_t rays, sun_points;
   std::uint64_t seed;
+  bool keep_hits = false;  // for rays_k()
 };
 
 // What all faces are exposed to at all knots of a computation. Private to core/thermal/scene.
@@ -44,16 +45,34 @@ class SceneExposure {
     return request_.part[target_.facet[faces_.facet[face]].part];
   }
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
+  // Whether nothing from outside reaches a facet, on neither side: it stands inside other bodies,
+  // nobody sees it, and it is left out.
+  [[nodiscard]] bool dark(std::uint32_t facet) const {
+    const std::uint32_t back = faces_.back_of_facet[facet];
+    return factors_->exposed[facet] <= 0 &&
+           (back == ThermalFaces::kNone || factors_->exposed[back] <= 0);
+  }
   // Whether faces send anything to each other.
   [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
   [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }
 
   // Long-wave irradiance of every face at a knot when they are so warm; `incoming_w_m2` comes with
-  // a guess. All [face].
+  // a guess. Where the sky jumps, of the mean of both sides: sky_jump_w_m2() is what either side
+  // has more or less. All [face].
   void long_wave(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                  std::span<double> incoming_w_m2);
   // The same where what a face sees of others is black and as warm as the air, whatever is asked.
   void long_wave_of_air(std::size_t k, std::span<double> incoming_w_m2);
+  // What a face receives more than the mean of both sides at a knot, on its later side; on the
+  // earlier one as much less.
+  [[nodiscard]] double sky_jump_w_m2(std::size_t k, std::uint32_t face) const {
+    return half_jump_w_m2(k) * static_cast<double>(of_sky_[face]);
+  }
+  // By how much that differs between a world with exchange and one without.
+  [[nodiscard]] double exchanged_jump_w_m2(std::size_t k, std::uint32_t face) const {
+    return half_jump_w_m2(k) *
+           std::abs(static_cast<double>(of_sky_exchanged_[face] - of_sky_alone_[face]));
+  }
   // And where it is what they send, whatever is asked.
   void long_wave_of_faces(std::size_t k, std::span<const float> kelvin, double tolerance_w_m2,
                           std::span<double> incoming_w_m2);
@@ -83,14 +102,36 @@ class SceneExposure {
   // What a facet's temperature at a knot may be off by because few rays say what arrives from what
   // they are aimed at: against the same, for as long as it takes.
   [[nodiscard]] double aimed_k(std::size_t k, std::uint32_t facet, double kelvin) const;
+  // The same of all other rays, at every knot: what blocks of them differ by in what arrives, and
+  // what one ray of all might have missed. An estimate from above: blocks are spread less evenly
+  // than all rays. Needs SceneKnots::keep_hits. [knot]
+  //   kelvin       [knot x faces + face]
+  //   incoming     likewise, long-wave irradiance
+  //   front_kelvin [knot] of the facet's front
+  [[nodiscard]] std::vector<double> by_rays_k(std::uint32_t facet, std::span<const float> kelvin,
+                                              std::span<const float> incoming,
+                                              std::span<const float> front_kelvin) const;
 
  private:
+  // Half of what the sky sends more after a knot than before.
+  [[nodiscard]] double half_jump_w_m2(std::size_t k) const {
+    return 0.5 * (weather(k).after.sky_w_m2 - weather(k).before.sky_w_m2);
+  }
+  // What a flux into a facet, known at all knots, warms it by: as much of the wall as an hour
+  // reaches, or as a day does, whichever says more, against convection and radiation. [knot]
+  [[nodiscard]] std::vector<double> warms_k(std::uint32_t facet, std::span<const double> heat_w_m2,
+                                            std::span<const float> front_kelvin) const;
+  // Standard error of what a face absorbs, by its rays.
+  [[nodiscard]] double ray_stderr_w_m2(std::size_t k, std::uint32_t face,
+                                       std::span<const float> kelvin,
+                                       std::span<const float> incoming) const;
   // By how much more a face loses that is a kelvin warmer, at least.
   [[nodiscard]] double loss_w_m2_k(std::size_t k, std::uint32_t face, double kelvin) const;
   // Coordinates are known to a part of the target's size.
   [[nodiscard]] double touching_m() const;
   [[nodiscard]] double surface_z_m() const;
   void light();
+  void respond_to_sky();
   // Of sky and what lies below, into own_.
   void send_around(std::size_t k);
 
@@ -106,6 +147,8 @@ class SceneExposure {
   Radiosity long_wave_;
   std::vector<double> own_, emitted_;    // [face], scratch
   std::vector<float> direct_, diffuse_;  // [knot x faces + face], [face]
+  // [face] What arrives for each W/m2 that the sky sends: as asked, and with and without exchange.
+  std::vector<float> of_sky_, of_sky_exchanged_, of_sky_alone_;
   // [knot x faces + face] Of direct_: the root mean square over the face of what a place differs
   // by.
   std::vector<float> uneven_;

@@ -1,9 +1,12 @@
 #include "core/thermal/scene/scene_heat.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "core/thermal/scene/heat_bounds.h"
@@ -17,15 +20,36 @@ namespace {
 // Of the two halves of a square, along a side; less in other directions and shapes.
 constexpr double kOfStep = 0.7072;
 
-// [facet] The largest difference to a neighbour over an edge in the same plane and part.
+// What rounding to float leaves of a temperature, and Newton's method.
+constexpr double kRoundingK = 3e-5;
+
+// Of each vertex the first one at the same place: files repeat them for each facet or do not.
+std::vector<std::uint32_t> first_at_place(const Target& target) {
+  std::vector<std::uint32_t> order(target.vertex.size() / 3), out(order.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto place = [&](std::uint32_t v) {
+    const float* at = target.vertex.data() + 3 * static_cast<std::size_t>(v);
+    return std::array{at[0], at[1], at[2]};
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair{place(a), a} < std::pair{place(b), b};
+  });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    out[order[i]] = i > 0 && place(order[i]) == place(order[i - 1]) ? out[order[i - 1]] : order[i];
+  return out;
+}
+
+// [facet] The largest difference to a neighbour over an edge in the same plane and part; edges are
+// the same if their ends are at the same places.
 class PlaneNeighbours {
  public:
   explicit PlaneNeighbours(const Target& target) {
+    const std::vector<std::uint32_t> first = first_at_place(target);
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> at_edge;
     for (std::uint32_t f = 0; f < target.facet.size(); ++f)
       for (std::size_t c = 0; c < 3; ++c) {
-        const std::uint32_t a = target.triangle[3 * f + c],
-                            b = target.triangle[3 * f + (c + 1) % 3];
+        const std::uint32_t a = first[target.triangle[3 * f + c]],
+                            b = first[target.triangle[3 * f + (c + 1) % 3]];
         at_edge[std::minmax(a, b)].push_back(f);
       }
     for (const auto& [edge, facets] : at_edge)
@@ -148,13 +172,14 @@ SceneKnots every_second_knot(const SceneHeatRequest& request) {
 // Bounds of both effects, and the sum of those that are left out.
 //   left_out_k  [facet]
 absl::Status add_effect_bounds(const Target& target, const SceneHeatRequest& request,
-                               const HeatBounds& bounds, SceneHeatResult& out,
-                               std::vector<double>& left_out_k) {
+                               const SceneExposure& exposure, const HeatBounds& bounds,
+                               SceneHeatResult& out, std::vector<double>& left_out_k) {
   const auto add = [&](const char* name, bool on, const std::vector<double>& bound_k,
                        std::vector<float>& to) {
     for (std::size_t f = 0; f < bound_k.size(); ++f) {
       const std::uint32_t part = target.facet[f].part;
-      const bool computed = request.part[part].build_up.has_value();
+      const bool computed =
+          request.part[part].build_up.has_value() && !exposure.dark(static_cast<std::uint32_t>(f));
       to.push_back(computed ? static_cast<float>(bound_k[f]) : NAN);
       if (on || !computed) continue;
       if (!std::isfinite(bound_k[f]))
@@ -180,6 +205,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   const ThermalFaces faces = make_thermal_faces(target);
   if (const absl::Status status = check(target, faces, request); !status.ok()) return status;
   SceneKnots all{{}, request.day_knots, request.rays, request.sun_points, request.seed};
+  all.keep_hits = true;
   for (std::size_t k = 0; k < request.knot_s.size(); ++k) all.of_request.push_back(k);
   SceneExposure fine_exposure(target, faces, request, std::move(all)),
       coarse_exposure(target, faces, request, every_second_knot(request));
@@ -202,8 +228,9 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   SceneHeatResult out;
   std::vector<double> left_out_k(faces.fronts, 0.0);
   if (request.effect_bounds || !request.exchange || !request.diffuse_sun)
-    if (const absl::Status status = add_effect_bounds(
-            target, request, heat_bounds(request, fine_exposure, fine), out, left_out_k);
+    if (const absl::Status status =
+            add_effect_bounds(target, request, fine_exposure,
+                              heat_bounds(request, fine_exposure, fine), out, left_out_k);
         !status.ok())
       return status;
   out.exchange_rounds = coarse.passes() + fine.passes();
@@ -235,27 +262,34 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   out.error_k.assign(outputs, std::vector<float>(facets, NAN));
   std::vector<std::vector<float>> step_k;
   std::vector<float> of_facet(request.knot_s.size());
+  const auto has_temperature = [&](std::uint32_t f) {
+    return fine_exposure.part_of(f).build_up && faces.area_m2[f] > 0 && !fine_exposure.dark(f);
+  };
   for (std::size_t o = 0; o < outputs; ++o) {
     for (std::uint32_t f = 0; f < facets; ++f)
-      if (fine_exposure.part_of(f).build_up && faces.area_m2[f] > 0)
+      if (has_temperature(f))
         out.kelvin[o][f] = facet_kelvin(fine, faces, request.output_knot[o], f);
     step_k.push_back(neighbours.largest_difference(out.kelvin[o]));
   }
   for (std::uint32_t f = 0; f < facets; ++f) {
-    if (!fine_exposure.part_of(f).build_up || faces.area_m2[f] <= 0) continue;
+    if (!has_temperature(f)) continue;
     for (std::size_t k = 0; k < of_facet.size(); ++k) of_facet[k] = fine.kelvin(k, f);
-    const std::vector<double> uneven_k = fine_exposure.uneven_k(f, of_facet);
+    const std::vector<double> uneven_k = fine_exposure.uneven_k(f, of_facet),
+                              of_rays_k =
+                                  fine_exposure.by_rays_k(f, fine_k, fine.incoming(), of_facet);
     for (std::size_t o = 0; o < outputs; ++o) {
       const std::size_t k = request.output_knot[o];
-      const double by_rays_k = fine_exposure.aimed_k(k, f, static_cast<double>(out.kelvin[o][f]));
+      const double by_rays_k = std::hypot(
+          fine_exposure.aimed_k(k, f, static_cast<double>(out.kelvin[o][f])), of_rays_k[k]);
       double conduction_k = fine.error_k(f), faces_k = 0;
       if (const std::uint32_t back = faces.back_of_facet[f]; back != ThermalFaces::kNone) {
         conduction_k = std::max(conduction_k, fine.error_k(back));
         faces_k = 0.5 * std::abs(static_cast<double>(fine.kelvin(k, f) - fine.kelvin(k, back)));
       }
-      const double error =
-          left_out_k[f] + conduction_k + fine.left_k() + std::max(difference_k(f, k), by_rays_k) +
-          std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f])) + faces_k;
+      const double error = kRoundingK + left_out_k[f] + conduction_k + fine.left_k() +
+                           std::max(difference_k(f, k), by_rays_k) +
+                           std::max(uneven_k[k], kOfStep * static_cast<double>(step_k[o][f])) +
+                           faces_k;
       out.error_k[o][f] = static_cast<float>(error);
     }
   }
@@ -298,7 +332,7 @@ absl::StatusOr<std::vector<TemperatureChange>> solve_scene_heat_changes(
     for (const std::size_t knot : request.output_knot) {
       std::vector<float>& kelvin = change.emplace_back(faces.fronts, NAN);
       for (std::uint32_t f = 0; f < faces.fronts; ++f)
-        if (exposure.part_of(f).build_up && faces.area_m2[f] > 0)
+        if (exposure.part_of(f).build_up && faces.area_m2[f] > 0 && !exposure.dark(f))
           kelvin[f] =
               facet_kelvin(changed, faces, knot / 2, f) - facet_kelvin(base, faces, knot / 2, f);
     }

@@ -90,8 +90,9 @@ struct SceneHeatRequest {
 };
 
 struct SceneHeatResult {
-  // [output][facet] Of a sheet the mean of its two faces. Of facets with a stated temperature, and
-  // of degenerate ones: not a number.
+  // [output][facet] Of a sheet the mean of its two faces. Of facets with a stated temperature, of
+  // degenerate ones, and of those that nothing from outside reaches (inside other bodies): not a
+  // number.
   std::vector<std::vector<float>> kelvin, error_k;
   // [facet] By how much it would be warmer or colder at most, at any time, if that effect were as
   // it is not (heat_bounds.h); empty where none were asked for. Not a number as above.
@@ -104,7 +105,8 @@ struct SceneHeatResult {
 // Two computations: of all knots, and of every second one with half the rays and other points.
 // error_k is the sum of what conduction is not sure of; what further passes would change; the
 // difference of the two computations (or its root mean square over the three hours around, if
-// larger: one difference may be small by luck); how much places of a facet differ that the sun does
+// larger: one difference may be small by luck; or, if that is more, what blocks of a face's rays
+// differ by); how much places of a facet differ that the sun does
 // not reach alike, or that see more or less of the sky, of the ground and of what is stated hot or
 // cold, and the neighbours in its plane (difference / sqrt(2)): its temperature is not
 // that of all of it; and, of sheets, half of what their two faces differ. An estimate; of the

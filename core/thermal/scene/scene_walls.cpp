@@ -76,7 +76,8 @@ SceneWalls::SceneWalls(SceneExposure& exposure, const SceneHeatRequest& request,
     wall.build_up = b;
     const bool open = request_.build_up[b].inner_side == InnerSide::kOpen;
     for (std::uint32_t i = 0; i < faces_.fronts; ++i) {
-      if (exposure_.part_of(i).build_up != b || faces_.area_m2[i] <= 0) continue;
+      if (exposure_.part_of(i).build_up != b || faces_.area_m2[i] <= 0 || exposure_.dark(i))
+        continue;
       wall.face.push_back(i);
       wall.back.push_back(faces_.back_of_facet[i]);
       wall.outer.push_back(exposure_.properties(i));
@@ -193,8 +194,9 @@ absl::Status SceneWalls::pass(std::size_t first, std::size_t last, Incoming inco
       const auto both = [&](std::span<const std::uint32_t> face, const FaceExposure& begin,
                             const FaceExposure& end) {
         for (std::size_t at = 0; at < face.size(); ++at) {
-          begin.incoming_w_m2[at] = now[face[at]];
-          end.incoming_w_m2[at] = next[face[at]];
+          const std::uint32_t f = face[at];
+          begin.incoming_w_m2[at] = std::max(0.0, now[f] + exposure_.sky_jump_w_m2(k, f));
+          end.incoming_w_m2[at] = std::max(0.0, next[f] - exposure_.sky_jump_w_m2(k + 1, f));
         }
       };
       exposure_.expose(k, Side::kAfter, wall.face, to.outer_begin);

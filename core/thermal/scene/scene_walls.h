@@ -46,6 +46,8 @@ class SceneWalls {
   }
   // [knot x faces + face]
   [[nodiscard]] const std::vector<float>& kelvin() const { return kelvin_; }
+  // Likewise: long-wave irradiance, of the mean of both sides where the sky jumps.
+  [[nodiscard]] const std::vector<float>& incoming() const { return incoming_; }
   // Of conduction, and of where the day begins: at any knot.
   [[nodiscard]] double error_k(std::uint32_t face) const { return error_k_[face]; }
   [[nodiscard]] int passes() const { return passes_; }
