@@ -31,7 +31,7 @@ ProfileSpec spec_of(const schema::Profile& p) {
   return spec;
 }
 
-void set(schema::Estimate* out, const Estimate& e) {
+void set_profile_estimate(schema::Estimate* out, const Estimate& e) {
   out->set_value(e.value);
   out->set_stderr(e.stderr_);
 }
@@ -46,11 +46,11 @@ void fill(schema::ProfileRow& out, const ProfileRow& row, const ProfileSpec& spe
   out.set_z_m(at.z);
   out.set_footprint_width_m(spec.width_m);
   out.set_footprint_height_m(spec.height_m);
-  set(out.mutable_radiance_w_m2_sr(), row.radiance_w_m2_sr);
-  set(out.mutable_apparent_radiance_w_m2_sr(), row.apparent_radiance_w_m2_sr);
+  set_profile_estimate(out.mutable_radiance_w_m2_sr(), row.radiance_w_m2_sr);
+  set_profile_estimate(out.mutable_apparent_radiance_w_m2_sr(), row.apparent_radiance_w_m2_sr);
   out.set_truncation_bound_w_m2_sr(row.truncation_bound_w_m2_sr);
   out.set_quadrature_bound_w_m2_sr(row.quadrature_bound_w_m2_sr);
-  set(out.mutable_apparent_temperature_k(), row.apparent_temperature_k);
+  set_profile_estimate(out.mutable_apparent_temperature_k(), row.apparent_temperature_k);
   out.set_target_fraction(row.target_fraction);
   out.set_samples(samples);
 }

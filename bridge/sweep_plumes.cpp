@@ -17,7 +17,7 @@ namespace {
 using Field = std::shared_ptr<const PlumeField>;
 
 // What the sweep's author can mend, at a key of the file.
-absl::Status at(const std::string& path, const absl::Status& status) {
+absl::Status plume_error(const std::string& path, const absl::Status& status) {
   if (!absl::IsInvalidArgument(status) && !absl::IsOutOfRange(status)) return status;
   return problem_status(problems_of(at_key(path, status)));
 }
@@ -58,13 +58,13 @@ absl::StatusOr<Field> field_of(const schema::ConditionPlume& p, const Assets& as
     const auto grids = grids_from_message(p.plume());
     if (!grids.ok()) return grids.status();
     auto field = import_plume(asset(assets, p.sha256()), "the file", *grids);
-    return field.ok() ? std::move(field) : at("plume.file", field.status());
+    return field.ok() ? std::move(field) : plume_error("plume.file", field.status());
   }
   auto made = generated(p);
-  if (!made.ok()) return at("plume", made.status());
+  if (!made.ok()) return plume_error("plume", made.status());
   made->grids.position_m = position_of(p.plume());
   auto field = plume_of(std::move(made->volume), made->grids);
-  return field.ok() ? std::move(field) : at("plume", field.status());
+  return field.ok() ? std::move(field) : plume_error("plume", field.status());
 }
 
 // What the tables of hot gas have.

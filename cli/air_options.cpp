@@ -24,7 +24,7 @@ struct Stated {
   std::optional<double> value;
 };
 
-std::string list(const auto& names) {
+std::string comma_list(const auto& names) {
   std::string out;
   for (const auto& name : names) absl::StrAppend(&out, out.empty() ? "" : " | ", name);
   return out;
@@ -33,10 +33,10 @@ std::string list(const auto& names) {
 std::string profile_names() {
   std::vector<std::string> names;
   for (const AfglProfile p : kProfiles) names.emplace_back(name_of(p));
-  return list(names);
+  return comma_list(names);
 }
 
-std::string aerosol_list() { return list(aerosol_names()); }
+std::string aerosol_list() { return comma_list(aerosol_names()); }
 
 }  // namespace
 
@@ -181,7 +181,7 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   if (chosen == nullptr || (season_.empty() && seasons.size() > 1)) {
     return absl::InvalidArgumentError(
         absl::StrCat(season_.empty() ? "--season is missing, " : "--season " + season_ + ": ",
-                     "expected one of ", list(seasons)));
+                     "expected one of ", comma_list(seasons)));
   }
   const auto weather = weather_from_message(chosen->weather(), chosen->surroundings());
   if (!weather.ok()) return weather.status();

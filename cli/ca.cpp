@@ -93,7 +93,7 @@ void add_ca_revoke(CLI::App& ca, int& exit_code) {
   command->callback([=, &exit_code] { exit_code = report(revoke(*folder, *which)); });
 }
 
-absl::Status list(const std::string& folder, const OutputOptions& output) {
+absl::Status list_certificates(const std::string& folder, const OutputOptions& output) {
   const auto issued = issued_certificates(folder);
   if (!issued.ok()) return issued.status();
   const double now = now_unix_s();
@@ -125,7 +125,7 @@ void add_ca_list(CLI::App& ca, int& exit_code) {
   command->add_option("FOLDER", *folder, "the authority's folder")->required();
   auto output =
       std::make_shared<OutputOptions>(*command, std::vector<std::string>{"text", "csv", "json"});
-  command->callback([=, &exit_code] { exit_code = report(list(*folder, *output)); });
+  command->callback([=, &exit_code] { exit_code = report(list_certificates(*folder, *output)); });
 }
 
 }  // namespace

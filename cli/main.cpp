@@ -95,7 +95,7 @@ std::string version() {
 
 namespace {
 
-int run(int argc, char** argv) {
+int run_program(int argc, char** argv) {
   int exit_code = 0;
   CLI::App app(kAbout, "irsig");
   app.set_version_flag("--version", version);
@@ -152,7 +152,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // A file at its limit (ulimit -f) is a full disk, for the programs that this one starts, too.
   std::signal(SIGXFSZ, SIG_IGN);
-  const int exit_code = run(argc, argv);
+  const int exit_code = run_program(argc, argv);
   irsig::data_output().flush();
   const absl::Status printed = irsig::end_standard_output();
   return exit_code == 0 ? irsig::report(printed) : exit_code;

@@ -23,7 +23,7 @@ std::string range_text(const WavelengthRange& range) {
   return range.everywhere ? "any" : fmt::format("{:g} to {:g}", range.min_um, range.max_um);
 }
 
-absl::Status list(std::string_view format, std::ostream& out) {
+absl::Status list_materials(std::string_view format, std::ostream& out) {
   const auto table = make_table_writer(format,
                                        {{"name"},
                                         {"kind"},
@@ -198,7 +198,8 @@ void add_material(CLI::App& app, int& exit_code) {
   const auto listed = std::make_shared<OutputOptions>(
       *list_command, std::vector<std::string>{"text", "csv", "json"});
   list_command->footer("csv and json also have sources, licences and provenance.");
-  list_command->callback([listed, &exit_code] { exit_code = report(listed->write(list)); });
+  list_command->callback(
+      [listed, &exit_code] { exit_code = report(listed->write(list_materials)); });
 
   CLI::App* show_command = material->add_subcommand(
       "show", "Reflectance (DHR) and emissivity against angle and wavelength");

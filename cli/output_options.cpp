@@ -14,7 +14,7 @@
 namespace irsig {
 namespace {
 
-constexpr const char* kGroup = "Output";
+constexpr const char* kOutputGroup = "Output";
 
 struct Ending {
   std::string_view ending, format;
@@ -54,21 +54,21 @@ OutputOptions::OutputOptions(CLI::App& command, std::vector<std::string> formats
                  .add_option("--format", asked_,
                              fmt::format("{} (default: as the file's name ends, or {})",
                                          fmt::join(formats_, ", "), formats_.front()))
-                 ->group(kGroup)
+                 ->group(kOutputGroup)
                  ->type_name("FORMAT")
                  ->check(CLI::IsMember(names));
     std::vector<CLI::Option*> flags;
     for (const std::string& name : formats_) {
       CLI::Option* flag = command.add_flag_callback(
           "--" + name, [this, name] { asked_ = name; }, "The same as --format " + name);
-      flag->group(kGroup)->excludes(format);
+      flag->group(kOutputGroup)->excludes(format);
       for (CLI::Option* other : flags) flag->excludes(other);
       flags.push_back(flag);
     }
   }
   out_option_ = command.add_option("--out", out_,
                                    "File to write, replaced when complete; - is standard output");
-  out_option_->group(kGroup)->type_name("FILE");
+  out_option_->group(kOutputGroup)->type_name("FILE");
 }
 
 absl::StatusOr<std::string> OutputOptions::format() const {

@@ -80,7 +80,7 @@ absl::Status check_number(const char* option, double value, double min, double m
       absl::StrFormat("%s %g: expected %g to %g", option, value, min, max));
 }
 
-const std::vector<std::string> kFormats = {"csv", "json", "text", "svg"};
+const std::vector<std::string> kAirFormats = {"csv", "json", "text", "svg"};
 
 absl::Status write_table(const std::vector<std::string>& heads,
                          const std::vector<std::vector<Cell>>& rows, std::string_view format,
@@ -152,7 +152,7 @@ std::string draw(const std::string& title, const std::string& subtitle,
 // ---- show atmosphere
 
 struct AtmosphereCommand {
-  explicit AtmosphereCommand(CLI::App& command) : air(command), output(command, kFormats) {
+  explicit AtmosphereCommand(CLI::App& command) : air(command), output(command, kAirFormats) {
     command.add_option("--observer-height-m,--observer-m", observer_height_m, "Above the sea")
         ->required();
     command.add_option("--target-height-m,--target-m", target_height_m,
@@ -289,7 +289,7 @@ struct AtmosphereCommand {
 // ---- show sky
 
 struct SkyCommand {
-  explicit SkyCommand(CLI::App& command) : air(command), output(command, kFormats) {
+  explicit SkyCommand(CLI::App& command) : air(command), output(command, kAirFormats) {
     command.add_option("--height-m", height_m, "From where, above the sea")->required();
     command
         .add_option(

@@ -27,8 +27,8 @@ namespace irsig {
 namespace {
 
 // One line a sweep.
-absl::Status write_rows(const schema::StatusReply& status, std::string_view format,
-                        std::ostream& out) {
+absl::Status write_status_rows(const schema::StatusReply& status, std::string_view format,
+                               std::ostream& out) {
   auto writer = make_table_writer(format,
                                   {{"sweep"},
                                    {"jobs"},
@@ -193,7 +193,7 @@ absl::Status show_status(const CoordinatorOptions& coordinator, const OutputOpti
     if (format != "text" || workers)
       for (const std::string& warning : status->warning()) print_note("warning: {}\n", warning);
     if (workers) return write_workers(*status, format, out);
-    return format == "text" ? write_text(*status, out) : write_rows(*status, format, out);
+    return format == "text" ? write_text(*status, out) : write_status_rows(*status, format, out);
   });
 }
 

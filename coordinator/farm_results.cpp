@@ -31,7 +31,7 @@ std::string in_gb(std::uint64_t bytes) {
   return absl::StrCat(std::round(static_cast<double>(bytes) / 1e8) / 10, " GB");
 }
 
-schema::CompleteReply answer(schema::CompleteReply::State state) {
+schema::CompleteReply complete_reply(schema::CompleteReply::State state) {
   schema::CompleteReply reply;
   reply.set_state(state);
   return reply;
@@ -60,7 +60,7 @@ absl::StatusOr<schema::CompleteReply> Farm::complete(const Returned& returned) {
   const std::uint64_t lease = own && !session.is_duplicate ? session.fencing_token : 0;
   absl::Status stored = returned.checked;
   if (stored.ok()) stored = check_against_session(session, job.sweep_sha256, returned.result);
-  auto reply = answer(schema::CompleteReply::STATE_STORED);
+  auto reply = complete_reply(schema::CompleteReply::STATE_STORED);
   if (stored.ok() && lease != 0) {
     stored = store_.complete(lease, returned.result, session.worker_name, content_of(returned));
     if (stored.ok()) {
@@ -125,9 +125,10 @@ absl::Status Farm::check_against_session(const Session& session, const std::stri
 absl::StatusOr<schema::CompleteReply> Farm::take(const Session& session, const JobName& job,
                                                  const Returned& returned) {
   const auto known = store_.find_job(job.sweep_sha256, job.job_key);
-  if (absl::IsNotFound(known.status())) return answer(schema::CompleteReply::STATE_UNKNOWN_SWEEP);
+  if (absl::IsNotFound(known.status()))
+    return complete_reply(schema::CompleteReply::STATE_UNKNOWN_SWEEP);
   if (!known.ok()) return known.status();
-  if (!known->has_value()) return answer(schema::CompleteReply::STATE_NOT_WANTED);
+  if (!known->has_value()) return complete_reply(schema::CompleteReply::STATE_NOT_WANTED);
   switch (next((*known)->job.state, JobEvent::kResult).action) {
     case JobAction::kStore:
       return store_now(session, job, **known, returned);
@@ -138,7 +139,7 @@ absl::StatusOr<schema::CompleteReply> Farm::take(const Session& session, const J
     case JobAction::kRefuse:
       break;
   }
-  return answer(schema::CompleteReply::STATE_NOT_WANTED);
+  return complete_reply(schema::CompleteReply::STATE_NOT_WANTED);
 }
 
 absl::StatusOr<schema::CompleteReply> Farm::store_now(const Session& session, const JobName& job,
@@ -161,7 +162,7 @@ absl::StatusOr<schema::CompleteReply> Farm::store_now(const Session& session, co
     return status;
   }
   if (status = was_stored(session, job); !status.ok()) return status;
-  return answer(schema::CompleteReply::STATE_STORED);
+  return complete_reply(schema::CompleteReply::STATE_STORED);
 }
 
 absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, const JobName& job,
@@ -177,7 +178,7 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
                 verdict->wrong, absl::StrCat(of_job, " differs from that of two other workers"));
             !status.ok())
           return status;
-    return answer(schema::CompleteReply::STATE_KNOWN);
+    return complete_reply(schema::CompleteReply::STATE_KNOWN);
   }
   const auto kept = store_.keep_aside(job.sweep_sha256, returned.result, content,
                                       session.worker_name, unix_clock_());
@@ -191,7 +192,7 @@ absl::StatusOr<schema::CompleteReply> Farm::compare(const Session& session, cons
   const auto verdict = double_check_.differs(job, known.content_sha256, known.worker_name, content,
                                              session.worker_name);
   if (verdict.kind == DoubleCheck::Verdict::Kind::kUndecided)
-    return answer(schema::CompleteReply::STATE_ASIDE);
+    return complete_reply(schema::CompleteReply::STATE_ASIDE);
   if (auto status = contradicted(verdict.wrong,
                                  absl::StrCat(of_job, " differs from that of two other workers"));
       !status.ok())

@@ -31,7 +31,7 @@ using Next = ClientSocket::Next;
 
 constexpr int kStepsInATurn = 8;  // then the other connections have theirs
 // For what the server has said before it hung up.
-constexpr auto kLastWords = std::chrono::seconds(2);
+constexpr auto kRelayLastWords = std::chrono::seconds(2);
 
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -260,7 +260,7 @@ class Relay : public std::enable_shared_from_this<Relay> {
 
   // The server has hung up: what it has said before still reaches a client that takes it.
   void notice_the_end() {
-    last_words_.expires_after(kLastWords);
+    last_words_.expires_after(kRelayLastWords);
     last_words_.async_wait([self = shared_from_this()](Error error) {
       if (!error) self->end();
     });

@@ -31,7 +31,7 @@ Sight sight_of(double target_m, double above_m, const schema::Viewpoint& view) {
           std::hypot(up_m - target_m, along_m)};
 }
 
-std::string text_of(int index, const schema::Viewpoint& view) {
+std::string viewpoint_text(int index, const schema::Viewpoint& view) {
   return absl::StrCat("viewpoint ", index, " (azimuth ", view.aspect_azimuth_deg(), ", elevation ",
                       view.aspect_elevation_deg(), ", range ", view.range_m(), " m)");
 }
@@ -67,7 +67,7 @@ void check_hidden(const schema::ResolvedSweep& resolved, int s, const WeatherSpe
     if (path.ok() || absl::IsOutOfRange(path.status())) continue;
     findings.add(viewpoint_path(resolved.sweep().viewpoints(), static_cast<std::size_t>(v),
                                 static_cast<std::size_t>(resolved.viewpoint_size())),
-                 absl::StrCat(text_of(v, view), " does not see the target in season \"",
+                 absl::StrCat(viewpoint_text(v, view), " does not see the target in season \"",
                               resolved.sweep().season(s).name(), "\": ", path.status().message()));
   }
 }
@@ -128,7 +128,7 @@ void check_import(schema::ResolvedSweep& resolved, int s, const WeatherSpec& wea
         off_m = std::max(off_m, std::abs(line_m - path_m));
       continue;
     }
-    findings.add(path, absl::StrCat(path, " does not cover ", text_of(v, view), ": ",
+    findings.add(path, absl::StrCat(path, " does not cover ", viewpoint_text(v, view), ": ",
                                     absl::StrReplaceAll(found.status().message(), {{"\n", "; "}})));
     return;  // the others are most likely missing too
   }

@@ -32,7 +32,7 @@ void copy_scene(GoniometerFile& file) {
   }
 }
 
-void check_parts(const schema::Goniometer& spec, Findings& findings) {
+void check_goniometer_parts(const schema::Goniometer& spec, Findings& findings) {
   for (int i = 0; i < spec.part_size(); ++i) {
     const SectionCheck check(spec.part(i), absl::StrCat("part[", i, "]"), findings);
     check.only({"name", "match", "material", "two_sided"}, "to a goniometer");
@@ -213,7 +213,7 @@ absl::StatusOr<ResolvedGoniometer> resolve_goniometer(const GoniometerFile& file
   if (!out.spec.has_seed()) out.spec.set_seed(1);
   check_numbers(out.spec, "", findings);
   check_numbers(out.scene.sweep(), "", findings);  // with what material files hold
-  check_parts(out.spec, findings);
+  check_goniometer_parts(out.spec, findings);
   resolve_particles(out.spec, findings);
   resolve_bands(out.spec, *out.scene.mutable_sweep(), findings);
   resolve_instrument(out.spec, findings);

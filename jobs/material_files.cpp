@@ -19,7 +19,7 @@ bool has(const schema::Material& material, const char* key) {
                               : material.GetReflection()->HasField(material, field);
 }
 
-std::string text_of(const schema::Material& material, const char* key) {
+std::string material_text(const schema::Material& material, const char* key) {
   return material.GetReflection()->GetString(material,
                                              material.GetDescriptor()->FindFieldByName(key));
 }
@@ -91,7 +91,7 @@ absl::Status read_material_files(SweepFile& file, const FileReader& read) {
     if (kind == nullptr) continue;
     for (const OpticalProperty& property : kind->property) {
       if (!only_in_file(material, property)) continue;
-      const std::string name = text_of(material, property.file);
+      const std::string name = material_text(material, property.file);
       const std::string path = absl::StrCat("material[", i, "].", property.file);
       const absl::StatusOr<std::string> bytes = read(name);
       if (!bytes.ok()) {

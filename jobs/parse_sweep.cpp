@@ -70,7 +70,7 @@ std::string what_is_expected(const FieldDescriptor& field) {
   }
 }
 
-std::vector<std::string> keys_of(const Descriptor& table) {
+std::vector<std::string> table_keys(const Descriptor& table) {
   std::vector<std::string> keys;
   for (int i = 0; i < table.field_count(); ++i) keys.push_back(table.field(i)->name());
   return keys;
@@ -131,7 +131,7 @@ class Filler {
 
   // A key of this table that is like it, else the tables that have it.
   [[nodiscard]] std::string what_was_meant(const std::string& key, const Descriptor& table) const {
-    const std::vector<std::string> keys = keys_of(table);
+    const std::vector<std::string> keys = table_keys(table);
     std::vector<std::string> homes = homes_of(key, *root_);
     if (homes.empty() || nearest_name(key, keys)) return suggestion(key, keys);
     constexpr std::size_t kMost = 4;

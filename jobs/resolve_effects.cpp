@@ -36,8 +36,8 @@ bool is_mode(const std::string& mode) {
 }
 
 // One name of a list.
-void check_name(const google::protobuf::RepeatedPtrField<std::string>& names, int i,
-                const char* list, bool of_without, const SectionCheck& check) {
+void check_effect_name(const google::protobuf::RepeatedPtrField<std::string>& names, int i,
+                       const char* list, bool of_without, const SectionCheck& check) {
   const std::string& name = names[i];
   const std::string key = absl::StrCat(list, "[", i, "]");
   if (std::find(names.begin(), names.begin() + i, name) != names.begin() + i) {
@@ -97,9 +97,10 @@ void check_effects(const SweepFile& file, Findings& findings) {
 void check_effect_names(const schema::Effects& effects, Findings& findings) {
   const SectionCheck check(effects, "effects", findings);
   (void)check.one_of("mode", {kModes.begin(), kModes.end()});
-  for (int i = 0; i < effects.only_size(); ++i) check_name(effects.only(), i, "only", false, check);
+  for (int i = 0; i < effects.only_size(); ++i)
+    check_effect_name(effects.only(), i, "only", false, check);
   for (int i = 0; i < effects.without_size(); ++i)
-    check_name(effects.without(), i, "without", true, check);
+    check_effect_name(effects.without(), i, "without", true, check);
 }
 
 void write_effect_defaults(schema::Sweep& sweep) {

@@ -37,7 +37,7 @@ const Names kSpecies = {"co2", "h2o", "co", "soot"};
 struct Keys {
   Names needed, optional;
 };
-Keys keys_of(const std::string& kind) {
+Keys plume_keys(const std::string& kind) {
   const Names of_body = {"temperature_k", "voxel_m"};
   if (kind == "funnel")
     return {{"temperature_k", "diameter_m", "velocity_m_s", "excess_air", "length_m", "voxel_m"},
@@ -236,7 +236,7 @@ void check_plume(const schema::Sweep& sweep, Findings& findings) {
   const SectionCheck check(plume, "plume", findings);
   check.require({"kind"}, "expected \"funnel\", \"slab\", \"cylinder\", \"sphere\" or \"file\"");
   if (!check.one_of("kind", {"funnel", "slab", "cylinder", "sphere", "file"})) return;
-  const Keys keys = keys_of(plume.kind());
+  const Keys keys = plume_keys(plume.kind());
   for (const char* key : keys.needed) check.require({key}, absl::StrCat("expected ", what_is(key)));
   check.require({"position_m"}, "expected where it is: [forward, to starboard, up] in metres");
   if (check.has("position_m") && plume.position_m_size() != 3)

@@ -65,7 +65,7 @@ void check_air_limit(const SectionCheck& check, const char* key, double lambda_u
                                     : ""));
 }
 
-void check_bands(const schema::Sweep& sweep, Findings& findings) {
+void check_run_bands(const schema::Sweep& sweep, Findings& findings) {
   if (sweep.band_size() == 0) {
     findings.add("band",
                  "[[band]] is missing, expected one or more bands with name, lambda_min_um, "
@@ -158,7 +158,7 @@ void check_precompute(const schema::Sweep& sweep, Findings& findings) {
 }  // namespace
 
 void check_run(const schema::Sweep& sweep, Findings& findings) {
-  check_bands(sweep, findings);
+  check_run_bands(sweep, findings);
   check_transport(sweep, findings);
   check_accuracy(sweep, findings);
   check_precompute(sweep, findings);

@@ -42,8 +42,8 @@ void check_keys_under_atmosphere(const SectionCheck& check, const Role& role) {
 }
 
 // One table as it is written.
-void check_table(const Surroundings& table, const Role& role, const std::string& path,
-                 Findings& findings) {
+void check_surroundings_table(const Surroundings& table, const Role& role, const std::string& path,
+                              Findings& findings) {
   const SectionCheck check(table, path, findings);
   const SectionCheck::Names kinds =
       role.atmosphere ? SectionCheck::Names{"sea", "ground"} : SectionCheck::Names{"sea", "none"};
@@ -145,12 +145,12 @@ Surroundings overridden(Surroundings base, const Surroundings& season) {
 void check_complete_surroundings(const schema::Sweep& sweep, const Surroundings& complete,
                                  const std::string& path, Findings& findings) {
   const bool atmosphere = sweep.air().model() == "atmosphere";
-  check_table(complete,
-              {.kind = complete.kind(),
-               .atmosphere = atmosphere,
-               .grey_sea = complete.sea_model() == "grey",
-               .heat = sweep.has_heat()},
-              path, findings);
+  check_surroundings_table(complete,
+                           {.kind = complete.kind(),
+                            .atmosphere = atmosphere,
+                            .grey_sea = complete.sea_model() == "grey",
+                            .heat = sweep.has_heat()},
+                           path, findings);
   for (const auto& [key, expected] : missing_from(complete, atmosphere, sweep.has_heat()))
     findings.add(absl::StrCat(path, ".", key),
                  absl::StrCat(path, ".", key, " is missing, ", expected));
@@ -164,12 +164,12 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
     const Surroundings& season = sweep.season(i).surroundings();
     complete.push_back(overridden(base, season));
     if (sweep.season(i).has_surroundings()) {
-      check_table(season,
-                  {.kind = complete.back().kind(),
-                   .atmosphere = atmosphere,
-                   .grey_sea = complete.back().sea_model() == "grey",
-                   .heat = sweep.has_heat()},
-                  absl::StrCat("season[", i, "].surroundings"), findings);
+      check_surroundings_table(season,
+                               {.kind = complete.back().kind(),
+                                .atmosphere = atmosphere,
+                                .grey_sea = complete.back().sea_model() == "grey",
+                                .heat = sweep.has_heat()},
+                               absl::StrCat("season[", i, "].surroundings"), findings);
     }
     if (atmosphere && complete.back().kind() == "sea" && !complete.back().has_sea_model())
       complete.back().set_sea_model("cox_munk");
@@ -183,12 +183,12 @@ std::vector<Surroundings> resolve_surroundings(const schema::Sweep& sweep, Findi
                           std::any_of(complete.begin(), complete.end(), [](const Surroundings& s) {
                             return s.sea_model() == "grey";
                           });
-    check_table(base,
-                {.kind = base.kind(),
-                 .atmosphere = atmosphere,
-                 .grey_sea = grey_sea,
-                 .heat = sweep.has_heat()},
-                "surroundings", findings);
+    check_surroundings_table(base,
+                             {.kind = base.kind(),
+                              .atmosphere = atmosphere,
+                              .grey_sea = grey_sea,
+                              .heat = sweep.has_heat()},
+                             "surroundings", findings);
   }
 
   // Paths are traced once for all seasons, and whether there is a sea decides where they end.

@@ -135,7 +135,7 @@ void forget_files(schema::Sweep& sweep) {
   for (schema::TemperatureField& field : *sweep.mutable_temperature_field()) field.clear_file();
 }
 
-void check_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
+void check_sweep_name(const SweepFile& file, schema::Sweep& sweep, Findings& findings) {
   if (!sweep.has_name()) sweep.set_name(stem(file.file_name));
   if (sweep.name().empty() || !is_one_line(sweep.name())) {
     findings.add("name",
@@ -155,7 +155,7 @@ absl::StatusOr<schema::ResolvedSweep> resolve_sweep(const SweepFile& as_read,
   schema::ResolvedSweep resolved;
   *resolved.mutable_sweep() = file.sweep;
   Findings findings(file);
-  check_name(file, *resolved.mutable_sweep(), findings);
+  check_sweep_name(file, *resolved.mutable_sweep(), findings);
   check_sizes(file.sweep, "", findings);
   if (!findings.empty()) return findings.status();
   check_numbers(file.sweep, "", findings);

@@ -12,7 +12,7 @@
 namespace irsig {
 namespace {
 
-std::string element(const char* array, int i) { return absl::StrCat(array, "[", i, "]"); }
+std::string element_path(const char* array, int i) { return absl::StrCat(array, "[", i, "]"); }
 
 constexpr const char* kBackfaces = "accepted_backface_share";
 
@@ -133,7 +133,7 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
   const std::vector<std::string> names = check_names(sweep.part(), "part", findings);
   for (int i = 0; i < sweep.part_size(); ++i) {
     const schema::Part& part = sweep.part(i);
-    const SectionCheck check(part, element("part", i), findings);
+    const SectionCheck check(part, element_path("part", i), findings);
     check.require({"material"}, "expected the name of a material");
     if (part.has_material())
       resolve_part_material(part.material(), check, materials, sweep, findings);
@@ -142,14 +142,15 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
       check.error("match", "does not apply to the part that takes the rest");
     for (int j = 0; j < part.match_size(); ++j) {
       if (!part.match(j).empty()) continue;
-      const std::string path = absl::StrCat(element("part", i), ".match[", j, "]");
+      const std::string path = absl::StrCat(element_path("part", i), ".match[", j, "]");
       findings.add(path,
                    path + " is empty, expected the name of a group of the model, with * and ?");
     }
   }
   for (int i = 0; i < sweep.season_size(); ++i) {
     for (const auto& [part, temperature_k] : sweep.season(i).part_temperature_k()) {
-      const std::string path = absl::StrCat(element("season", i), ".part_temperature_k.", part);
+      const std::string path =
+          absl::StrCat(element_path("season", i), ".part_temperature_k.", part);
       if (std::find(names.begin(), names.end(), part) == names.end()) {
         findings.add(path, absl::StrCat(path, ": there is no part \"", part, "\", ",
                                         suggestion(part, names)));

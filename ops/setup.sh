@@ -9,6 +9,15 @@ if ! command -v dpkg-query >/dev/null; then
   echo "ops/setup.sh: this is no Debian system: install what corresponds to ops/packages.txt yourself" >&2
   exit 1
 fi
+# Read in a shell of its own: the file sets many variables.
+release=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${VERSION_ID:-}" || true)
+case $release in
+  "debian 12") ;;
+  *)
+    echo "ops/setup.sh: /etc/os-release: this system is not Debian 12 (\"$release\"); packages may have other names" \
+         "or versions: install what corresponds to ops/packages.txt if a step below fails" >&2
+    ;;
+esac
 missing=()
 for package in "${packages[@]}"; do
   state=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null || true)

@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-struct ViewRows {
+struct ChosenViewRows {
   std::uint64_t view;
   std::vector<std::uint32_t> condition, band;
 };
@@ -23,12 +23,12 @@ std::vector<std::uint32_t> up_to(int n) {
 }
 
 // The rows that --row names, each by itself, or all rows of --views viewpoints.
-absl::StatusOr<std::vector<ViewRows>> chosen_rows(const schema::ResolvedSweep& sweep,
-                                                  const EffectsCheckAsked& asked) {
+absl::StatusOr<std::vector<ChosenViewRows>> chosen_rows(const schema::ResolvedSweep& sweep,
+                                                        const EffectsCheckAsked& asked) {
   const auto views = static_cast<std::uint64_t>(sweep.viewpoint_size()),
              conditions = static_cast<std::uint64_t>(sweep.condition_size()),
              bands = static_cast<std::uint64_t>(sweep.sweep().band_size());
-  std::vector<ViewRows> out;
+  std::vector<ChosenViewRows> out;
   for (const std::uint64_t row : asked.row) {
     if (row == 0 || row > views * conditions * bands)
       return absl::InvalidArgumentError(
@@ -70,7 +70,7 @@ absl::StatusOr<std::vector<CheckedView>> check_sweep_effects(
   const auto plumes = plumes_from_sweep(sweep, loaded.assets);
   if (!plumes.ok()) return plumes.status();
   std::vector<CheckedView> views;
-  for (const ViewRows& chosen : *rows) {
+  for (const ChosenViewRows& chosen : *rows) {
     schema::ViewJob job;
     job.set_viewpoint_index(static_cast<std::uint32_t>(chosen.view));
     job.mutable_condition_index()->Assign(chosen.condition.begin(), chosen.condition.end());

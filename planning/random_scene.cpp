@@ -16,8 +16,6 @@ namespace {
 
 using namespace random_scene_basics;
 
-constexpr double kPi = std::numbers::pi;
-
 // In OBJ axes; azimuth clockwise from the bow.
 V3 towards(double azimuth_deg, double elevation_deg) {
   const double a = azimuth_deg * kRadPerDeg, e = elevation_deg * kRadPerDeg;
@@ -48,7 +46,7 @@ class Dice {
     return std::min(static_cast<std::size_t>(uniform() * static_cast<double>(n)), n - 1);
   }
   V3 direction() {
-    const double z = uniform(-1, 1), a = uniform(0, 2 * kPi), r = std::sqrt(1 - z * z);
+    const double z = uniform(-1, 1), a = uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
     return {r * std::cos(a), r * std::sin(a), z};
   }
 

@@ -12,8 +12,6 @@ namespace {
 
 using namespace random_scene_basics;
 
-constexpr double kPi = std::numbers::pi;
-
 // Triangles of the parts of a body, in its own axes about its centre.
 struct Piece {
   std::string name;
@@ -74,7 +72,8 @@ std::vector<Piece> pieces_of(const RandomBody& b) {
     case RandomBody::Kind::kSphere: {
       constexpr int kRings = 10, kSectors = 16;
       const auto at = [&](int ring, int sector) {
-        const double t = kPi * ring / kRings, a = 2 * kPi * (sector % kSectors) / kSectors;
+        const double t = std::numbers::pi * ring / kRings,
+                     a = 2 * std::numbers::pi * (sector % kSectors) / kSectors;
         if (ring == 0) return V3{0, 0, hx};
         if (ring == kRings) return V3{0, 0, -hx};
         return V3{hx * std::sin(t) * std::cos(a), hx * std::sin(t) * std::sin(a), hx * std::cos(t)};

@@ -7,7 +7,7 @@
 namespace irsig {
 namespace {
 
-using Values = SightLine::Values;
+using LineValues = SightLine::Values;
 
 // Sines of the elevations, close to each other where air gets thick: kFirst (exp(k step) - 1), the
 // last one 1.
@@ -51,7 +51,7 @@ ReflectedSpread spread_of(const SightLine& from, const SightLine& to) {
   ReflectedSpread out;
   for (std::size_t side = 0; side < out.size(); ++side) {
     const std::size_t cause = SightLine::kReflected[side];
-    const Values &from_side = from.directions[side], &to_side = to.directions[side];
+    const LineValues &from_side = from.directions[side], &to_side = to.directions[side];
     for (std::size_t k = 0; k < bins; ++k) {
       const double before = from.bin.arriving[cause][k], after = to.bin.arriving[cause][k];
       if (!(before > 0)) {
@@ -70,13 +70,13 @@ ReflectedSpread spread_of(const SightLine& from, const SightLine& to) {
 
 namespace {
 
-ArrivingTable::Node::Values over(const Values& values, const Values& transmittance) {
+ArrivingTable::Node::Values over(const LineValues& values, const LineValues& transmittance) {
   ArrivingTable::Node::Values out;
   for (std::size_t k = 0; k < values.size(); ++k)
     out.push_back(transmittance[k] > 0 ? static_cast<float>(values[k] / transmittance[k]) : 0);
   return out;
 }
-Values times(Values values, const Values& transmittance) {
+LineValues times(LineValues values, const LineValues& transmittance) {
   for (std::size_t k = 0; k < values.size(); ++k) values[k] *= transmittance[k];
   return values;
 }
@@ -146,11 +146,11 @@ std::optional<ReflectedSpread> ArrivingTable::complete(double elevation_deg, dou
   }
   const std::size_t at = place->at - place->first;
   struct Between {
-    Values cubic, bent;  // bent: by how much that differs from a straight line
+    LineValues cubic, bent;  // bent: by how much that differs from a straight line
   };
   const auto between = [&](Node::Values Node::Side::*values, std::size_t side) {
     const std::size_t bins = (node[at]->side[side].*values).size();
-    Between out{Values(bins), Values(bins)};
+    Between out{LineValues(bins), LineValues(bins)};
     for (std::size_t k = 0; k < bins; ++k) {
       const auto of = [&](std::size_t i) {
         return static_cast<double>((node[i]->side[side].*values)[k]);
@@ -165,7 +165,7 @@ std::optional<ReflectedSpread> ArrivingTable::complete(double elevation_deg, dou
   ReflectedSpread spread;
   for (std::size_t side = 0; side < spread.size(); ++side) {
     const std::size_t cause = SightLine::kReflected[side];
-    const auto set = [&](SightLine::Integrals& of, Values share) {
+    const auto set = [&](SightLine::Integrals& of, LineValues share) {
       of.arriving[cause] = times(std::move(share), of.transmittance);
     };
     Between before = between(&Node::Side::from_bin, side),

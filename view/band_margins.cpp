@@ -20,7 +20,7 @@ constexpr std::size_t kTogether = 16, kHeld = 8'000'000;
 // What is seen is none if it is no more than so many times what errors alone would make.
 constexpr double kKnown = 3;
 
-double squared(double x) { return x * x; }
+double square_of(double x) { return x * x; }
 
 }  // namespace
 
@@ -86,7 +86,7 @@ std::vector<BandSearch::Draws> BandSearch::draw_errors(
                                ? of_target.mode[i][k][p.last] - of_target.mode[i][k][p.first]
                                : 0);
       const double shape = of(of_target.shape, p, i), slope = of(of_target.slope, p, i);
-      const double whole = of_target.whole_shape[i] * squared(population_.row[i].range_m);
+      const double whole = of_target.whole_shape[i] * square_of(population_.row[i].range_m);
       const double per_w_sr = whole > 0 ? ratio_ / whole : 0;
       out.rest.push_back(of(of_target.rest, p, i));
       out.unseen.push_back(per_w_sr * t.unseen_stderr_w_sr * shape);
@@ -201,7 +201,7 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     // Of equal values exactly that: a mean of differences.
     for (const double v : values) mean += (v - values.front()) / kDraws;
     mean += values.front();
-    for (const double v : values) sum += squared(v - mean) / (kDraws - 1);
+    for (const double v : values) sum += square_of(v - mean) / (kDraws - 1);
     return std::sqrt(sum);
   };
   const auto one_sigma = [&](std::size_t w, Kind kind) {
@@ -240,10 +240,10 @@ WindowChoice BandSearch::compare(const MeritOf& merit, std::span<const Candidate
     std::vector<double> difference;
     for (std::size_t d = 0; d < kDraws; ++d)
       difference.push_back(drawn(kind, 0)[d] - drawn(kind, w)[d]);
-    return squared(scatter(difference));
+    return square_of(scatter(difference));
   };
   for (std::size_t w = 1; w < count; ++w) {
-    const double apart = squared(0.5 * (candidate[0].merit - candidate[w].merit));
+    const double apart = square_of(0.5 * (candidate[0].merit - candidate[w].merit));
     const double samples = variance_of_difference(w, kSamples),
                  all = variance_of_difference(w, kAll);
     if (all <= apart) continue;

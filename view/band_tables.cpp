@@ -16,7 +16,7 @@ namespace {
 // A window that is as good as the first with less than this is told from it.
 constexpr double kTold = 0.05;
 
-Cell number(double value) { return std::isfinite(value) ? Cell(value) : Cell(); }
+Cell number_cell(double value) { return std::isfinite(value) ? Cell(value) : Cell(); }
 
 }  // namespace
 
@@ -107,10 +107,11 @@ absl::Status write_choice(const BandSearch& search, const WindowChoice& choice,
   for (const CandidateMerit& m : choice.candidate) {
     std::vector<Cell> line = {++rank};
     add_cells(search, filters, m.of, line);
-    line.insert(line.end(), {number(m.of.merit), number(m.samples_stderr),
-                             number(m.numerical_error), number(m.total_error),
-                             number(m.best_numerical), number(m.best), number(m.as_good_numerical),
-                             number(m.as_good), number(m.errors_alone), number(m.samples_to_tell)});
+    line.insert(line.end(), {number_cell(m.of.merit), number_cell(m.samples_stderr),
+                             number_cell(m.numerical_error), number_cell(m.total_error),
+                             number_cell(m.best_numerical), number_cell(m.best),
+                             number_cell(m.as_good_numerical), number_cell(m.as_good),
+                             number_cell(m.errors_alone), number_cell(m.samples_to_tell)});
     (*writer)->row(line);
   }
   return (*writer)->finish();
@@ -127,8 +128,8 @@ absl::Status write_map(const BandSearch& search, const MeritOf& merit,
   if (!writer.ok()) return writer.status();
   for (const Candidate& c : found.map) {
     std::vector<Cell> line = {search.lambda_min_um(c.one), search.lambda_max_um(c.one),
-                              number(c.merit)};
-    if (errors) line.push_back(number(search.mean_stderr(c.one)));
+                              number_cell(c.merit)};
+    if (errors) line.push_back(number_cell(search.mean_stderr(c.one)));
     if (!one)
       line.insert(line.end(), {search.lambda_min_um(*c.other), search.lambda_max_um(*c.other)});
     (*writer)->row(line);
@@ -150,7 +151,7 @@ absl::Status write_ranges(const BandSearch& search, const MeritOf& merit,
     for (const double range_m : ranges_of(search.population())) {
       std::vector<Cell> line = {rank};
       add_cells(search, filters, m.of, line);
-      line.insert(line.end(), {range_m, number(search.merit_at(merit, m.of, range_m))});
+      line.insert(line.end(), {range_m, number_cell(search.merit_at(merit, m.of, range_m))});
       (*writer)->row(line);
     }
   }

@@ -33,7 +33,7 @@ ResponseTable between(const ResponseTable& table, double low, double high) {
   return out;
 }
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
+double product_sum(const std::vector<double>& a, const std::vector<double>& b) {
   return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
@@ -140,14 +140,15 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
       std::vector<double> magnitude;
       for (const double value : t.value) magnitude.push_back(std::abs(value));
       for (std::size_t e = 0; e < limits; ++e) {
-        c.signal[e].push_back(per_m2 * dot(signal[e], t.value));
-        c.rest[e].push_back(per_m2 * dot(signal[e], t.rest));
-        c.shape[e].push_back(per_m2 * dot(signal[e], magnitude));
-        c.slope[e].push_back(per_m2 * dot(slope[e], magnitude));
+        c.signal[e].push_back(per_m2 * product_sum(signal[e], t.value));
+        c.rest[e].push_back(per_m2 * product_sum(signal[e], t.rest));
+        c.shape[e].push_back(per_m2 * product_sum(signal[e], magnitude));
+        c.slope[e].push_back(per_m2 * product_sum(slope[e], magnitude));
       }
       for (const auto& mode : t.modes) {
         auto& by_limit = c.mode[i].emplace_back();
-        for (std::size_t e = 0; e < limits; ++e) by_limit.push_back(per_m2 * dot(signal[e], mode));
+        for (std::size_t e = 0; e < limits; ++e)
+          by_limit.push_back(per_m2 * product_sum(signal[e], mode));
       }
     }
     c.whole_shape = c.shape[out.edges_ - 1];
@@ -161,8 +162,8 @@ absl::StatusOr<BandSearch> BandSearch::make(BandPopulation population, const Det
   for (std::size_t e = 0; e < limits; ++e)
     for (const BandCase& r : row) {
       const bool known = !r.background_w_m2_sr_um.empty();
-      out.photons_[e].push_back(known ? dot(photons[e], r.background_w_m2_sr_um) : 0);
-      out.background_[e].push_back(known ? dot(signal[e], r.background_w_m2_sr_um) : 0);
+      out.photons_[e].push_back(known ? product_sum(photons[e], r.background_w_m2_sr_um) : 0);
+      out.background_[e].push_back(known ? product_sum(signal[e], r.background_w_m2_sr_um) : 0);
       lit |= out.background_[e].back() > 0;
     }
   if (pairing != Pairing::kDifference) return out;

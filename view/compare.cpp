@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSameDeg = 1e-6;
 
-AspectKey key_of(const StoredValue& v) {
+AspectKey aspect_key(const StoredValue& v) {
   // All azimuths of the zenith are one direction.
   const double azimuth_deg =
       std::abs(v.aspect_elevation_deg) == 90 ? 0 : std::fmod(v.aspect_azimuth_deg + 360, 360);
@@ -24,13 +24,13 @@ AspectKey key_of(const StoredValue& v) {
           std::llround(v.aspect_elevation_deg / kSameDeg)};
 }
 
-Measured measured(const StoredValue& v) {
+Measured measured_value(const StoredValue& v) {
   return with_rest({v.value, v.value_stderr, {}, 0}, v.numerical_error, BoundOf::kUnseen);
 }
 
 ComparedAspect compared(const StoredValue& a, const StoredValue& b) {
   const Measured d =
-      difference(measured(b), measured(a), std::hypot(a.value_stderr, b.value_stderr));
+      difference(measured_value(b), measured_value(a), std::hypot(a.value_stderr, b.value_stderr));
   const double error = d.numerical_error();
   const double sigmas = error > 0 ? d.value / error
                         : d.value == 0
@@ -43,7 +43,7 @@ ComparedAspect compared(const StoredValue& a, const StoredValue& b) {
 
 std::vector<AspectKey> aspect_keys(std::span<const StoredValue> values) {
   std::vector<AspectKey> out;
-  for (const StoredValue& v : values) out.push_back(key_of(v));
+  for (const StoredValue& v : values) out.push_back(aspect_key(v));
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -51,12 +51,12 @@ std::vector<AspectKey> aspect_keys(std::span<const StoredValue> values) {
 Comparison compare(std::span<const StoredValue> a, std::span<const StoredValue> b) {
   std::map<AspectKey, const StoredValue*> of_b;
   for (const StoredValue& v : b)
-    if (!std::isnan(v.value)) of_b.emplace(key_of(v), &v);
+    if (!std::isnan(v.value)) of_b.emplace(aspect_key(v), &v);
   Comparison out;
   std::size_t met = 0;
   for (const StoredValue& v : a) {
     if (std::isnan(v.value)) continue;
-    const auto other = of_b.find(key_of(v));
+    const auto other = of_b.find(aspect_key(v));
     if (other == of_b.end()) {
       ++out.only_in_a;
       continue;

@@ -9,7 +9,7 @@
 namespace irsig {
 namespace {
 
-std::string percent(double part, double whole) {
+std::string percent_of(double part, double whole) {
   if (std::isnan(part) || !(std::abs(whole) > 0)) return "-";
   const double size = 100 * part / std::abs(whole);
   // 140 rather than 1.4e+02.
@@ -17,7 +17,7 @@ std::string percent(double part, double whole) {
                                                        : fmt::format("{:.2g} %", size);
 }
 
-std::string seconds(double time_s) {
+std::string ledger_seconds(double time_s) {
   if (time_s == 0) return "0";
   if (time_s < 1e-3) return fmt::format("{:.2g} us", 1e6 * time_s);
   return time_s < 1 ? fmt::format("{:.3g} ms", 1e3 * time_s) : fmt::format("{:.3g} s", time_s);
@@ -25,7 +25,7 @@ std::string seconds(double time_s) {
 
 std::string time_of(const StoredEffect& e) {
   if (std::isnan(e.time_s)) return "-";
-  return (e.state == "off" ? "saved " : "") + seconds(e.time_s);
+  return (e.state == "off" ? "saved " : "") + ledger_seconds(e.time_s);
 }
 
 // The largest of the bounds, each relative to the intensity where it applies.
@@ -59,13 +59,13 @@ std::string ledger_table(const StoredSignature& row, const std::vector<StoredEff
   for (const StoredEffect& e : ledger) {
     const bool absent = e.state == "absent";
     const auto bound = [&](double w_sr, double whole) {
-      return absent ? std::string("-") : percent(w_sr, whole);
+      return absent ? std::string("-") : percent_of(w_sr, whole);
     };
     out += fmt::format("{:<23} {:<6} {:>9} {:>9} {:>9} {:>9} {:>13}  {}\n", e.effect, e.state,
                        bound(e.bound_w_sr, row.intensity_w_sr),
                        bound(e.apparent_bound_w_sr, row.apparent_intensity_w_sr),
                        bound(e.contrast_bound_w_sr, row.contrast_intensity_w_sr),
-                       percent(e.share_w_sr, row.intensity_w_sr), time_of(e),
+                       percent_of(e.share_w_sr, row.intensity_w_sr), time_of(e),
                        std::string(reason_in_words(e.reason)));
   }
   return out;
@@ -127,8 +127,8 @@ std::string summary_table(const std::vector<EffectSummary>& summary) {
     out += fmt::format(
         "{:<23} {:>7} {:>7} {:>7} {:>13} {:>10} {:>10}  {}\n", e.effect, e.on, e.off, e.absent,
         std::isnan(e.largest_bound) ? "-" : fmt::format("{:.2g} %", 100 * e.largest_bound),
-        std::isnan(e.spent_s) ? "-" : seconds(e.spent_s),
-        std::isnan(e.saved_s) ? "-" : seconds(e.saved_s), fmt::join(reasons, "; "));
+        std::isnan(e.spent_s) ? "-" : ledger_seconds(e.spent_s),
+        std::isnan(e.saved_s) ? "-" : ledger_seconds(e.saved_s), fmt::join(reasons, "; "));
     out.erase(out.find_last_not_of(" \n") + 1);
     out += "\n";
   }

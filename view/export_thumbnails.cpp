@@ -26,6 +26,7 @@ namespace irsig {
 namespace {
 
 namespace fs = std::filesystem;
+using S = StoredSignature;
 
 // As many as one call of the painter gets: what is computed again after an end in between. Images
 // of 20 kB: 40 MB.
@@ -407,7 +408,6 @@ class ThumbnailFolder {
   absl::Status write_labels(const std::vector<Image>& some,
                             const std::vector<PictureTask>& pictures,
                             const std::vector<PictureAnswer>& facts, std::ostream& out) {
-    using S = StoredSignature;
     struct Number {
       const char* name;
       double S::*member;

@@ -17,7 +17,7 @@ namespace irsig {
 namespace {
 
 constexpr std::uint8_t kLevels = 255, kNothing = 255;
-constexpr double kTop = 78, kEdge = 30, kLongestX = 760, kLongestY = 640;
+constexpr double kPictureTop = 78, kEdge = 30, kLongestX = 760, kLongestY = 640;
 constexpr double kBarWidth = 26, kBarLeast = 280, kAxisWidth = 92, kLabelHeight = 15;
 constexpr double kMostEnlarged = 6;
 
@@ -130,15 +130,15 @@ std::string draw_false_color(const FalseColorPicture& picture) {
   // As wide as a title needs, DejaVu Sans being 0.6 em wide on average.
   const double page = std::max(bar_x + kBarWidth + kAxisWidth + 12,
                                0.6 * 17 * static_cast<double>(picture.title.size()) + 2 * kEdge);
-  Svg svg(page, kTop + bar_height + kEdge, picture.title);
+  Svg svg(page, kPictureTop + bar_height + kEdge, picture.title);
   svg.text({page / 2, 32}, picture.title, {.size = 17, .anchor = Anchor::kMiddle, .bold = true});
   svg.text({page / 2, 55}, picture.subtitle,
            {.size = 13, .anchor = Anchor::kMiddle, .color = "#666666"});
-  const Point corner{kEdge, kTop + (bar_height - height) / 2};
+  const Point corner{kEdge, kPictureTop + (bar_height - height) / 2};
   svg.rect(corner, width, height, "#d9dde1", {"", 0, ""});
   svg.image(corner, width, height,
             png_of(picture, static_cast<std::uint32_t>(std::clamp(zoom, 1.0, kMostEnlarged))));
-  Bar bar(svg, {bar_x, kTop}, bar_height, picture.range);
+  Bar bar(svg, {bar_x, kPictureTop}, bar_height, picture.range);
   bar.draw();
   bar.axis(picture.axis, 1);
   if (picture.other) bar.axis(*picture.other, -1);

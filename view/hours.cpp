@@ -56,7 +56,7 @@ class Days {
   std::map<std::string, std::set<double>> times_;
 };
 
-absl::Status one_viewpoint(const std::vector<QueryRow>& rows) {
+absl::Status one_viewpoint_of_hours(const std::vector<QueryRow>& rows) {
   for (const QueryRow& r : rows) {
     const StoredSignature &a = rows.front().signature, &b = r.signature;
     if (a.sweep != b.sweep || a.aspect_azimuth_deg != b.aspect_azimuth_deg ||
@@ -148,7 +148,7 @@ absl::StatusOr<Hours> hours_of(StoreReader& reader, const Query& query) {
   if (!rows.ok()) return rows.status();
   if (rows->empty())
     return absl::NotFoundError("nothing to plot: no signature matches the filters");
-  if (absl::Status status = one_viewpoint(*rows); !status.ok()) return status;
+  if (absl::Status status = one_viewpoint_of_hours(*rows); !status.ok()) return status;
   std::vector<StoredSignature> signatures;
   for (const QueryRow& r : *rows) signatures.push_back(r.signature);
   if (absl::Status status = check_computed(signatures, query.quantity); !status.ok()) return status;

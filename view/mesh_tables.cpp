@@ -15,15 +15,15 @@ namespace irsig {
 namespace {
 
 // Less than sums over facets are exact to is nothing.
-std::string percent(double fraction) {
+std::string mesh_percent(double fraction) {
   return fmt::format("{:.2g} %", std::abs(fraction) < 1e-12 ? 0 : 100 * fraction);
 }
-std::string seconds(double s) {
+std::string mesh_seconds(double s) {
   return s < 0.1 ? fmt::format("{:.3g} ms", 1e3 * s) : fmt::format("{:.3g} s", s);
 }
 
 // Something of a view, for each mesh.
-struct Quantity {
+struct MeshQuantity {
   std::string name;
   std::function<MeshValue(const MeshView&)> of;
 };
@@ -47,7 +47,7 @@ class Tables {
 
  private:
   // Of the views in which every mesh has some of it.
-  [[nodiscard]] std::vector<std::size_t> views_of(const Quantity& quantity) const {
+  [[nodiscard]] std::vector<std::size_t> views_of(const MeshQuantity& quantity) const {
     std::vector<std::size_t> out;
     for (std::size_t view = 0; view < c_.viewpoint.size(); ++view)
       if (std::all_of(c_.mesh.begin(), c_.mesh.end(), [&](const MeasuredMesh& mesh) {
@@ -63,14 +63,14 @@ class Tables {
         "(scene, materials, air) and, median, of a view with its pilots, air, sky and sea",
         {"mesh", "facets", "surface area [m2]"},
         {}};
-    for (const Quantity& q : quantity_)
+    for (const MeshQuantity& q : quantity_)
       t.header.push_back(q.name + (&q == &quantity_.front() ? " [m2]" : " [W/sr]"));
     t.header.insert(t.header.end(), {"rays of a view", "time, once", "time, a view"});
     for (const MeasuredMesh& mesh : c_.mesh) {
       std::vector<std::string> cells{mesh.name, fmt::format("{}", mesh.facets),
                                      fmt::format("{:.8g}", mesh.surface_area_m2)};
       const auto views = static_cast<double>(mesh.view.size());
-      for (const Quantity& q : quantity_) {
+      for (const MeshQuantity& q : quantity_) {
         double value = 0, square = 0;
         for (const MeshView& v : mesh.view) {
           value += q.of(v).value / views;
@@ -83,8 +83,9 @@ class Tables {
         samples.push_back(v.samples);
         cpu_s.push_back(v.cpu_s);
       }
-      cells.insert(cells.end(), {fmt::format("{:.2g}", quantile(samples, 0.5)),
-                                 seconds(mesh.setup_cpu_s), seconds(quantile(cpu_s, 0.5))});
+      cells.insert(cells.end(),
+                   {fmt::format("{:.2g}", quantile(samples, 0.5)), mesh_seconds(mesh.setup_cpu_s),
+                    mesh_seconds(quantile(cpu_s, 0.5))});
       t.row.push_back(std::move(cells));
     }
     return t;
@@ -102,10 +103,10 @@ class Tables {
     for (std::size_t i = 0; i + 1 < c_.mesh.size(); ++i) {
       const double d =
           deviation({c_.mesh[i].surface_area_m2, 0}, {finest.surface_area_m2, 0}).value;
-      t.row.push_back({"surface area", c_.mesh[i].name, percent(std::abs(d)), "exact", "-", "-",
-                       percent(d), "-", "-"});
+      t.row.push_back({"surface area", c_.mesh[i].name, mesh_percent(std::abs(d)), "exact", "-",
+                       "-", mesh_percent(d), "-", "-"});
     }
-    for (const Quantity& q : quantity_) {
+    for (const MeshQuantity& q : quantity_) {
       const std::vector<std::size_t> views = views_of(q);
       for (std::size_t i = 0; i + 1 < c_.mesh.size() && !views.empty(); ++i) {
         std::vector<MeshDeviation> d;
@@ -114,9 +115,9 @@ class Tables {
         const DeviationSummary s = summary_of(d);
         const Viewpoint& where = c_.viewpoint[views[s.largest]];
         t.row.push_back(
-            {q.name, c_.mesh[i].name, percent(s.rms), percent(s.rms_error),
+            {q.name, c_.mesh[i].name, mesh_percent(s.rms), mesh_percent(s.rms_error),
              fmt::format("{:.2f}", s.rms_significance), s.significant ? "yes" : "no",
-             percent(d[s.largest].value), fmt::format("{:.2f}", d[s.largest].significance()),
+             mesh_percent(d[s.largest].value), fmt::format("{:.2f}", d[s.largest].significance()),
              fmt::format("{:.4g}, {:.4g}", where.aspect_azimuth_deg, where.aspect_elevation_deg)});
       }
     }
@@ -134,7 +135,7 @@ class Tables {
     std::vector<MeshValue> surface;
     for (const MeasuredMesh& mesh : c_.mesh) surface.push_back({mesh.surface_area_m2, 0});
     t.row.push_back(limit_row("surface area", {surface}));
-    for (const Quantity& q : quantity_) {
+    for (const MeshQuantity& q : quantity_) {
       std::vector<std::vector<MeshValue>> values;
       for (const std::size_t view : views_of(q)) {
         std::vector<MeshValue>& of_view = values.emplace_back();
@@ -179,14 +180,14 @@ class Tables {
     error = std::sqrt(error);
     // How little is left is not known better than the limit.
     for (const double n : facets)
-      cells.push_back(solved || limit->rms_off(n) > error ? percent(limit->rms_off(n))
-                                                          : "< " + percent(error));
-    cells.push_back(solved ? "-" : percent(error));
+      cells.push_back(solved || limit->rms_off(n) > error ? mesh_percent(limit->rms_off(n))
+                                                          : "< " + mesh_percent(error));
+    cells.push_back(solved ? "-" : mesh_percent(error));
     return cells;
   }
 
   const MeshComparison& c_;
-  std::vector<Quantity> quantity_;
+  std::vector<MeshQuantity> quantity_;
 };
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFill = std::numeric_limits<double>::quiet_NaN();
 
 // What each bin of a band adds to the in-band integral of a spectrum of bin means, response
 // included: exact where the spectrum is a straight line. (Only half of the first and last bin lies
@@ -64,7 +64,7 @@ void write_responses(NetcdfFile& file, const std::vector<std::optional<Band>>& b
     most = std::max(most, points.back().size());
   }
   if (most == 0) return;
-  std::vector<double> um(bands.size() * most, kNan), value = um;
+  std::vector<double> um(bands.size() * most, kFill), value = um;
   for (std::size_t b = 0; b < bands.size(); ++b)
     for (std::size_t p = 0; p < points[b].size(); ++p) {
       um[b * most + p] = points[b][p].lambda_um;
@@ -85,8 +85,8 @@ absl::Status write_bins(NetcdfFile& file, const schema::ResolvedSweep& sweep,
                         const std::vector<std::string>& bands,
                         const std::vector<std::vector<double>>& lambda_um,
                         NetcdfFile::Dimension band, NetcdfFile::Dimension bin, std::size_t bins) {
-  std::vector<double> axis(bands.size() * bins, kNan), weight = axis, response = axis,
-                                                       bounds(2 * axis.size(), kNan);
+  std::vector<double> axis(bands.size() * bins, kFill), weight = axis, response = axis,
+                                                        bounds(2 * axis.size(), kFill);
   std::vector<std::optional<Band>> stated;
   for (std::size_t b = 0; b < bands.size(); ++b) {
     for (std::size_t k = 0; k < lambda_um[b].size(); ++k) axis[b * bins + k] = lambda_um[b][k];

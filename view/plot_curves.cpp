@@ -11,8 +11,9 @@
 namespace irsig {
 namespace {
 
-constexpr double kPanelWidth = 560, kPanelHeight = 400, kTop = 74;
-constexpr double kLeft = 74, kRight = 20, kAbove = 62, kBelow = 56, kLegendLine = 22;
+constexpr double kCurvesWidth = 560, kCurvesHeight = 400, kCurvesTop = 74;
+constexpr double kCurvesLeft = 74, kCurvesRight = 20, kCurvesAbove = 62, kCurvesBelow = 56,
+                 kLegendLine = 22;
 
 Stroke stroke_of(const CurvePanel& panel, std::size_t i) {
   return curve_stroke(panel.curve[i].place.value_or(i));
@@ -27,7 +28,7 @@ std::vector<LegendEntry> legend_of(const CurvePanel& panel) {
 
 int per_line(const std::vector<LegendEntry>& legend) {
   // As wide as the page is around the frame's middle.
-  return std::min(5, legend_entries_per_line(legend, kPanelWidth - kLeft + kRight));
+  return std::min(5, legend_entries_per_line(legend, kCurvesWidth - kCurvesLeft + kCurvesRight));
 }
 
 // What the legend needs beyond one line.
@@ -41,7 +42,7 @@ class Panel {
  public:
   // more: room above the frame for the lines of legends beyond the first.
   Panel(Svg& svg, Point corner, double more, const CurvePanel& panel, const Axis& x, const Axis& y)
-      : svg_(svg), corner_(corner), above_(kAbove + more), panel_(panel), x_(x), y_(y) {}
+      : svg_(svg), corner_(corner), above_(kCurvesAbove + more), panel_(panel), x_(x), y_(y) {}
 
   void draw() const {
     grid();
@@ -56,15 +57,16 @@ class Panel {
     svg_.end_group();
     frame();
     const auto legend = legend_of(panel_);
-    draw_legend(svg_, {corner_.x + kLeft + width() / 2, corner_.y + 44}, legend, per_line(legend));
+    draw_legend(svg_, {corner_.x + kCurvesLeft + width() / 2, corner_.y + 44}, legend,
+                per_line(legend));
   }
 
  private:
-  static double width() { return kPanelWidth - kLeft - kRight; }
-  static double height() { return kPanelHeight - kAbove - kBelow; }
+  static double width() { return kCurvesWidth - kCurvesLeft - kCurvesRight; }
+  static double height() { return kCurvesHeight - kCurvesAbove - kCurvesBelow; }
 
   [[nodiscard]] Point at(double x, double y) const {
-    return {corner_.x + kLeft + width() * x_.fraction(x),
+    return {corner_.x + kCurvesLeft + width() * x_.fraction(x),
             corner_.y + above_ + height() * (1 - y_.fraction(y))};
   }
 
@@ -128,7 +130,7 @@ class Panel {
 
   void frame() const {
     svg_.rect(at(x_.low, y_.high), width(), height(), "none", {"#333333", 1.1, ""});
-    const double middle = corner_.x + kLeft + width() / 2;
+    const double middle = corner_.x + kCurvesLeft + width() / 2;
     svg_.text({middle, corner_.y + 24}, panel_.title,
               {.size = 15, .anchor = Anchor::kMiddle, .bold = true});
     svg_.text({middle, at(x_.low, y_.low).y + 40}, panel_.x_label,
@@ -166,14 +168,14 @@ std::string plot_curves(std::string_view title, std::string_view subtitle,
     if (i % columns == 0) more.push_back(0);
     more.back() = std::max(more.back(), more_legend(panels[i]));
   }
-  Svg svg(kPanelWidth * static_cast<double>(columns),
-          kTop + kPanelHeight * static_cast<double>(more.size()) +
+  Svg svg(kCurvesWidth * static_cast<double>(columns),
+          kCurvesTop + kCurvesHeight * static_cast<double>(more.size()) +
               std::accumulate(more.begin(), more.end(), 0.0),
           title);
   svg.text({svg.width_px() / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
   svg.text({svg.width_px() / 2, 56}, subtitle,
            {.size = 13, .anchor = Anchor::kMiddle, .color = "#666666"});
-  double top = kTop;
+  double top = kCurvesTop;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const CurvePanel& panel = panels[i];
     Extent across, up;
@@ -187,9 +189,9 @@ std::string plot_curves(std::string_view title, std::string_view subtitle,
     const Axis y = panel.y_high > panel.y_low ? tight_axis(panel.y_low, panel.y_high, 5)
                                               : round_axis(up.low, up.high, 5);
     const double row_more = more[i / columns];
-    const Point corner{kPanelWidth * static_cast<double>(i % columns), top};
+    const Point corner{kCurvesWidth * static_cast<double>(i % columns), top};
     Panel(svg, corner, row_more, panel, x, y).draw();
-    if (i % columns == columns - 1) top += kPanelHeight + row_more;
+    if (i % columns == columns - 1) top += kCurvesHeight + row_more;
   }
   return svg.finish();
 }

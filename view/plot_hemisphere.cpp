@@ -12,7 +12,7 @@
 namespace irsig {
 namespace {
 
-double rad(double deg) { return deg * std::numbers::pi / 180; }
+double hemisphere_rad(double deg) { return deg * std::numbers::pi / 180; }
 
 // The borders between neighbouring values, half-way; `first` and `last` close them.
 std::vector<double> borders(const std::vector<double>& at, double first, double last) {
@@ -54,8 +54,8 @@ std::string plot_hemisphere(const std::string& title, const std::string& quantit
   const double rim_deg = std::max(ring.back(), source_zenith_deg);
   const auto at = [&](double zenith_deg, double azimuth_deg) {
     const double r = kRadius * zenith_deg / rim_deg;
-    return Point{center.x + r * std::sin(rad(azimuth_deg)),
-                 center.y - r * std::cos(rad(azimuth_deg))};
+    return Point{center.x + r * std::sin(hemisphere_rad(azimuth_deg)),
+                 center.y - r * std::cos(hemisphere_rad(azimuth_deg))};
   };
   const auto [low, high] = std::minmax_element(values.value.begin(), values.value.end());
   const Axis axis = tight_axis(*low, *high > *low ? *high : *low + std::max(1e-6, 0.01 * *low), 6);
@@ -79,7 +79,8 @@ std::string plot_hemisphere(const std::string& title, const std::string& quantit
   }
   for (int a = 0; a < 360; a += 45) {
     const double r = kRadius + 22;
-    svg.text({center.x + r * std::sin(rad(a)), center.y - r * std::cos(rad(a)) + 5},
+    svg.text({center.x + r * std::sin(hemisphere_rad(a)),
+              center.y - r * std::cos(hemisphere_rad(a)) + 5},
              a == 0     ? "0\u00b0 source"
              : a == 180 ? "180\u00b0 mirror"
                         : fmt::format("{}\u00b0", a),

@@ -12,20 +12,22 @@
 namespace irsig {
 namespace {
 
-constexpr std::size_t kNodes = 91;  // 2.3 deg at the centre: finer than any set that is worth a map
+constexpr std::size_t kMapNodes =
+    91;  // 2.3 deg at the centre: finer than any set that is worth a map
 constexpr int kLevelsPerTick = 4;
 
-double rad(double deg) { return deg * std::numbers::pi / 180; }
+double map_rad(double deg) { return deg * std::numbers::pi / 180; }
 
 // Lambert azimuthal equal-area projection, zenith in the centre, bow up, seen from above.
 // [snyder1987, eq. 24-1]
 class Disk {
  public:
   Disk(Point center, double radius, double rim_zenith_deg)
-      : center_(center), radius_(radius), scale_(radius / std::sin(rad(rim_zenith_deg) / 2)) {}
+      : center_(center), radius_(radius), scale_(radius / std::sin(map_rad(rim_zenith_deg) / 2)) {}
   [[nodiscard]] Point at(double azimuth_deg, double elevation_deg) const {
-    const double r = scale_ * std::sin(rad(90 - elevation_deg) / 2);
-    return {center_.x + r * std::sin(rad(azimuth_deg)), center_.y - r * std::cos(rad(azimuth_deg))};
+    const double r = scale_ * std::sin(map_rad(90 - elevation_deg) / 2);
+    return {center_.x + r * std::sin(map_rad(azimuth_deg)),
+            center_.y - r * std::cos(map_rad(azimuth_deg))};
   }
   // Points outside the disk stand for the nearest point of its rim, so that contours run on to it.
   [[nodiscard]] Vec<Body> direction(Point p) const {
@@ -67,7 +69,7 @@ int levels_of(const Axis& scale) {
 void draw_surface(Svg& svg, const Disk& disk, const SphereSurface& surface,
                   const SphereSamples& samples, const Axis& scale) {
   const int levels = levels_of(scale);
-  const ValueGrid grid = sampled(disk, kNodes, [&](Vec<Body> d) { return surface.value(d); });
+  const ValueGrid grid = sampled(disk, kMapNodes, [&](Vec<Body> d) { return surface.value(d); });
   svg.begin_clip_circle(disk.center(), disk.radius());
   svg.circle(disk.center(), disk.radius(), map_color(0.5 / levels), {"", 0, ""});
   for (int i = 1; i < levels; ++i) {
@@ -93,7 +95,7 @@ void draw_graticule(Svg& svg, const Disk& disk, double rim_zenith_deg, bool labe
   }
   svg.circle(disk.center(), disk.radius(), "none", {"#333333", 1.2, ""});
   for (int azimuth = 0; azimuth < 360; azimuth += 45) {
-    const double s = std::sin(rad(azimuth)), c = std::cos(rad(azimuth)), r = disk.radius();
+    const double s = std::sin(map_rad(azimuth)), c = std::cos(map_rad(azimuth)), r = disk.radius();
     svg.line({disk.center().x + r * s, disk.center().y - r * c},
              {disk.center().x + (r + 5) * s, disk.center().y - (r + 5) * c}, {"#333333", 1.2, ""});
     if (!labels && azimuth % 180 != 0) continue;  // beside each other they would run into one

@@ -16,7 +16,7 @@ namespace irsig {
 namespace {
 
 // A band of a stored sweep with its quadrature.
-struct SweepBand {
+struct BandQuadrature {
   Band band;
   BandGrid grid;
 
@@ -33,12 +33,12 @@ struct SweepBand {
   }
 };
 
-absl::StatusOr<SweepBand> band_of(StoreReader& reader, const StoredSignature& s) {
+absl::StatusOr<BandQuadrature> band_of(StoreReader& reader, const StoredSignature& s) {
   const auto sweep = reader.sweep(s.sweep, SweepFiles::kNone);
   if (!sweep.ok()) return sweep.status();
   for (const schema::Band& b : sweep->resolved.sweep().band()) {
     if (b.name() != s.band) continue;
-    SweepBand out{{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}}, {}};
+    BandQuadrature out{{b.name(), b.lambda_min_um(), b.lambda_max_um(), b.step_um(), {}}, {}};
     for (const schema::SpectralPoint& p : b.response())
       out.band.response.push_back({p.lambda_um(), p.value()});
     auto grid = make_band_grid(out.band);
@@ -51,7 +51,7 @@ absl::StatusOr<SweepBand> band_of(StoreReader& reader, const StoredSignature& s)
 }
 
 // Round temperatures, at the radiance of a blackbody that has them.
-BarAxis temperature_axis(const SweepBand& band, const ColorRange& range) {
+BarAxis temperature_axis(const BandQuadrature& band, const ColorRange& range) {
   const double low_k = band.temperature_k(std::max(range.low, 0.0));
   const double high_k = band.temperature_k(std::max(range.high, 0.0));
   BarAxis out{"Apparent temperature in K", {}, {}};

@@ -15,7 +15,7 @@ namespace {
 
 double rad(double deg) { return deg * std::numbers::pi / 180; }
 
-struct Curve {
+struct PolarCurve {
   std::size_t place;  // among all curves of the plot
   PolarCut cut;
 };
@@ -52,11 +52,11 @@ class PolarPanel {
   }
 
   // On top of the curves, along the azimuth where they are shortest and no azimuth is labelled.
-  void radial_labels(const std::vector<Curve>& curves) {
+  void radial_labels(const std::vector<PolarCurve>& curves) {
     double along_deg = 15, shortest = 2;
     for (double candidate : {15.0, 75.0, 345.0, 285.0, 165.0, 195.0, 105.0, 255.0}) {
       double reach = 0;
-      for (const Curve& c : curves) {
+      for (const PolarCurve& c : curves) {
         for (const auto& p : c.cut.point) {
           const double apart = std::abs(std::remainder(p.azimuth_deg - candidate, 360));
           if (apart < 12) reach = std::max(reach, axis_.fraction(p.value));
@@ -77,15 +77,15 @@ class PolarPanel {
     }
   }
 
-  void band_of(const Curve& curve, const Stroke& stroke) {
+  void band_of(const PolarCurve& curve, const Stroke& stroke) {
     band_of(curve, &PolarPoint::error, stroke, 0.16);
   }
   // What uncertain inputs leave: lighter.
-  void input_band_of(const Curve& curve, const Stroke& stroke) {
+  void input_band_of(const PolarCurve& curve, const Stroke& stroke) {
     band_of(curve, &PolarPoint::input, stroke, 0.07);
   }
 
-  void line_of(const Curve& curve, const Stroke& stroke) {
+  void line_of(const PolarCurve& curve, const Stroke& stroke) {
     std::vector<Point> line;
     for (const auto& p : curve.cut.point) line.push_back(at(p.azimuth_deg, p.value));
     line.push_back(line.front());
@@ -99,7 +99,7 @@ class PolarPanel {
   }
 
  private:
-  void band_of(const Curve& curve, double PolarPoint::*sigma, const Stroke& stroke,
+  void band_of(const PolarCurve& curve, double PolarPoint::*sigma, const Stroke& stroke,
                double opacity) {
     std::vector<Point> edge;
     for (const auto& p : curve.cut.point) edge.push_back(at(p.azimuth_deg, p.value + 2 * p.*sigma));
@@ -200,7 +200,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
   const QuantityColumns& quantity = columns_of(query.quantity);
   struct Panel {
     const StoredSignature* first;
-    std::vector<Curve> curve;
+    std::vector<PolarCurve> curve;
   };
   std::vector<Panel> panels;
   bool interpolated = false;
@@ -236,7 +236,7 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
     const double y = top + panel_height * static_cast<double>(i / columns);
     // The centre is 0, or below everything where something lies below 0.
     double most = 0, least = 0;
-    for (const Curve& c : panels[i].curve) {
+    for (const PolarCurve& c : panels[i].curve) {
       for (const auto* points : {&c.cut.point, &c.cut.mark}) {
         for (const PolarPoint& p : *points) {
           const double reach = 2 * std::max(p.error, p.input);
@@ -255,13 +255,13 @@ absl::StatusOr<std::string> plot_polar(StoreReader& reader, const Query& query,
              fmt::format("{}, {}, in {}", quantity.title, band_title(*panels[i].first), unit.name),
              {.size = 15, .anchor = Anchor::kMiddle});
     panel.grid();
-    for (const Curve& c : panels[i].curve) {
+    for (const PolarCurve& c : panels[i].curve) {
       if (c.cut.interpolated)
         panel.band_of(c, curve_stroke(c.place));
       else if (!c.cut.point.empty() && c.cut.point.front().input > 0)
         panel.input_band_of(c, curve_stroke(c.place));
     }
-    for (const Curve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
+    for (const PolarCurve& c : panels[i].curve) panel.line_of(c, curve_stroke(c.place));
     panel.radial_labels(panels[i].curve);
   }
   std::string caption =

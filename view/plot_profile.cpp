@@ -12,12 +12,13 @@
 namespace irsig {
 namespace {
 
-constexpr double kLeft = 92, kRight = 26, kBottom = 70, kWidth = 900, kHeight = 600;
+constexpr double kProfileLeft = 92, kProfileRight = 26, kProfileBottom = 70, kProfileWidth = 900,
+                 kProfileHeight = 600;
 
 struct CurvePoint {
   double x, value, error;
 };
-struct Curve {
+struct ProfileCurve {
   std::string name;
   std::vector<CurvePoint> point;
 };
@@ -36,15 +37,15 @@ absl::Status one_signature(const std::vector<StoredProfileRow>& rows) {
 }
 
 // One curve for each number of reflections, against the distance from the line's middle.
-std::vector<Curve> curves_along_line(const std::vector<StoredProfileRow>& line) {
+std::vector<ProfileCurve> curves_along_line(const std::vector<StoredProfileRow>& line) {
   const StoredProfileRow &first = line.front(), &last = line.back();
   const double length =
       std::hypot(last.x_m - first.x_m, last.y_m - first.y_m, last.z_m - first.z_m);
-  std::vector<Curve> curves;
+  std::vector<ProfileCurve> curves;
   for (const StoredProfileRow& r : line) {
     const std::string name = fmt::format("N = {}", r.reflections);
-    auto curve =
-        std::find_if(curves.begin(), curves.end(), [&](const Curve& c) { return c.name == name; });
+    auto curve = std::find_if(curves.begin(), curves.end(),
+                              [&](const ProfileCurve& c) { return c.name == name; });
     if (curve == curves.end()) curve = curves.insert(curves.end(), {name, {}});
     const double along = std::hypot(r.x_m - first.x_m, r.y_m - first.y_m, r.z_m - first.z_m);
     if (r.apparent_temperature_k > 0)
@@ -78,9 +79,9 @@ class ReflectionSteps {
 };
 
 // One curve for each profile, against the number of reflections.
-std::vector<Curve> curves_over_reflections(const std::vector<StoredProfileRow>& rows,
-                                           const ReflectionSteps& steps) {
-  std::vector<Curve> curves;
+std::vector<ProfileCurve> curves_over_reflections(const std::vector<StoredProfileRow>& rows,
+                                                  const ReflectionSteps& steps) {
+  std::vector<ProfileCurve> curves;
   for (const StoredProfileRow& r : rows) {
     if (curves.empty() || curves.back().name != r.profile) curves.push_back({r.profile, {}});
     if (r.apparent_temperature_k > 0)
@@ -95,8 +96,8 @@ class Chart {
   Chart(Svg& svg, double top, const Axis& x, const Axis& y) : svg_(svg), top_(top), x_(x), y_(y) {}
 
   [[nodiscard]] Point at(double x, double y) const {
-    return {kLeft + (kWidth - kLeft - kRight) * x_.fraction(x),
-            top_ + (kHeight - top_ - kBottom) * (1 - y_.fraction(y))};
+    return {kProfileLeft + (kProfileWidth - kProfileLeft - kProfileRight) * x_.fraction(x),
+            top_ + (kProfileHeight - top_ - kProfileBottom) * (1 - y_.fraction(y))};
   }
 
   void frame(const std::string& x_title) {
@@ -118,7 +119,7 @@ class Chart {
               {.size = 15, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
-  void curve(const Curve& c, const Stroke& stroke, bool dots) {
+  void curve(const ProfileCurve& c, const Stroke& stroke, bool dots) {
     std::vector<Point> edge, line;
     for (const CurvePoint& p : c.point) {
       edge.push_back(at(p.x, p.value + p.error));
@@ -169,11 +170,11 @@ absl::StatusOr<std::string> plot_profile(const std::vector<StoredProfileRow>& ro
       for (const StoredProfileRow& r : rows)
         if (p.sweep == r.sweep && p.profile == r.profile && p.reflections == r.reflections)
           marks.push_back({steps.place(p.reflections), p.apparent_temperature_k, p.relation});
-  const std::vector<Curve> curves =
+  const std::vector<ProfileCurve> curves =
       line.empty() ? curves_over_reflections(rows, steps) : curves_along_line(line);
 
   double x_low = HUGE_VAL, x_high = -HUGE_VAL, low = HUGE_VAL, high = -HUGE_VAL;
-  for (const Curve& c : curves)
+  for (const ProfileCurve& c : curves)
     for (const CurvePoint& p : c.point) {
       x_low = std::min(x_low, p.x);
       x_high = std::max(x_high, p.x);
@@ -193,9 +194,9 @@ absl::StatusOr<std::string> plot_profile(const std::vector<StoredProfileRow>& ro
       fmt::format("{}, {} ({:g}\u2013{:g} \u00b5m), azimuth {:g}\u00b0, elevation {:g}\u00b0, {}",
                   any.season, any.band, any.lambda_min_um, any.lambda_max_um,
                   any.aspect_azimuth_deg, any.aspect_elevation_deg, range_title(any.range_m));
-  Svg svg(kWidth, kHeight, title);
-  svg.text({kWidth / 2, 30}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
-  svg.text({kWidth / 2, 52}, subtitle, {.size = 14, .anchor = Anchor::kMiddle});
+  Svg svg(kProfileWidth, kProfileHeight, title);
+  svg.text({kProfileWidth / 2, 30}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
+  svg.text({kProfileWidth / 2, 52}, subtitle, {.size = 14, .anchor = Anchor::kMiddle});
   std::vector<LegendEntry> legend;
   std::size_t longest = 0;
   for (std::size_t k = 0; k < curves.size(); ++k) {
@@ -203,7 +204,7 @@ absl::StatusOr<std::string> plot_profile(const std::vector<StoredProfileRow>& ro
     longest = std::max(longest, curves[k].name.size());
   }
   const int per_line = longest > 16 ? 3 : longest > 8 ? 4 : 7;
-  draw_legend(svg, {kWidth / 2, 78}, legend, per_line);
+  draw_legend(svg, {kProfileWidth / 2, 78}, legend, per_line);
   const auto n = static_cast<std::size_t>(per_line);
   const double top = 78 + 22 * static_cast<double>((legend.size() + n - 1) / n);
   const double margin = 0.03 * (x_high - x_low);

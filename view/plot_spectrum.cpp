@@ -15,7 +15,8 @@ struct SpectralCurve {
   std::vector<double> lambda_um, value, error;
 };
 
-constexpr double kLeft = 92, kRight = 26, kBottom = 70, kWidth = 900;
+constexpr double kSpectrumLeft = 92, kSpectrumRight = 26, kSpectrumBottom = 70,
+                 kSpectrumWidth = 900;
 
 absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
                                        const QuantityColumns& quantity, std::size_t place) {
@@ -46,10 +47,10 @@ absl::StatusOr<SpectralCurve> curve_of(StoreReader& reader, const QueryRow& row,
 class Frame {
  public:
   Frame(Svg& svg, double top, const Axis& x, const Axis& y)
-      : svg_(svg), top_(top), height_(svg.height_px() - top - kBottom), x_(x), y_(y) {}
+      : svg_(svg), top_(top), height_(svg.height_px() - top - kSpectrumBottom), x_(x), y_(y) {}
 
   [[nodiscard]] Point at(double x, double y) const {
-    return {kLeft + (kWidth - kLeft - kRight) * x_.fraction(x),
+    return {kSpectrumLeft + (kSpectrumWidth - kSpectrumLeft - kSpectrumRight) * x_.fraction(x),
             top_ + height_ * (1 - y_.fraction(y))};
   }
 
@@ -68,9 +69,10 @@ class Frame {
 
   void box(const std::string& title, const std::string& unit) {
     const Point corner = at(x_.low, y_.high);
-    svg_.rect(corner, kWidth - kLeft - kRight, height_, "none", {"#333333", 1.2, ""});
-    svg_.text({(kLeft + kWidth - kRight) / 2, top_ + height_ + 46}, "Wavelength in \u00b5m",
-              {.size = 15, .anchor = Anchor::kMiddle});
+    svg_.rect(corner, kSpectrumWidth - kSpectrumLeft - kSpectrumRight, height_, "none",
+              {"#333333", 1.2, ""});
+    svg_.text({(kSpectrumLeft + kSpectrumWidth - kSpectrumRight) / 2, top_ + height_ + 46},
+              "Wavelength in \u00b5m", {.size = 15, .anchor = Anchor::kMiddle});
     svg_.text({26, top_ + height_ / 2}, unit.empty() ? title : title + " in " + unit,
               {.size = 15, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
@@ -92,7 +94,8 @@ class Frame {
     for (std::size_t k = c.value.size(); k-- > 0;) {
       edge.push_back(at(c.lambda_um[k], c.value[k] - 2 * c.error[k]));
     }
-    svg_.begin_clip_rect(at(x_.low, y_.high), kWidth - kLeft - kRight, height_);
+    svg_.begin_clip_rect(at(x_.low, y_.high), kSpectrumWidth - kSpectrumLeft - kSpectrumRight,
+                         height_);
     svg_.polygon(edge, stroke.color, 0.2);
     svg_.polyline(line, stroke);
     svg_.end_group();
@@ -157,12 +160,12 @@ absl::StatusOr<std::string> draw(StoreReader& reader, const Query& query,
       fmt::format("{}, azimuth {:.1f}\u00b0, elevation {:.1f}\u00b0{}{}", any.sweep,
                   any.aspect_azimuth_deg, any.aspect_elevation_deg, range_title(signatures),
                   rows->front().interpolation ? ", interpolated" : "");
-  Svg svg(kWidth, 600, title);
-  svg.text({kWidth / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
+  Svg svg(kSpectrumWidth, 600, title);
+  svg.text({kSpectrumWidth / 2, 32}, title, {.size = 19, .anchor = Anchor::kMiddle, .bold = true});
   std::vector<LegendEntry> legend(names.size());
   for (const auto& s : signatures)
     legend[names.index(s)] = {names.name(s), curve_stroke(names.index(s))};
-  draw_legend(svg, {kWidth / 2, 62}, legend, 5);
+  draw_legend(svg, {kSpectrumWidth / 2, 62}, legend, 5);
   const double margin = 0.03 * (high_um - low_um);
   const Axis x = tight_axis(low_um - margin, high_um + margin, 10);
   const std::string plain_unit = quantity.spectral_unit;

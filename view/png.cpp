@@ -45,7 +45,7 @@ void put_chunk(std::string& out, const std::string& type_and_data) {
 }
 
 // A zlib stream of blocks that are not compressed (RFC 1951, 3.2.4).
-std::string stored(std::string_view bytes) {
+std::string stored_block(std::string_view bytes) {
   std::string out("\x78\x01", 2);
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t size = std::min<std::size_t>(bytes.size() - at, 65535);
@@ -111,7 +111,7 @@ std::string encode_palette_png(std::uint32_t width, std::uint32_t height,
   put_chunk(out, header);
   put_chunk(out, colors);
   if (transparent) put_chunk(out, "tRNS" + std::string(*transparent, '\xff') + '\0');
-  put_chunk(out, "IDAT" + stored(rows));
+  put_chunk(out, "IDAT" + stored_block(rows));
   put_chunk(out, "IEND");
   return out;
 }

@@ -22,48 +22,49 @@ struct ProfileColumn {
 };
 
 template <typename T>
-ProfileColumn stored(const char* name, T StoredProfileRow::*field, bool brief) {
+ProfileColumn stored_column(const char* name, T StoredProfileRow::*field, bool brief) {
   return {{name, brief}, [field](const StoredProfileRow& row) -> Cell { return row.*field; }};
 }
 
 std::vector<ProfileColumn> columns() {
   using R = StoredProfileRow;
   std::vector<ProfileColumn> out{
-      stored("row", &R::row, true),
-      stored("sweep", &R::sweep, false),
-      stored("season", &R::season, true),
-      stored("time_utc", &R::time_utc, false),
-      stored("band", &R::band, true),
-      stored("aspect_azimuth_deg", &R::aspect_azimuth_deg, false),
-      stored("aspect_elevation_deg", &R::aspect_elevation_deg, false),
-      stored("range_m", &R::range_m, false),
-      stored("profile", &R::profile, true),
-      stored("point_index", &R::point_index, true),
-      stored("x_m", &R::x_m, true),
-      stored("y_m", &R::y_m, true),
-      stored("z_m", &R::z_m, true),
-      stored("reflections", &R::reflections, true),
-      stored("radiance_w_m2_sr", &R::radiance_w_m2_sr, true),
-      stored("radiance_stderr_w_m2_sr", &R::radiance_stderr_w_m2_sr, true),
-      stored("apparent_temperature_k", &R::apparent_temperature_k, true),
-      stored("apparent_temperature_stderr_k", &R::apparent_temperature_stderr_k, true),
-      stored("apparent_radiance_w_m2_sr", &R::apparent_radiance_w_m2_sr, false),
-      stored("apparent_radiance_stderr_w_m2_sr", &R::apparent_radiance_stderr_w_m2_sr, false),
-      stored("truncation_bound_w_m2_sr", &R::truncation_bound_w_m2_sr, false),
-      stored("quadrature_bound_w_m2_sr", &R::quadrature_bound_w_m2_sr, false),
-      stored("target_fraction", &R::target_fraction, false),
-      stored("footprint_width_m", &R::footprint_width_m, false),
-      stored("footprint_height_m", &R::footprint_height_m, false),
-      stored("lambda_min_um", &R::lambda_min_um, false),
-      stored("lambda_max_um", &R::lambda_max_um, false),
-      stored("samples", &R::samples, false),
-      stored("replicates", &R::replicates, false),
-      stored("energy_gain", &R::energy_gain, false),
-      stored("job_key", &R::job_key, false),
-      stored("seed_hex", &R::seed_hex, false),
-      stored("physics_version", &R::physics_version, false),
-      stored("determinism_class", &R::determinism_class, false),
-      stored("build_id", &R::build_id, false)};
+      stored_column("row", &R::row, true),
+      stored_column("sweep", &R::sweep, false),
+      stored_column("season", &R::season, true),
+      stored_column("time_utc", &R::time_utc, false),
+      stored_column("band", &R::band, true),
+      stored_column("aspect_azimuth_deg", &R::aspect_azimuth_deg, false),
+      stored_column("aspect_elevation_deg", &R::aspect_elevation_deg, false),
+      stored_column("range_m", &R::range_m, false),
+      stored_column("profile", &R::profile, true),
+      stored_column("point_index", &R::point_index, true),
+      stored_column("x_m", &R::x_m, true),
+      stored_column("y_m", &R::y_m, true),
+      stored_column("z_m", &R::z_m, true),
+      stored_column("reflections", &R::reflections, true),
+      stored_column("radiance_w_m2_sr", &R::radiance_w_m2_sr, true),
+      stored_column("radiance_stderr_w_m2_sr", &R::radiance_stderr_w_m2_sr, true),
+      stored_column("apparent_temperature_k", &R::apparent_temperature_k, true),
+      stored_column("apparent_temperature_stderr_k", &R::apparent_temperature_stderr_k, true),
+      stored_column("apparent_radiance_w_m2_sr", &R::apparent_radiance_w_m2_sr, false),
+      stored_column("apparent_radiance_stderr_w_m2_sr", &R::apparent_radiance_stderr_w_m2_sr,
+                    false),
+      stored_column("truncation_bound_w_m2_sr", &R::truncation_bound_w_m2_sr, false),
+      stored_column("quadrature_bound_w_m2_sr", &R::quadrature_bound_w_m2_sr, false),
+      stored_column("target_fraction", &R::target_fraction, false),
+      stored_column("footprint_width_m", &R::footprint_width_m, false),
+      stored_column("footprint_height_m", &R::footprint_height_m, false),
+      stored_column("lambda_min_um", &R::lambda_min_um, false),
+      stored_column("lambda_max_um", &R::lambda_max_um, false),
+      stored_column("samples", &R::samples, false),
+      stored_column("replicates", &R::replicates, false),
+      stored_column("energy_gain", &R::energy_gain, false),
+      stored_column("job_key", &R::job_key, false),
+      stored_column("seed_hex", &R::seed_hex, false),
+      stored_column("physics_version", &R::physics_version, false),
+      stored_column("determinism_class", &R::determinism_class, false),
+      stored_column("build_id", &R::build_id, false)};
   // 0 K stands for "no radiance": there is no such temperature.
   for (ProfileColumn& c : out) {
     if (c.column.name != "apparent_temperature_k" &&

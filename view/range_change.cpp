@@ -33,7 +33,7 @@ namespace {
 constexpr double kFewestLengths = 20;
 // As of ranges in sweep files: farther, double precision no longer tells a target's sides apart.
 constexpr double kFarthestM = 1e9;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 // What a condition without the embedded atmosphere holds, on the band's nodes.
 struct PlainLight {
@@ -54,11 +54,11 @@ absl::StatusOr<PlainLight> plain_light(const schema::ResolvedSweep& sweep,
     const auto sun =
         sun_position(*time, place.latitude_deg(), place.longitude_deg(), place.height_m());
     if (!sun.ok()) return sun.status();
-    cos_zenith = std::cos(sun->zenith_deg * kRadPerDeg);
+    cos_zenith = std::cos(sun->zenith_deg * kRadiansPerDegree);
     sun_scale = condition.sun_irradiance_from_distance()
                     ? 1 / (sun->distance_au * sun->distance_au)
                     : condition.sun_irradiance_w_m2() / kSolarConstantWM2;
-    if (cos_zenith <= -std::sin(sun->angular_radius_deg * kRadPerDeg)) sun_scale = 0;
+    if (cos_zenith <= -std::sin(sun->angular_radius_deg * kRadiansPerDegree)) sun_scale = 0;
   }
   PlainLight out{condition.air_temperature_k(), {}, {}};
   for (const double um : node_um) {
@@ -151,7 +151,7 @@ class BandAir {
     if (!waterline_) return false;
     const double lift_rad =
         environment_ == nullptr ? 0 : environment_->horizon(environment_->line(v)).lift_rad;
-    return v.aspect_elevation_deg * kRadPerDeg + std::max(0.0, lift_rad) < -1e-6;
+    return v.aspect_elevation_deg * kRadiansPerDegree + std::max(0.0, lift_rad) < -1e-6;
   }
 
   // silhouette: null or without area, then the target reaches `reach_m` anywhere, and as much of it
@@ -160,7 +160,7 @@ class BandAir {
                               double reach_m) const {
     const std::vector<float> horizon = horizons_z(v);
     const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
-    const double elevation = v.aspect_elevation_deg * kRadPerDeg,
+    const double elevation = v.aspect_elevation_deg * kRadiansPerDegree,
                  reach = std::asin(std::min(1.0, reach_m / v.range_m));
     const bool known = silhouette != nullptr && silhouette->area_m2() > 0;
     const double least = known ? silhouette->least_z()
@@ -322,7 +322,7 @@ absl::Status check_seen(const Silhouette& before, const Silhouette& after,
 
 // Rows of one viewpoint and band.
 using ViewKey = std::tuple<std::string, std::string, double, double, double>;
-ViewKey key_of(const StoredSignature& s) {
+ViewKey view_key(const StoredSignature& s) {
   return {s.sweep, s.band, s.aspect_azimuth_deg, s.aspect_elevation_deg, s.range_m};
 }
 
@@ -499,7 +499,7 @@ absl::StatusOr<std::vector<QueryRow>> RangeChanger::moved(const std::vector<Quer
     if (row.interpolation)
       return absl::InvalidArgumentError("an interpolated row cannot be moved to another range");
     signatures.push_back(row.signature);
-    Air::View& view = views[key_of(row.signature)];
+    Air::View& view = views[view_key(row.signature)];
     view.rows.push_back(&row);
     for (std::size_t r = 0; r < ranges_m_.size(); ++r)
       view.out.push_back(&out[i * ranges_m_.size() + r]);

@@ -6,11 +6,11 @@
 namespace irsig {
 namespace {
 
-using Values = SightLine::Values;
+using LineValues = SightLine::Values;
 
-Values per_bin(const BandGrid& grid, const std::vector<double>& weight,
-               const std::vector<double>& spectrum) {
-  Values out(grid.lambda_um.size());
+LineValues per_bin(const BandGrid& grid, const std::vector<double>& weight,
+                   const std::vector<double>& spectrum) {
+  LineValues out(grid.lambda_um.size());
   for (std::size_t k = 0; k < out.size(); ++k)
     for (std::size_t i = grid.bin_first[k]; i < grid.bin_first[k + 1]; ++i)
       out[k] += weight[i] * spectrum[i];
@@ -19,16 +19,16 @@ Values per_bin(const BandGrid& grid, const std::vector<double>& weight,
 
 // What arrives of a source, for each unit of the source's mean over the bin; where there is no such
 // source, what arrives of a grey one.
-Values arriving(const Values& seen, const Values& mean, const Values& grey) {
-  Values out(seen.size());
+LineValues arriving(const LineValues& seen, const LineValues& mean, const LineValues& grey) {
+  LineValues out(seen.size());
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = mean[k] > 0 ? seen[k] / mean[k] : grey[k];
   return out;
 }
 
 // Weights of a side's directions that add up to 1: the solid angle around each ring, evenly over
 // its azimuths.
-std::vector<double> solid_angles(const DirectionNodes& nodes, std::uint32_t first,
-                                 std::uint32_t count) {
+std::vector<double> node_solid_angles(const DirectionNodes& nodes, std::uint32_t first,
+                                      std::uint32_t count) {
   const std::uint32_t around = nodes.azimuths(), rings = count / around;
   const auto sine = [&](std::uint32_t ring) {
     return std::abs(nodes.sin_elevation(first + ring * around));
@@ -51,7 +51,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   struct Side {
     bool sky;
     std::uint32_t first, count;
-    Values* share;
+    LineValues* share;
     // Means over the side's solid angle, on the band's nodes.
     LightAround::Sum mean;
   };
@@ -61,7 +61,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   const LightAround::Binned light = e.around.binned(0, grid.bin_weight, grid.bin_first);
   for (Side& side : sides) {
     std::vector<double> weight(nodes.sky() + nodes.lower());
-    const std::vector<double> angle = solid_angles(nodes, side.first, side.count);
+    const std::vector<double> angle = node_solid_angles(nodes, side.first, side.count);
     std::copy(angle.begin(), angle.end(), weight.begin() + side.first);
     const LightAround::Weights list{weight.data(), 1};
     side.mean = std::move(e.around.sums(side.sky, {&list, 1}, 0, n).front());
@@ -84,7 +84,7 @@ SightLine sight_line(const ViewEnvironment& e, const DirectionNodes& nodes, cons
   for (auto [to, weight] :
        {std::pair{&out.bin, &grid.bin_weight}, {&out.band, &grid.band_weight}}) {
     const auto integral = [&](const std::vector<double>& s) {
-      return s.empty() ? Values() : per_bin(grid, *weight, s);
+      return s.empty() ? LineValues() : per_bin(grid, *weight, s);
     };
     const auto mean = [&](const std::vector<double>& s) {
       return per_bin(grid, grid.bin_weight, s);

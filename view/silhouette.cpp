@@ -8,17 +8,17 @@
 namespace irsig {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kDegreeInRadians = std::numbers::pi / 180;
 constexpr std::size_t kRows = 128, kCells = 256, kCorners = 64;
 
 // The image plane of a sensor that looks at the reference point, at a distance of 1.
 struct Camera {
   Camera(const Viewpoint& v)
-      : elevation_rad(v.aspect_elevation_deg * kRadPerDeg),
+      : elevation_rad(v.aspect_elevation_deg * kDegreeInRadians),
         towards(body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg)),
         forward(-1.0 * towards),
         range_m(v.range_m) {
-    const double az = v.aspect_azimuth_deg * kRadPerDeg, el = elevation_rad;
+    const double az = v.aspect_azimuth_deg * kDegreeInRadians, el = elevation_rad;
     up = {-std::sin(el) * std::cos(az), -std::sin(el) * std::sin(az), -std::cos(el)};
     right = cross(forward, up);
     sensor = range_m * towards;
@@ -271,11 +271,11 @@ PartAreas part_areas(const TargetShape& shape, const Viewpoint& viewpoint, bool 
   PartAreas out{std::vector<double>(parts), std::vector<double>(parts)};
   if (!(x0 < x1) || !(y0 < y1)) return out;
   const double dx = (x1 - x0) / kCells, dy = (y1 - y0) / kCells;
-  struct Cell {
+  struct Pixel {
     double nearness = 0;
     std::uint32_t part = std::numeric_limits<std::uint32_t>::max();
   };
-  std::vector<Cell> cell(kCells * kCells);
+  std::vector<Pixel> cell(kCells * kCells);
   for (const Flat& f : facets) {
     const auto first =
         static_cast<std::size_t>(std::max(0.0, std::ceil((f.outline.low - y0) / dy - 0.5)));
@@ -288,7 +288,7 @@ PartAreas part_areas(const TargetShape& shape, const Viewpoint& viewpoint, bool 
       for (; c < kCells; ++c) {
         const double x = x0 + (static_cast<double>(c) + 0.5) * dx;
         if (x > span.to) break;
-        Cell& here = cell[r * kCells + c];
+        Pixel& here = cell[r * kCells + c];
         const double nearness = f.at_0 + x * f.per_x + y * f.per_y;
         if (nearness > here.nearness) here = {nearness, f.part};
       }

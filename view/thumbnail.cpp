@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kListed = 12;
 
-std::string listed(const std::vector<QueryRow>& rows) {
+std::string listed_rows(const std::vector<QueryRow>& rows) {
   std::string out;
   for (std::size_t i = 0; i < std::min(rows.size(), kListed); ++i) {
     const StoredSignature& s = rows[i].signature;
@@ -29,22 +29,22 @@ std::string listed(const std::vector<QueryRow>& rows) {
   return out;
 }
 
-struct Scale {
+struct ThumbnailScale {
   float black_w_m2_sr = 0, white_w_m2_sr = 1;
 };
-absl::StatusOr<Scale> parse_scale(const std::string& scale) {
+absl::StatusOr<ThumbnailScale> parse_thumbnail_scale(const std::string& scale) {
   const std::vector<std::string> ends = absl::StrSplit(scale, ',');
   double black = 0, white = 0;
-  if (scale == "common") return Scale{};
+  if (scale == "common") return ThumbnailScale{};
   if (ends.size() == 2 && absl::SimpleAtod(ends[0], &black) && absl::SimpleAtod(ends[1], &white) &&
       black < white && std::isfinite(black) && std::isfinite(white))
-    return Scale{static_cast<float>(black), static_cast<float>(white)};
+    return ThumbnailScale{static_cast<float>(black), static_cast<float>(white)};
   return absl::InvalidArgumentError(fmt::format(
       "thumbnail scale {}: expected common, or BLACK,WHITE in W/(m2 sr) as 0,12.5", scale));
 }
 
 // As many as one call of the program gets: images of 20 kB, 10 MB.
-constexpr std::size_t kAtOnce = 500;
+constexpr std::size_t kThumbnailsAtOnce = 500;
 
 // The hottest pixel of all images of a sweep in a band.
 absl::StatusOr<float> hottest_like(StoreReader& reader, const StoredSignature& like,
@@ -78,7 +78,7 @@ absl::StatusOr<float> hottest_like(StoreReader& reader, const StoredSignature& l
     if (!thumbnail->has_value()) continue;
     tasks.push_back({.exr = std::move(*(*thumbnail)->mutable_exr()),
                      .most_px = s.superseded ? kMostPixels : most_px});
-    if (tasks.size() < kAtOnce) continue;
+    if (tasks.size() < kThumbnailsAtOnce) continue;
     if (absl::Status status = look(); !status.ok()) return status;
   }
   if (!tasks.empty())
@@ -92,8 +92,8 @@ absl::StatusOr<schema::Thumbnail> stored_thumbnail(StoreReader& reader,
                                                    const std::vector<QueryRow>& rows) {
   if (rows.empty()) return absl::InvalidArgumentError("thumbnail: no signature matches");
   if (rows.size() > 1) {
-    return absl::InvalidArgumentError(
-        fmt::format("thumbnail: {} signatures match, choose one:{}", rows.size(), listed(rows)));
+    return absl::InvalidArgumentError(fmt::format("thumbnail: {} signatures match, choose one:{}",
+                                                  rows.size(), listed_rows(rows)));
   }
   if (rows.front().interpolation) {
     return absl::InvalidArgumentError("thumbnail: images are not interpolated, use nearest");
@@ -129,9 +129,9 @@ absl::Status write_thumbnail(StoreReader& reader, const std::vector<QueryRow>& r
   }
   if (!png && !scale.empty())
     return absl::InvalidArgumentError("thumbnail scale: .exr files hold radiance, without a scale");
-  Scale grey;
+  ThumbnailScale grey;
   if (!scale.empty()) {
-    const auto parsed = parse_scale(scale);
+    const auto parsed = parse_thumbnail_scale(scale);
     if (!parsed.ok()) return parsed.status();
     grey = *parsed;
   }

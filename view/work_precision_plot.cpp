@@ -13,9 +13,9 @@
 namespace irsig {
 namespace {
 
-constexpr double kPlotWidth = 430, kPlotHeight = 300, kLegendWidth = 290, kLeft = 84, kAbove = 44,
-                 kBelow = 58, kTop = 70;
-constexpr double kPanelWidth = kLeft + kPlotWidth + kLegendWidth,
+constexpr double kPlotWidth = 430, kPlotHeight = 300, kLegendWidth = 290, kPlotLeft = 84,
+                 kAbove = 44, kBelow = 58, kTitleHeight = 70;
+constexpr double kPanelWidth = kPlotLeft + kPlotWidth + kLegendWidth,
                  kPanelHeight = kAbove + kPlotHeight + kBelow;
 
 bool drawable(double x, double y) { return std::isfinite(x) && std::isfinite(y) && x > 0 && y > 0; }
@@ -102,7 +102,7 @@ class LogPanel {
 
  private:
   [[nodiscard]] Point at(double x, double y) const {
-    return {corner_.x + kLeft + kPlotWidth * x_.fraction(x),
+    return {corner_.x + kPlotLeft + kPlotWidth * x_.fraction(x),
             corner_.y + kAbove + kPlotHeight * (1 - y_.fraction(y))};
   }
 
@@ -138,17 +138,17 @@ class LogPanel {
   }
 
   void frame() const {
-    svg_.rect({corner_.x + kLeft, corner_.y + kAbove}, kPlotWidth, kPlotHeight, "none",
+    svg_.rect({corner_.x + kPlotLeft, corner_.y + kAbove}, kPlotWidth, kPlotHeight, "none",
               {"#333333", 1.1, ""});
-    svg_.text({corner_.x + kLeft, corner_.y + 26}, panel_.title, {.size = 15, .bold = true});
-    svg_.text({corner_.x + kLeft + kPlotWidth / 2, corner_.y + kAbove + kPlotHeight + 40},
+    svg_.text({corner_.x + kPlotLeft, corner_.y + 26}, panel_.title, {.size = 15, .bold = true});
+    svg_.text({corner_.x + kPlotLeft + kPlotWidth / 2, corner_.y + kAbove + kPlotHeight + 40},
               panel_.x_label, {.size = 13, .anchor = Anchor::kMiddle});
     svg_.text({corner_.x + 20, corner_.y + kAbove + kPlotHeight / 2}, panel_.y_label,
               {.size = 13, .anchor = Anchor::kMiddle, .rotate_deg = -90});
   }
 
   void legend() const {
-    Point p{corner_.x + kLeft + kPlotWidth + 14, corner_.y + kAbove + 14};
+    Point p{corner_.x + kPlotLeft + kPlotWidth + 14, corner_.y + kAbove + 14};
     for (std::size_t k = 0; k < panel_.series.size(); ++k, p.y += 21) {
       if (panel_.series[k].joined) svg_.line(p, {p.x + 24, p.y}, stroke(k));
       draw_marker(svg_, {p.x + 12, p.y}, k, stroke(k).color);
@@ -162,7 +162,7 @@ class LogPanel {
   Decades x_, y_;
 };
 
-std::string escaped(const std::string& text) {
+std::string escaped_html(const std::string& text) {
   return absl::StrReplaceAll(printable(text),
                              {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
 }
@@ -170,7 +170,7 @@ std::string escaped(const std::string& text) {
 void append_cells(const std::vector<std::string>& cells, const char* tag, std::string& out) {
   absl::StrAppend(&out, "<tr>");
   for (const std::string& cell : cells)
-    absl::StrAppend(&out, "<", tag, ">", escaped(cell), "</", tag, ">");
+    absl::StrAppend(&out, "<", tag, ">", escaped_html(cell), "</", tag, ">");
   absl::StrAppend(&out, "</tr>\n");
 }
 
@@ -186,13 +186,13 @@ std::string plot_work_precision(std::string_view title, std::string_view subtitl
                                 const std::vector<WorkPanel>& panels, std::size_t columns) {
   const std::size_t rows = (panels.size() + columns - 1) / columns;
   Svg svg(kPanelWidth * static_cast<double>(columns),
-          kTop + kPanelHeight * static_cast<double>(rows), title);
-  svg.text({kLeft, 30}, title, {.size = 19, .bold = true});
-  svg.text({kLeft, 54}, subtitle, {.size = 13, .color = "#666666"});
+          kTitleHeight + kPanelHeight * static_cast<double>(rows), title);
+  svg.text({kPlotLeft, 30}, title, {.size = 19, .bold = true});
+  svg.text({kPlotLeft, 54}, subtitle, {.size = 13, .color = "#666666"});
   for (std::size_t i = 0; i < panels.size(); ++i)
     LogPanel(svg,
              {kPanelWidth * static_cast<double>(i % columns),
-              kTop + kPanelHeight * static_cast<double>(i / columns)},
+              kTitleHeight + kPanelHeight * static_cast<double>(i / columns)},
              panels[i])
         .draw();
   return svg.finish();
@@ -201,20 +201,21 @@ std::string plot_work_precision(std::string_view title, std::string_view subtitl
 std::string html_page(const std::string& title, const std::vector<PageSection>& sections) {
   std::string out = absl::StrCat(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>",
-      escaped(title),
+      escaped_html(title),
       "</title>\n<style>\nbody{font-family:sans-serif;max-width:100em;margin:1em "
       "auto;padding:0 1em;color:#222}\nsvg{max-width:100%;height:auto}\n"
       "table{border-collapse:collapse;margin:0.5em 0 1.5em}\n"
       "td,th{border:1px solid #ccc;padding:0.2em 0.6em;text-align:right}\n"
       "td:first-child,th:first-child{text-align:left}\ncaption{text-align:left;font-weight:bold}\n"
       "</style>\n</head>\n<body>\n<h1>",
-      escaped(title), "</h1>\n");
+      escaped_html(title), "</h1>\n");
   for (const PageSection& s : sections) {
-    absl::StrAppend(&out, "<h2>", escaped(s.heading), "</h2>\n");
-    for (const std::string& p : s.paragraph) absl::StrAppend(&out, "<p>", escaped(p), "</p>\n");
+    absl::StrAppend(&out, "<h2>", escaped_html(s.heading), "</h2>\n");
+    for (const std::string& p : s.paragraph)
+      absl::StrAppend(&out, "<p>", escaped_html(p), "</p>\n");
     if (!s.svg.empty()) absl::StrAppend(&out, inline_svg(s.svg), "\n");
     for (const PageTable& t : s.table) {
-      absl::StrAppend(&out, "<table>\n<caption>", escaped(t.caption), "</caption>\n");
+      absl::StrAppend(&out, "<table>\n<caption>", escaped_html(t.caption), "</caption>\n");
       append_cells(t.header, "th", out);
       for (const auto& row : t.row) append_cells(row, "td", out);
       absl::StrAppend(&out, "</table>\n");

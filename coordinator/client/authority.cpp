@@ -192,7 +192,7 @@ absl::Status write_list(const Authority& authority, X509_CRL* list, double now_u
   return write_file(authority.file("crl.pem"), pem, 0644, Existing::kIsReplaced);
 }
 
-double end_of(const Authority& authority) {
+double expiry_of(const Authority& authority) {
   const auto facts = certificate_facts(pem_of(authority.certificate.get()));
   return facts.ok() ? facts->valid_until_unix_s : 0;
 }
@@ -254,10 +254,10 @@ absl::Status issue_certificate(const std::string& folder, const CertificateWish&
   for (const Role role : wish.roles) absl::StrAppend(&uses, ",", role_oid(role));
   const auto authority = open_authority(folder);
   if (!authority.ok()) return authority.status();
-  if (now_unix_s + valid_s > end_of(*authority))
+  if (now_unix_s + valid_s > expiry_of(*authority))
     return absl::InvalidArgumentError(absl::StrCat(
         "the certificate would outlive its authority's, which ends in ",
-        std::max(0.0, std::floor((end_of(*authority) - now_unix_s) / 86400)), " days"));
+        std::max(0.0, std::floor((expiry_of(*authority) - now_unix_s) / 86400)), " days"));
   const std::string pem_path = absl::StrCat(out_folder, "/", wish.name, ".pem");
   const std::string key_path = absl::StrCat(out_folder, "/", wish.name, ".key");
   for (const std::string& path : {pem_path, key_path})

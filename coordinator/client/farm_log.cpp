@@ -19,7 +19,7 @@ constexpr const char* kLevels[] = {"debug", "info", "warning", "error", "off"};
 // Of the line that this thread is writing: loggers write at once, in the thread that calls them.
 thread_local const LogAbout* about_now = nullptr;
 
-std::string text_of(const LogAbout& about, std::string_view text) {
+std::string line_of(const LogAbout& about, std::string_view text) {
   std::string out;
   const auto add = [&](std::string_view what, std::string_view name) {
     if (!name.empty()) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", what, name);
@@ -54,7 +54,7 @@ class FarmLog final : public spdlog::formatter {
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
     const std::string_view said(message.payload.data(), message.payload.size());
     const LogAbout about = about_now ? *about_now : LogAbout();
-    const std::string text = json_ ? json_of(about, said) : text_of(about, said);
+    const std::string text = json_ ? json_of(about, said) : line_of(about, said);
     spdlog::details::log_msg plain = message;
     plain.payload = text;
     pattern_->format(plain, line);

@@ -16,7 +16,7 @@
 namespace irsig {
 namespace {
 
-constexpr std::uint64_t kMostPemBytes = 1'000'000;
+constexpr std::uint64_t kMostTlsPemBytes = 1'000'000;
 
 absl::Status wrong(const std::string& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat(path, ": ", what));
@@ -26,7 +26,7 @@ absl::StatusOr<std::string> read(const char* option, const std::string& path) {
   if (path.empty())
     return absl::InvalidArgumentError(
         absl::StrCat(option, " is missing: TLS needs --tls-cert, --tls-key and --tls-ca"));
-  auto text = read_user_file(path, kMostPemBytes);
+  auto text = read_user_file(path, kMostTlsPemBytes);
   if (!text.ok()) return wrong(path, std::string(text.status().message()));
   return text;
 }

@@ -29,13 +29,13 @@ enum class Unit {
   kDewPointKelvin,
   kDewPointCelsius
 };
-struct Column {
+struct LevelColumn {
   Quantity quantity;
   Unit unit;
 };
 
-const std::map<std::string_view, Column>& columns() {
-  static const std::map<std::string_view, Column> known = {
+const std::map<std::string_view, LevelColumn>& columns() {
+  static const std::map<std::string_view, LevelColumn> known = {
       {"height_m", {Quantity::kHeight, Unit::kMetre}},
       {"height_km", {Quantity::kHeight, Unit::kKilometre}},
       {"pressure_pa", {Quantity::kPressure, Unit::kPascal}},
@@ -50,7 +50,7 @@ const std::map<std::string_view, Column>& columns() {
   return known;
 }
 
-struct Field {
+struct LevelField {
   std::string_view text;
   int line, column;  // from 1
 };
@@ -70,7 +70,7 @@ class ProfileReader {
       ++line_number;
       if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
       if (line.find_first_not_of(" \t") == std::string_view::npos || line.front() == '#') continue;
-      const std::vector<Field> fields = split(line, line_number);
+      const std::vector<LevelField> fields = split(line, line_number);
       if (header) {
         read_header(fields);
         if (!errors_.empty()) break;
@@ -94,8 +94,8 @@ class ProfileReader {
     errors_.push_back({absl::StrFormat("%s:%d:%d", file_, line, column), "", std::string(what)});
   }
 
-  static std::vector<Field> split(std::string_view line, int line_number) {
-    std::vector<Field> fields;
+  static std::vector<LevelField> split(std::string_view line, int line_number) {
+    std::vector<LevelField> fields;
     for (std::size_t start = 0;;) {
       const std::size_t comma = std::min(line.find(',', start), line.size());
       std::size_t first = start, last = comma;
@@ -108,9 +108,9 @@ class ProfileReader {
     }
   }
 
-  void read_header(const std::vector<Field>& fields) {
+  void read_header(const std::vector<LevelField>& fields) {
     std::optional<Unit> found[4];
-    for (const Field& field : fields) {
+    for (const LevelField& field : fields) {
       const auto known = columns().find(field.text);
       if (known == columns().end()) {
         error(field.line, field.column,
@@ -137,7 +137,7 @@ class ProfileReader {
     }
   }
 
-  void read_level(const std::vector<Field>& fields) {
+  void read_level(const std::vector<LevelField>& fields) {
     if (fields.size() != header_.size()) {
       error(fields[0].line, 1,
             absl::StrFormat("%d fields, expected %d as in the header", fields.size(),
@@ -145,7 +145,7 @@ class ProfileReader {
       return;
     }
     double value[4] = {};
-    const Field* at[4] = {};
+    const LevelField* at[4] = {};
     Unit humidity_unit = Unit::kPpmv;
     for (std::size_t i = 0; i < fields.size(); ++i) {
       double x = 0;
@@ -177,11 +177,11 @@ class ProfileReader {
     add_level(value, at, humidity_unit);
   }
 
-  void add_level(const double (&value)[4], const Field* const (&at)[4], Unit humidity_unit) {
+  void add_level(const double (&value)[4], const LevelField* const (&at)[4], Unit humidity_unit) {
     const std::size_t errors_before = errors_.size();
     const auto expect = [&](bool good, Quantity q, std::string_view what) {
       if (!good) {
-        const Field& field = *at[static_cast<std::size_t>(q)];
+        const LevelField& field = *at[static_cast<std::size_t>(q)];
         error(field.line, field.column, absl::StrFormat("%s: %s", field.text, what));
       }
     };
@@ -251,7 +251,7 @@ class ProfileReader {
 
   std::string_view text_, file_;
   const AirProfile& base_;
-  std::vector<Column> header_;
+  std::vector<LevelColumn> header_;
   std::vector<Problem> errors_;
   AirProfile profile_;
 };

@@ -194,7 +194,7 @@ class TableReader {
 };
 
 // Mean of a density that is exponential between a and b.
-double logarithmic_mean(double a, double b) {
+double mean_density(double a, double b) {
   if (a <= 0 || b <= 0) return 0.5 * (a + b);
   const double x = std::log(b / a);
   return std::abs(x) < 1e-4 ? a * (1 + x / 2 + x * x / 6) : (b - a) / x;
@@ -275,10 +275,10 @@ void add_gases(AbsorberAmounts& out, const AirLevel& from, const AirLevel& to, d
   const double temperature_k =
       std::clamp(0.5 * (from.temperature_k + to.temperature_k), kTemperatureMinK, kTemperatureMaxK);
   const double n_from = air_mol_m3(from), n_to = air_mol_m3(to);
-  const double n_air = logarithmic_mean(n_from, n_to);
+  const double n_air = mean_density(n_from, n_to);
 
   const auto column = [&](double from_ppmv, double to_ppmv) {
-    return logarithmic_mean(n_from * from_ppmv, n_to * to_ppmv) * 1e-6 * length_m;
+    return mean_density(n_from * from_ppmv, n_to * to_ppmv) * 1e-6 * length_m;
   };
   const double mol_m2[kGasCount] = {column(from.gas.h2o_ppmv, to.gas.h2o_ppmv),
                                     column(from.gas.co2_ppmv, to.gas.co2_ppmv),
@@ -307,12 +307,12 @@ void add_gases(AbsorberAmounts& out, const AirLevel& from, const AirLevel& to, d
   const WaterDensities a = water_of(from), b = water_of(to);
   AirSpectrum& continuum = depth(GreyAbsorber::kWaterContinuum);
   add_continuum(continuum, table.self, pressure_pa, temperature_k,
-                logarithmic_mean(a.mol_m3 * a.kg_m3, b.mol_m3 * b.kg_m3), length_m, bands);
+                mean_density(a.mol_m3 * a.kg_m3, b.mol_m3 * b.kg_m3), length_m, bands);
   add_continuum(continuum, table.foreign, pressure_pa, temperature_k,
-                logarithmic_mean(n_from * a.per_kg * (1 - a.per_kg) * a.air_kg_m3,
-                                 n_to * b.per_kg * (1 - b.per_kg) * b.air_kg_m3),
+                mean_density(n_from * a.per_kg * (1 - a.per_kg) * a.air_kg_m3,
+                             n_to * b.per_kg * (1 - b.per_kg) * b.air_kg_m3),
                 length_m, bands);
-  const double n_squared_m = logarithmic_mean(n_from * n_from, n_to * n_to) * length_m;
+  const double n_squared_m = mean_density(n_from * n_from, n_to * n_to) * length_m;
   const double co2_mol_m3 = 0.5e-6 * (from.gas.co2_ppmv + to.gas.co2_ppmv);
   const double standard_air_m = n_air / 44.615 * length_m;  // mol/m3 at 0 C and 1013.25 hPa
   AirSpectrum &nitrogen = depth(GreyAbsorber::kNitrogen), &oxygen = depth(GreyAbsorber::kOxygen),

@@ -12,7 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kCells = 512;
 
 class BeardMaxwellModel final : public LobeModel {
@@ -52,7 +51,7 @@ class BeardMaxwellModel final : public LobeModel {
     const double tan2 = g.sin2_h / (g.cos_h * g.cos_h);
     const double d = spec_.bias / (g.cos_h * (spec_.width * spec_.width + tan2));
     const double first = 0.25 * d * masking(g) / (g.cos_i * g.cos_o);
-    const double volume = 2 / (kPi * (g.cos_i + g.cos_o));
+    const double volume = 2 / (std::numbers::pi * (g.cos_i + g.cos_o));
     const double position = std::sqrt(g.cos_d) * kCells;
     const auto entry =
         std::min(static_cast<std::size_t>(position), static_cast<std::size_t>(kCells) - 1);
@@ -60,8 +59,8 @@ class BeardMaxwellModel final : public LobeModel {
     const float* a = fresnel_row_.data() + entry * spectra();
     const float* b = a + spectra();
     for (std::size_t i = 0; i < spectra(); ++i)
-      out[i] = static_cast<float>(first * (a[i] + t * (b[i] - a[i])) + diffuse_[i] / kPi +
-                                  volume_[i] * volume);
+      out[i] = static_cast<float>(first * (a[i] + t * (b[i] - a[i])) +
+                                  diffuse_[i] / std::numbers::pi + volume_[i] * volume);
   }
 
   void dhr(double cos_o, std::span<double> out) const override {
@@ -81,8 +80,8 @@ class BeardMaxwellModel final : public LobeModel {
         fresnel_row_.begin() + entry * static_cast<std::ptrdiff_t>(spectra()), fresnel_row_.end());
     return d * static_cast<double>(fresnel) *
                (spec_.published ? open_grazing(range) : groove_grazing(range)) +
-           *std::max_element(diffuse_.begin(), diffuse_.end()) / kPi +
-           2 / kPi * *std::max_element(volume_.begin(), volume_.end());
+           *std::max_element(diffuse_.begin(), diffuse_.end()) / std::numbers::pi +
+           2 / std::numbers::pi * *std::max_element(volume_.begin(), volume_.end());
   }
 
   [[nodiscard]] double narrowest_slope() const override { return spec_.width; }
@@ -90,7 +89,7 @@ class BeardMaxwellModel final : public LobeModel {
 
  private:
   [[nodiscard]] double masking(const ReflectionGeometry& g) const {
-    constexpr double kDegrees = 180 / kPi;
+    constexpr double kDegrees = 180 / std::numbers::pi;
     const double theta = std::atan2(std::sqrt(g.sin2_h), g.cos_h) * kDegrees / spec_.omega_deg;
     const double beta = std::acos(std::min(1.0, g.cos_d)) * kDegrees;
     const double so = (1 + theta * std::exp(-2 * beta / spec_.tau_deg)) / (1 + theta);
@@ -133,7 +132,7 @@ double beard_maxwell_normalised_bias(double width) {
     // atanh(root) = ln((1 + root) / (1 - root)) / 2 with 1 - root = sigma^2 / (1 + root)
     integral = (std::log((1 + root) / width) / root - 1) / kappa;
   }
-  return 1 / (2 * kPi * integral);
+  return 1 / (2 * std::numbers::pi * integral);
 }
 
 BrdfModelOr prepare_beard_maxwell(const BeardMaxwell& spec, const PreparedFor& at) {

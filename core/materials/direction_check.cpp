@@ -10,7 +10,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kAzimuths = 16, kPanels = 4;
 
 // Edges of the rings, in the half vector's angle to the normal.
@@ -19,7 +18,7 @@ std::vector<double> ring_edges(double narrowest_slope) {
   if (std::isfinite(narrowest_slope))
     for (const double s : {0.35, 0.6, 0.8, 1.0, 1.2, 1.5, 1.9, 2.4, 4.0, 8.0, 20.0, 60.0, 200.0})
       if (const double angle = std::atan(s * narrowest_slope); angle < 0.15) edges.push_back(angle);
-  for (const double angle : {0.2, 0.35, 0.5, 0.65, 0.8, 1.0, 1.2, 0.5 * kPi})
+  for (const double angle : {0.2, 0.35, 0.5, 0.65, 0.8, 1.0, 1.2, 0.5 * std::numbers::pi})
     edges.push_back(angle);
   return edges;
 }
@@ -65,9 +64,10 @@ DirectionCheck check_directions(const Material& drawn_from, const Material& stat
       double sum = 0;
       for (int i = 0; i < kPanels * 8; ++i) {
         const double phi = (azimuth + (i / 8 + rule.x[static_cast<std::size_t>(i % 8)]) / kPanels) *
-                               2 * kPi / kAzimuths -
-                           kPi;
-        const double last = 0.25 * kPi + 0.5 * std::atan2(sin_o * std::cos(phi), cos_o);
+                               2 * std::numbers::pi / kAzimuths -
+                           std::numbers::pi;
+        const double last =
+            0.25 * std::numbers::pi + 0.5 * std::atan2(sin_o * std::cos(phi), cos_o);
         const double a = std::min(edge[ring], last), width = std::min(edge[ring + 1], last) - a;
         for (int j = 0; j < kPanels * 8 && width > 0; ++j) {
           const double theta =
@@ -83,7 +83,7 @@ DirectionCheck check_directions(const Material& drawn_from, const Material& stat
                  width * 4 * cos_d * sin_h * static_cast<double>(stated.density_per_sr(at));
         }
       }
-      sum *= 2 * kPi / (kAzimuths * kPanels * kPanels);
+      sum *= 2 * std::numbers::pi / (kAzimuths * kPanels * kPanels);
       expected[ring * kAzimuths + static_cast<std::size_t>(azimuth)] = sum * samples;
       integral += sum;
     }
@@ -113,7 +113,7 @@ DirectionCheck check_directions(const Material& drawn_from, const Material& stat
         static_cast<std::size_t>(std::upper_bound(edge.begin(), edge.end(), used) - edge.begin()) -
             1,
         rings - 1);
-    const double turn = (std::atan2(hy, hx) + kPi) / (2 * kPi);
+    const double turn = (std::atan2(hy, hx) + std::numbers::pi) / (2 * std::numbers::pi);
     const int azimuth = std::clamp(static_cast<int>(turn * kAzimuths), 0, kAzimuths - 1);
     ++counted[ring * kAzimuths + static_cast<std::size_t>(azimuth)];
   }

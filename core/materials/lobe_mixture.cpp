@@ -7,7 +7,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kLeastProbability = 0.02;
 
 double sin_of(double cos_theta) {
@@ -64,9 +63,9 @@ BrdfModel::Drawn draw(const SamplingLobe& lobe, double cos_o, double u, double c
 double density(const SamplingLobe& lobe, const ReflectionGeometry& g) {
   switch (lobe.kind) {
     case SamplingLobe::Kind::kCosine:
-      return g.cos_i / kPi;
+      return g.cos_i / std::numbers::pi;
     case SamplingLobe::Kind::kUniform:
-      return 0.5 / kPi;
+      return 0.5 / std::numbers::pi;
     case SamplingLobe::Kind::kHalfVectors:
       return half_vector_density(lobe.slopes, g.cos_h, g.sin2_h) / (4 * g.cos_d);
     case SamplingLobe::Kind::kVisibleHalfVectors: {

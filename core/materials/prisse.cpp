@@ -12,8 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double fifth_power(double x) {
   const double x2 = x * x;
   return x2 * x2 * x;
@@ -49,7 +47,7 @@ class PrisseModel final : public LobeModel {
     const double octaves = std::log2(largest_ / least_);
     const int points = octaves < 1e-9 ? 1 : 6 + static_cast<int>(std::ceil(2 * octaves));
     for (int k = 0; k < points; ++k) {
-      const double x = points == 1 ? 0 : std::cos(kPi * k / (points - 1));
+      const double x = points == 1 ? 0 : std::cos(std::numbers::pi * k / (points - 1));
       chebyshev_.push_back(x);
       quadrature_.emplace_back(
           SlopeLobe{SlopeLaw::kBeckmann,
@@ -69,7 +67,7 @@ class PrisseModel final : public LobeModel {
   void brdf_per_sr(const ReflectionGeometry& g, float* out) const override {
     const double cos2 = g.cos_h * g.cos_h, tan2 = g.sin2_h / cos2;
     const double grazing = fifth_power(1 - g.cos_d);
-    const double shape = 1 / (4 * kPi * g.cos_d * g.cos_d * cos2 * cos2);
+    const double shape = 1 / (4 * std::numbers::pi * g.cos_d * g.cos_d * cos2 * cos2);
     const double printed = printed_ ? std::exp(-tan2) : 0;
     for (std::size_t i = 0; i < spectra(); ++i) {
       const double bell = r_[i] * (printed_ ? printed : std::exp(-r_[i] * tan2));
@@ -95,7 +93,7 @@ class PrisseModel final : public LobeModel {
     for (std::size_t i = 0; i < r_.size(); ++i)
       most = std::max(most, r_[i] * largest_bell(range.tan2_h_min, printed_ ? 1 : 1 / r_[i], 1) *
                                 (reflectance_[i] + (1 - reflectance_[i]) * grazing));
-    return most / kPi * groove_grazing(range);
+    return most / std::numbers::pi * groove_grazing(range);
   }
 
   [[nodiscard]] double narrowest_slope() const override { return 1 / std::sqrt(largest_); }
@@ -131,7 +129,7 @@ class PrisseModel final : public LobeModel {
 
 double prisse_roughness_factor(const Prisse& spec, double lambda_um) {
   const double distance = lambda_um - spec.lambda0_um;
-  return kPi * (distance * distance + spec.gamma_um * spec.gamma_um) / spec.gamma_um;
+  return std::numbers::pi * (distance * distance + spec.gamma_um * spec.gamma_um) / spec.gamma_um;
 }
 
 BrdfModelOr prepare_prisse(const Prisse& spec, const PreparedFor& at) {

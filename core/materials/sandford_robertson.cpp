@@ -14,8 +14,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // g / G.
 class GrazingFall {
  public:
@@ -95,7 +93,7 @@ class SandfordRobertsonModel final : public LobeModel {
   void brdf_per_sr(const ReflectionGeometry& g, float* out) const override {
     const AngleGrid::Stencil i = grid_.stencil(g.cos_i), o = grid_.stencil(g.cos_o);
     const double lobe = lobe_per_sr(g) * grid_.base(g.cos_i) * grid_.base(g.cos_o);
-    const double diffuse = fall_(g.cos_i) * fall_(g.cos_o) / kPi;
+    const double diffuse = fall_(g.cos_i) * fall_(g.cos_o) / std::numbers::pi;
     for (std::size_t k = 0; k < spectra(); ++k)
       out[k] = static_cast<float>(diffuse_[k] * diffuse + lobe * scale(k, i) * scale(k, o));
   }
@@ -113,9 +111,9 @@ class SandfordRobertsonModel final : public LobeModel {
 
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const override {
     const double q = (e_ * e_ + range.tan2_h_min) / (1 + range.tan2_h_min);
-    const double lobe = e_ * e_ / (4 * kPi * q * q);
+    const double lobe = e_ * e_ / (4 * std::numbers::pi * q * q);
     const double diffuse = *std::max_element(diffuse_.begin(), diffuse_.end());
-    return diffuse / (kPi * fall_.mean() * fall_.mean()) +
+    return diffuse / (std::numbers::pi * fall_.mean() * fall_.mean()) +
            lobe * most_of_light_[cell_of(range.cos_i_min)] * most_seen_[cell_of(range.cos_o_min)];
   }
 
@@ -126,7 +124,7 @@ class SandfordRobertsonModel final : public LobeModel {
   // e^2 h / (4 pi)
   [[nodiscard]] double lobe_per_sr(const ReflectionGeometry& g) const {
     const double q = e_ * e_ * g.cos_h * g.cos_h + g.sin2_h;
-    return e_ * e_ / (4 * kPi * q * q);
+    return e_ * e_ / (4 * std::numbers::pi * q * q);
   }
 
   // The lobe's integral over w_i, spread over the grid points between which s(i) is interpolated.

@@ -7,8 +7,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // (1 - w^2) / ln(1/w^2), 1 at w = 1.
 double cauchy_scale(double w2) {
   const double kappa = 1 - w2;
@@ -21,13 +19,13 @@ double half_vector_density(const SlopeLobe& lobe, double cos_h, double sin2_h) {
   const double w2 = lobe.width * lobe.width, cos2 = cos_h * cos_h;
   switch (lobe.law) {
     case SlopeLaw::kBeckmann:
-      return std::exp(-sin2_h / (cos2 * w2)) / (kPi * w2 * cos2 * cos_h);
+      return std::exp(-sin2_h / (cos2 * w2)) / (std::numbers::pi * w2 * cos2 * cos_h);
     case SlopeLaw::kEllipsoid: {
       const double q = w2 * cos2 + sin2_h;
-      return w2 * cos_h / (kPi * q * q);
+      return w2 * cos_h / (std::numbers::pi * q * q);
     }
     case SlopeLaw::kCauchy:
-      return cauchy_scale(w2) / kPi * cos_h / (w2 * cos2 + sin2_h);
+      return cauchy_scale(w2) / std::numbers::pi * cos_h / (w2 * cos2 + sin2_h);
   }
   return 0;
 }

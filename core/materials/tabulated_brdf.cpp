@@ -11,8 +11,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kRadians = kPi / 180;
+constexpr double kRadians = std::numbers::pi / 180;
 
 using Grid = std::vector<double>;
 
@@ -56,7 +55,7 @@ absl::Status check_grid(const Grid& grid, const char* what, double least, double
   return absl::OkStatus();
 }
 
-absl::Status check_table(const TabulatedBrdf& spec) {
+absl::Status check_measured(const TabulatedBrdf& spec) {
   for (const auto& status :
        {check_grid(spec.lambda_um, "wavelength [um]", 1e-6, std::numeric_limits<double>::max()),
         check_grid(spec.theta_i_deg, "zenith angle of incidence [deg]", 0, 90),
@@ -173,7 +172,8 @@ class TabulatedModel final : public BrdfModel {
     const double sin2_i = sin2_a + u * (sin2_b - sin2_a);
     const double angle = std::atan2(sin_phi, cos_phi);
     const double azimuth =
-        (azimuth_[p] + (azimuth_[p + 1] - azimuth_[p]) * std::abs(angle) / kPi) * kRadians;
+        (azimuth_[p] + (azimuth_[p + 1] - azimuth_[p]) * std::abs(angle) / std::numbers::pi) *
+        kRadians;
     const double sin_i = std::sqrt(sin2_i), sin_o = std::sqrt((1 - cos_o) * (1 + cos_o));
     Drawn out{sin_i * std::cos(azimuth),
               std::copysign(sin_i * std::sin(azimuth), angle),
@@ -244,7 +244,7 @@ class TabulatedModel final : public BrdfModel {
             value_[index(i, o, p) + s] = value_[index(o, i, p) + s] = static_cast<float>(f);
           }
         }
-    const auto weight = hat_integrals(azimuth_, [](double) { return 1 / kPi; });
+    const auto weight = hat_integrals(azimuth_, [](double) { return 1 / std::numbers::pi; });
     for (std::size_t o = 0; o < zenith_.size(); ++o)
       for (std::size_t s = 0; s < spectra_; ++s) {
         double mean = 0;
@@ -288,7 +288,7 @@ class TabulatedModel final : public BrdfModel {
 }  // namespace
 
 BrdfModelOr prepare_tabulated_brdf(const TabulatedBrdf& spec, const PreparedFor& at) {
-  if (auto status = check_table(spec); !status.ok()) return status;
+  if (auto status = check_measured(spec); !status.ok()) return status;
   const bool grey = spec.lambda_um.size() == 1;
   if (!grey &&
       (spec.lambda_um.front() > at.lambda_min_um || spec.lambda_um.back() < at.lambda_max_um))
@@ -300,7 +300,7 @@ BrdfModelOr prepare_tabulated_brdf(const TabulatedBrdf& spec, const PreparedFor&
 }
 
 absl::StatusOr<TabulatedBrdfFindings> examine(const TabulatedBrdf& spec) {
-  if (auto status = check_table(spec); !status.ok()) return status;
+  if (auto status = check_measured(spec); !status.ok()) return status;
   const double first = std::max(spec.theta_i_deg.front(), spec.theta_r_deg.front());
   const double last = std::min(spec.theta_i_deg.back(), spec.theta_r_deg.back());
   Grid shared = united(spec.theta_i_deg, spec.theta_r_deg, {});

@@ -12,8 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 class WardModel final : public LobeModel {
  public:
   WardModel(const Ward& spec, std::size_t spectra, const std::vector<double>& node_um)
@@ -41,7 +39,7 @@ class WardModel final : public LobeModel {
   void brdf_per_sr(const ReflectionGeometry& g, float* out) const override {
     const double lobe = has_lobe_ ? lobe_per_sr(g) : 0;
     for (std::size_t i = 0; i < spectra(); ++i)
-      out[i] = static_cast<float>(diffuse_[i] / kPi + specular_[i] * lobe);
+      out[i] = static_cast<float>(diffuse_[i] / std::numbers::pi + specular_[i] * lobe);
   }
 
   void dhr(double cos_o, std::span<double> out) const override {
@@ -52,11 +50,11 @@ class WardModel final : public LobeModel {
   // Half vectors and sines: cos_d cos_h = (cos_i + cos_o) / 2, and cos_i / (cos_i + cos_o)^2 is at
   // most 1 / (4 cos_o) and at most 1 / (cos_i + cos_o).
   [[nodiscard]] double cos_brdf_limit_per_sr(const ReflectionRange& range) const override {
-    const double diffuse = *std::max_element(diffuse_.begin(), diffuse_.end()) / kPi;
+    const double diffuse = *std::max_element(diffuse_.begin(), diffuse_.end()) / std::numbers::pi;
     if (!has_lobe_) return diffuse;
     const double a2 = alpha_ * alpha_, o = std::max(range.cos_o_min, 0.0);
     const auto bell = [&](int power) {
-      return largest_bell(range.tan2_h_min, a2, power) / (4 * kPi * a2);
+      return largest_bell(range.tan2_h_min, a2, power) / (4 * std::numbers::pi * a2);
     };
     double lobe = 0;
     switch (form_) {
@@ -96,7 +94,7 @@ class WardModel final : public LobeModel {
 
   [[nodiscard]] double lobe_per_sr(const ReflectionGeometry& g) const {
     const double a2 = alpha_ * alpha_, cos2 = g.cos_h * g.cos_h;
-    const double bell = std::exp(-g.sin2_h / (cos2 * a2)) / (4 * kPi * a2);
+    const double bell = std::exp(-g.sin2_h / (cos2 * a2)) / (4 * std::numbers::pi * a2);
     switch (form_) {
       case WardForm::kWard1992:
         return bell / std::sqrt(g.cos_i * g.cos_o);

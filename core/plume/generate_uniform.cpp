@@ -35,7 +35,7 @@ absl::StatusOr<Extent> extent_of(const UniformPlume& p) {
   return Extent{p.length_m / 2, p.width_m / 2, p.height_m / 2};
 }
 
-bool inside(const UniformPlume& p, const Extent& half, double x, double y, double z) {
+bool inside_plume(const UniformPlume& p, const Extent& half, double x, double y, double z) {
   if (p.kind == "sphere") return x * x + y * y + z * z < p.radius_m * p.radius_m;
   if (!(std::abs(x) < half.x)) return false;
   if (p.kind == "cylinder") return y * y + z * z < p.radius_m * p.radius_m;
@@ -122,8 +122,8 @@ absl::StatusOr<GeneratedPlume> generate_uniform_plume(const UniformPlume& plume)
     int in = 0, all = 0;
     const auto at = [&](int c, int n) { return h * (c + (n + 0.5) / kPoints); };
     for (int n = 0; n < kPoints * kPoints * kPoints; ++n, ++all)
-      in += inside(plume, *half, at(i, n % kPoints), at(j, n / kPoints % kPoints),
-                   at(k, n / kPoints / kPoints));
+      in += inside_plume(plume, *half, at(i, n % kPoints), at(j, n / kPoints % kPoints),
+                         at(k, n / kPoints / kPoints));
     return static_cast<double>(in) / all;
   };
   for (std::int32_t x = -blocks(half->x); x < blocks(half->x); ++x)

@@ -12,7 +12,7 @@ using Cell = BlockTree::Cell;
 using Values = std::array<float, 2 + kPlumeSpecies>;  // K, Pa, fractions
 
 Cell halved(const Cell& at) { return {at[0] >> 1, at[1] >> 1, at[2] >> 1}; }  // also of negatives
-Cell block_of(const Cell& at) { return {at[0] & ~7, at[1] & ~7, at[2] & ~7}; }
+Cell origin_of_block(const Cell& at) { return {at[0] & ~7, at[1] & ~7, at[2] & ~7}; }
 
 void add(const GasSums& voxel, double times, GasSums& sum) {
   sum.weight += times * voxel.weight;
@@ -65,7 +65,8 @@ absl::StatusOr<std::shared_ptr<const PlumeField>> PlumeField::make_half() const 
   // Blocks whose own voxels hold gas, by the block that they become a part of.
   std::vector<std::pair<Cell, std::size_t>> old;
   for (std::size_t c = 0; c < cell_blocks_.size(); ++c)
-    if (cell_blocks_[c].values[0] >= 0) old.emplace_back(block_of(halved(cell_origin_[c])), c);
+    if (cell_blocks_[c].values[0] >= 0)
+      old.emplace_back(origin_of_block(halved(cell_origin_[c])), c);
   std::sort(old.begin(), old.end());
   VolumeWriter writer(volume);
   std::vector<GasSums> sum(512);

@@ -16,7 +16,7 @@ namespace irsig {
 namespace {
 
 using std::numbers::pi;
-using Ring = std::vector<std::uint32_t>;
+using TowerRing = std::vector<std::uint32_t>;
 
 // In throat radii: heights from the deck to the throat and from there to the exit; the hyperboloid
 // r = R sqrt(1 + (h / waist)^2) then has 1.07 R at the deck and 1.10 R at the exit.
@@ -36,13 +36,13 @@ class TowerMesh {
     mesh.group.emplace_back(name);
   }
 
-  Ring centre(double z_m) { return {vertex({0, 0, z_m})}; }
+  TowerRing centre(double z_m) { return {vertex({0, 0, z_m})}; }
 
   // A regular polygon with the area of the circle.
-  Ring circle(double radius_m, double z_m) {
+  TowerRing circle(double radius_m, double z_m) {
     const double step = 2 * pi / around_;
     const double corner_m = radius_m * std::sqrt(step / std::sin(step));
-    Ring ring;
+    TowerRing ring;
     for (std::uint32_t i = 0; i < around_; ++i) {
       const double angle = pi / 4 + step * i;
       ring.push_back(vertex({corner_m * std::cos(angle), corner_m * std::sin(angle), z_m}));
@@ -51,10 +51,10 @@ class TowerMesh {
   }
 
   // around / 4 points on each side; the first lies on the corner towards bow and starboard.
-  Ring rectangle(double length_m, double width_m, double z_m) {
+  TowerRing rectangle(double length_m, double width_m, double z_m) {
     const double x = length_m / 2, y = width_m / 2;
     const Vec<Body> corner[] = {{x, y, z_m}, {-x, y, z_m}, {-x, -y, z_m}, {x, -y, z_m}};
-    Ring ring;
+    TowerRing ring;
     const std::uint32_t side = around_ / 4;
     for (std::uint32_t k = 0; k < 4; ++k)
       for (std::uint32_t i = 0; i < side; ++i) {
@@ -64,7 +64,7 @@ class TowerMesh {
     return ring;
   }
 
-  void strip(const Ring& a, const Ring& b) {
+  void strip(const TowerRing& a, const TowerRing& b) {
     for (std::uint32_t i = 0; i < around_; ++i) {
       const std::uint32_t j = (i + 1) % around_;
       if (a.size() > 1) facet(a[j], a[i], b[i % b.size()]);
@@ -90,7 +90,7 @@ class TowerMesh {
 // The stack has this many rows of facets on either side; of the flat strips, five have two
 // triangles around and two that end in a middle have one; the hub has four and the ground two.
 std::uint32_t stack_rows(std::uint32_t around) { return around / 8; }
-std::uint64_t triangles_of(std::uint32_t around) {
+std::uint64_t tower_triangles(std::uint32_t around) {
   return static_cast<std::uint64_t>(around) * (18 + 4 * stack_rows(around));
 }
 
@@ -103,7 +103,7 @@ double cooling_tower_reach(double radius_m) {
 Mesh make_cooling_tower(double radius_m, double length_m, double width_m, double height_m,
                         std::uint64_t triangles) {
   std::uint32_t around = 16;
-  while (triangles_of(around + 8) <= triangles) around += 8;
+  while (tower_triangles(around + 8) <= triangles) around += 8;
   TowerMesh tower(around);
   const double shell_m = kShell * radius_m, deck_z = kDeckToThroat * radius_m,
                exit_z = -kThroatToExit * radius_m, ground_z = deck_z + height_m,
@@ -114,12 +114,12 @@ Mesh make_cooling_tower(double radius_m, double length_m, double width_m, double
   const std::uint32_t rows = stack_rows(around);
 
   tower.group("casing");
-  Ring last = tower.centre(ground_z);
-  const auto on_to = [&](Ring next) {
+  TowerRing last = tower.centre(ground_z);
+  const auto on_to = [&](TowerRing next) {
     tower.strip(last, next);
     last = std::move(next);
   };
-  const Ring foot = tower.rectangle(length_m, width_m, ground_z);
+  const TowerRing foot = tower.rectangle(length_m, width_m, ground_z);
   on_to(foot);
   on_to(tower.rectangle(length_m, width_m, deck_z));
   tower.group("deck");

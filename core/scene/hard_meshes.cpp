@@ -9,14 +9,14 @@ namespace {
 
 // A surface of revolution about z: poles at +-z and rings of `around` vertices at the given
 // (radius, height), from the top down.
-struct Ring {
+struct HardRing {
   double radius_m, height_m;
 };
-Mesh revolve(std::uint32_t around, double pole_m, const std::vector<Ring>& ring) {
+Mesh revolve_hard(std::uint32_t around, double pole_m, const std::vector<HardRing>& ring) {
   Mesh mesh;
   mesh.group = {"default"};
   mesh.vertex = {{0, 0, pole_m}, {0, 0, -pole_m}};
-  for (const Ring& r : ring) {
+  for (const HardRing& r : ring) {
     for (std::uint32_t i = 0; i < around; ++i) {
       const double phi = 2 * std::numbers::pi * (i + 0.3) / around;
       mesh.vertex.push_back({r.radius_m * std::cos(phi), r.radius_m * std::sin(phi), r.height_m});
@@ -41,12 +41,12 @@ Mesh revolve(std::uint32_t around, double pole_m, const std::vector<Ring>& ring)
 }
 
 Mesh ellipsoid(std::uint32_t around, std::uint32_t down, double radius_m, double half_height_m) {
-  std::vector<Ring> ring;
+  std::vector<HardRing> ring;
   for (std::uint32_t k = 1; k < down; ++k) {
     const double theta = std::numbers::pi * k / down;
     ring.push_back({radius_m * std::sin(theta), half_height_m * std::cos(theta)});
   }
-  return revolve(around, half_height_m, ring);
+  return revolve_hard(around, half_height_m, ring);
 }
 
 }  // namespace

@@ -10,9 +10,9 @@
 namespace irsig {
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoIndex = std::numeric_limits<std::uint32_t>::max();
 
-void turn(std::array<std::uint32_t, 3>& t) { std::swap(t[1], t[2]); }
+void turn_over(std::array<std::uint32_t, 3>& t) { std::swap(t[1], t[2]); }
 
 // Facets at their places, without those that are none or that stand twice.
 Mesh cleaned(const Mesh& mesh, RepairLog& log) {
@@ -22,10 +22,10 @@ Mesh cleaned(const Mesh& mesh, RepairLog& log) {
   std::vector<bool> used(mesh.vertex.size(), false);
   for (const auto& t : mesh.triangle)
     for (const std::uint32_t i : t) used[i] = true;
-  std::vector<std::uint32_t> number(mesh.vertex.size(), kNone);
+  std::vector<std::uint32_t> number(mesh.vertex.size(), kNoIndex);
   const auto keep = [&](std::uint32_t i) {
     std::uint32_t& n = number[topology.place_of[i]];
-    if (n == kNone) {
+    if (n == kNoIndex) {
       n = static_cast<std::uint32_t>(out.vertex.size());
       out.vertex.push_back(mesh.vertex[i]);
     }
@@ -52,7 +52,7 @@ Mesh cleaned(const Mesh& mesh, RepairLog& log) {
   }
   for (std::size_t i = 0; i < mesh.vertex.size(); ++i) {
     if (topology.place_of[i] != i && used[i]) ++log.merged_vertices;
-    if (!used[i] || (topology.place_of[i] == i && number[i] == kNone)) ++log.dropped_vertices;
+    if (!used[i] || (topology.place_of[i] == i && number[i] == kNoIndex)) ++log.dropped_vertices;
   }
   return out;
 }
@@ -60,7 +60,8 @@ Mesh cleaned(const Mesh& mesh, RepairLog& log) {
 // Winds the facets of each shell alike, beginning with its first one.
 void orient(Mesh& mesh, RepairLog& log) {
   const MeshTopology topology = topology_of(mesh);
-  std::vector<std::array<std::uint32_t, 3>> neighbour(mesh.triangle.size(), {kNone, kNone, kNone});
+  std::vector<std::array<std::uint32_t, 3>> neighbour(mesh.triangle.size(),
+                                                      {kNoIndex, kNoIndex, kNoIndex});
   std::vector<std::array<bool, 3>> alike(mesh.triangle.size());
   std::vector<std::uint8_t> count(mesh.triangle.size(), 0);
   for_each_edge(topology, [&](const auto* first, const auto* last) {
@@ -92,13 +93,13 @@ void orient(Mesh& mesh, RepairLog& log) {
     }
   }
   for (std::size_t f = 0; f < mesh.triangle.size(); ++f)
-    if (turned[f] == 1) turn(mesh.triangle[f]);
+    if (turned[f] == 1) turn_over(mesh.triangle[f]);
   // Shells that are now inside out as a whole.
   const MeshTopology wound = topology_of(mesh);
   const std::vector<bool> inside_out = shells_inside_out(mesh, wound);
   for (std::size_t f = 0; f < mesh.triangle.size(); ++f) {
     if (wound.shell_of[f] == MeshTopology::kNone || !inside_out[wound.shell_of[f]]) continue;
-    turn(mesh.triangle[f]);
+    turn_over(mesh.triangle[f]);
     turned[f] = turned[f] == 1 ? 0 : 1;
   }
   log.turned_facets =

@@ -12,7 +12,7 @@
 namespace irsig {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kInfinityF = std::numeric_limits<float>::infinity();
 constexpr float kOff = -1;  // as a ray's end
 
 // Random numbers by counter: number k of ray i.
@@ -74,7 +74,7 @@ class Checker {
       for (std::size_t j = 0; j < 3; ++j)
         at[j] = static_cast<float>((2 * draw.unit() - 1) * judge_.half_size()[j]);
       int crossings = 0;  // out less in
-      for (const Hit& hit : judge_.reference().all(at, draw.direction(), 0, kInfinity))
+      for (const Hit& hit : judge_.reference().all(at, draw.direction(), 0, kInfinityF))
         crossings += hit.front ? -1 : 1;
       if (crossings != 0) origin_.push_back(at);
     }
@@ -118,7 +118,7 @@ class Checker {
     Ray rays[RayPacket::kSize];
     for (int i = 0; i < RayPacket::kSize; ++i) {
       rays[i] = ray(first + static_cast<std::uint64_t>(std::min(i, count - 1)));
-      fill(packet, i, rays[i], kInfinity);
+      fill(packet, i, rays[i], kInfinityF);
     }
     RayPacket near = packet, far = packet;
     tracer_->intersect(packet, count, what_.coherent);
@@ -162,9 +162,9 @@ class Checker {
     tracer_->occluded(far, count, what_.coherent);
     for (int i = 0; i < count; ++i) {
       if (before[i] == kOff) continue;
-      if (near.tfar[i] == -kInfinity && !judge_.blocked_nearby(rays[i], before[i], true))
+      if (near.tfar[i] == -kInfinityF && !judge_.blocked_nearby(rays[i], before[i], true))
         fail(counts_.shadow_invented, "shadow invented", rays[i], truth[i], {});
-      if (far.tfar[i] != -kInfinity && !judge_.blocked_nearby(rays[i], behind[i], false))
+      if (far.tfar[i] != -kInfinityF && !judge_.blocked_nearby(rays[i], behind[i], false))
         fail(counts_.shadow_lost, "shadow lost", rays[i], truth[i], {});
     }
   }

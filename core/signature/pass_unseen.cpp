@@ -11,7 +11,7 @@ namespace irsig {
 namespace {
 
 // Of the error that is wanted: light that is bounded by less is not worth rays of its own.
-constexpr double kBounded = 0.1;
+constexpr double kBoundedOfFacets = 0.1;
 
 }  // namespace
 
@@ -257,7 +257,7 @@ std::vector<Pass::Brightness> Pass::brightness() const {
   const auto see = [&](const SunDirection* sun, double scale) {
     // Light that matters less than this is bounded anyway.
     const std::vector<UnseenLight::Facet> facets =
-        unseen_->facets(sun, scale > 0 ? kBounded / scale : 0);
+        unseen_->facets(sun, scale > 0 ? kBoundedOfFacets / scale : 0);
     if (out.empty())
       for (const UnseenLight::Facet& f : facets) out.push_back({f.facet, f.seen_m2, 0});
     for (std::size_t i = 0; i < facets.size(); ++i) {

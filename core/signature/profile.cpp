@@ -27,6 +27,7 @@ struct PointTable {
   std::vector<double> source, apparent;
   double path_w_m2_sr = 0;  // what the air adds to a footprint
   double brightest_w_m2_sr = 0;
+  double most_transmittance = 1;  // of the air, at any node of the band
 };
 
 // Conditions x bands as seen along one line of sight.
@@ -90,9 +91,14 @@ class LineShading {
         apparent[at] += band.grid.band_weight[i] * seen[i];
       }
     }
-    for (std::size_t i = 0; i < band.nodes(); ++i)
+    const std::vector<double>& transmittance = light.environment().transmittance;
+    if (band.nodes() > 0) table.most_transmittance = 0;
+    for (std::size_t i = 0; i < band.nodes(); ++i) {
       table.path_w_m2_sr +=
           band.grid.band_weight[i] * light.environment().path_radiance[band.first_node + i];
+      table.most_transmittance =
+          std::max(table.most_transmittance, transmittance[band.first_node + i]);
+    }
     table.brightest_w_m2_sr = light.brightest_w_m2_sr(band);
     return table;
   }
@@ -105,7 +111,7 @@ class LineShading {
 
 // One point, measured: statistics of (conditions x bands x numbers of reflections) x {radiance,
 // apparent radiance}, then the footprint's share that the target covers.
-struct Measured {
+struct MeasuredPoint {
   ReplicateStatistics statistics;
   std::vector<double> beyond;  // throughput left after each number of reflections
   PathCounts counts;
@@ -127,8 +133,8 @@ class PointMeasurement {
 
   [[nodiscard]] double range_m() const { return view_.view.range_m; }
 
-  [[nodiscard]] Measured run(const LineShading& shading, std::uint64_t samples,
-                             std::uint64_t stage) const {
+  [[nodiscard]] MeasuredPoint run(const LineShading& shading, std::uint64_t samples,
+                                  std::uint64_t stage) const {
     PathSettings settings;
     settings.max_reflections = profile_.reflections.back();
     settings.seed = mix64(seed_ + stage);
@@ -141,7 +147,7 @@ class PointMeasurement {
     settings.background = true;
     const PathTracer tracer(scene_.target, scene_.material, view_.view,
                             shading.sources().geometry(), settings);
-    Measured out;
+    MeasuredPoint out;
     out.beyond.assign(profile_.reflections.size(), 0.0);
     const std::size_t orders = profile_.reflections.size(), rows = shading.tables().size();
     out.statistics = ReplicateStatistics(2 * rows * orders + 1);
@@ -219,6 +225,16 @@ class PointMeasurement {
   std::uint64_t seed_ = 0;
 };
 
+// What no sample of a footprint may have met: as if two of all of them had met the brightest there
+// is, or nothing, in the place of the mean. Scatter alone is 0 where all samples fall on one side
+// of an edge that cuts the footprint's rim.
+double unseen_stderr(const PointTable& table, double radiance, double samples) {
+  return 2 / samples * std::max(table.brightest_w_m2_sr - radiance, radiance);
+}
+Estimate with_unseen(const Estimate& estimate, double unseen) {
+  return {estimate.value, std::hypot(estimate.stderr_, unseen)};
+}
+
 // The blackbody's temperature with this in-band radiance, and what the radiance's standard error is
 // in kelvin there. NaN, both, where no blackbody has that radiance.
 Estimate temperature_of(const Band& band, const BandGrid& grid, const Estimate& radiance) {
@@ -264,8 +280,8 @@ std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& reque
   for (std::uint32_t i = 0; i < conditions.size(); ++i) conditions[i] = i;
   for (std::uint32_t i = 0; i < bands.size(); ++i) bands[i] = i;
   const LineShading shading(scene, request, std::move(environments), conditions, bands);
-  const Measured first = point.run(shading, kFirstProfileSamples, kFirstPilotStage);
-  const Measured second = point.run(shading, kSecondProfileSamples, kSecondPilotStage);
+  const MeasuredPoint first = point.run(shading, kFirstProfileSamples, kFirstPilotStage);
+  const MeasuredPoint second = point.run(shading, kSecondProfileSamples, kSecondPilotStage);
   rays += first.counts.rays + second.counts.rays;
   const std::uint64_t most =
       std::min<std::uint64_t>(request.accuracy.max_samples_per_replicate, kMostSamples);
@@ -275,13 +291,17 @@ std::uint64_t pilot_samples(const PreparedScene& scene, const ViewRequest& reque
     for (std::size_t n = 0; n < orders; ++n) {
       const std::uint32_t b = bands[row % bands.size()];
       const std::size_t q = 2 * (row * orders + n);
-      const Estimate e = second.statistics.estimate(q);
+      const Estimate sampled = second.statistics.estimate(q);
+      const double unseen = unseen_stderr(shading.tables()[row], sampled.value,
+                                          static_cast<double>(second.counts.samples));
+      const Estimate e = with_unseen(sampled, unseen);
       const Estimate t = temperature_of(scene.band[b], scene.axis.grids()[b], e);
       if (!(t.stderr_ > 0 && std::isfinite(t.stderr_))) continue;  // the stored run will tell
       const double wanted = e.stderr_ * profile.apparent_temperature_stderr_k / t.stderr_;
-      samples = std::max(samples,
-                         samples_needed(kFirstProfileSamples, first.statistics.estimate(q).stderr_,
-                                        kSecondProfileSamples, e.stderr_, wanted, most));
+      samples = std::max(
+          samples,
+          samples_needed_with_unseen(kFirstProfileSamples, first.statistics.estimate(q).stderr_,
+                                     kSecondProfileSamples, sampled.stderr_, unseen, wanted, most));
     }
   return std::min(samples, most);
 }
@@ -329,7 +349,7 @@ absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
     }
     const LineShading shading(scene, request, environments, request.selected_condition,
                               request.selected_band);
-    const Measured measured = point.run(shading, samples, kStoredStage);
+    const MeasuredPoint measured = point.run(shading, samples, kStoredStage);
     const ReplicateStatistics& s = measured.statistics;
     for (std::size_t row = 0; row < shading.tables().size(); ++row)
       for (std::size_t n = 0; n < orders; ++n) {
@@ -338,12 +358,17 @@ absl::StatusOr<ProfileResult> simulate_profile(const PreparedScene& scene,
         r.condition = request.selected_condition[row / request.selected_band.size()];
         r.band = request.selected_band[row % request.selected_band.size()];
         r.reflections = profile.reflections[n];
-        r.radiance_w_m2_sr = s.estimate(2 * (row * orders + n));
-        r.apparent_radiance_w_m2_sr = s.estimate(2 * (row * orders + n) + 1);
-        r.truncation_bound_w_m2_sr = measured.beyond[n] * shading.tables()[row].brightest_w_m2_sr;
+        const PointTable& table = shading.tables()[row];
+        const Estimate source = s.estimate(2 * (row * orders + n));
+        const double unseen =
+            unseen_stderr(table, source.value, static_cast<double>(measured.counts.samples));
+        r.radiance_w_m2_sr = with_unseen(source, unseen);
+        r.apparent_radiance_w_m2_sr =
+            with_unseen(s.estimate(2 * (row * orders + n) + 1), table.most_transmittance * unseen);
+        r.truncation_bound_w_m2_sr = measured.beyond[n] * table.brightest_w_m2_sr;
         r.quadrature_bound_w_m2_sr =
             quadrature_bound(scene, request.condition[r.condition], r.band,
-                             r.radiance_w_m2_sr.value, shading.tables()[row].brightest_w_m2_sr);
+                             r.radiance_w_m2_sr.value, table.brightest_w_m2_sr);
         r.apparent_temperature_k =
             temperature_of(scene.band[r.band], scene.axis.grids()[r.band], r.radiance_w_m2_sr);
         r.target_fraction = s.estimate(2 * shading.tables().size() * orders).value;

@@ -86,7 +86,7 @@ double impossible(const PathRadiance& path, double hottest) {
 
 // ---- cases
 
-absl::StatusOr<Finding> optical_depth(Effort) {
+absl::StatusOr<Finding> air_optical_depth(Effort) {
   const auto air = grey_air();
   if (!air.ok()) return air.status();
   Worst worst(4e-15);
@@ -525,7 +525,7 @@ std::vector<HardCase> atmosphere_cases() {
        "nitrogen alone, depth 1e-12 to 1e4: transmittance; emission in blackbodies, absolute",
        "Bouguer in doubles: 1 - T loses the last bit of 1 in each of two factors; the depth's own "
        "rounding grows with it and is divided out",
-       optical_depth},
+       air_optical_depth},
       {"atmosphere", "every_path",
        "0 m to 36000 km, zenith 0 to 180 deg, 0 m to space: beyond the possible, absolute",
        "transmittance in [0, 1]; emission of a mean of blackbodies at most (1 - T) of the hottest, "

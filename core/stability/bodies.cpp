@@ -12,8 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Mesh of_one_group(std::vector<Vec<Body>> vertex, std::vector<std::array<std::uint32_t, 3>> triangle,
                   const char* name) {
   Mesh mesh;
@@ -30,8 +28,8 @@ Mesh needle_drum(std::uint32_t sides, double radius_m, double length_m) {
   Mesh mesh;
   for (std::uint32_t i = 0; i < sides; ++i)
     for (const double x : {-0.5 * length_m, 0.5 * length_m})
-      mesh.vertex.push_back(
-          {x, radius_m * std::cos(2 * kPi * i / sides), radius_m * std::sin(2 * kPi * i / sides)});
+      mesh.vertex.push_back({x, radius_m * std::cos(2 * std::numbers::pi * i / sides),
+                             radius_m * std::sin(2 * std::numbers::pi * i / sides)});
   const std::uint32_t back = 2 * sides, front = back + 1;
   mesh.vertex.push_back({-0.5 * length_m, 0, 0});
   mesh.vertex.push_back({0.5 * length_m, 0, 0});
@@ -83,10 +81,12 @@ Mesh spherical_cavity(double half_angle_deg, std::uint32_t rings, std::uint32_t 
   Mesh mesh;
   const double begin = half_angle_deg * kRadPerDeg;
   // Chords of a regular polygon lie inside the circle: this radius gives the rings its area.
-  const double widen = std::sqrt((2 * kPi / sectors) / std::sin(2 * kPi / sectors));
+  const double widen =
+      std::sqrt((2 * std::numbers::pi / sectors) / std::sin(2 * std::numbers::pi / sectors));
   for (std::uint32_t ring = 0; ring <= rings; ++ring)
     for (std::uint32_t sector = 0; sector < sectors; ++sector) {
-      const double theta = begin + (kPi - begin) * ring / rings, phi = 2 * kPi * sector / sectors;
+      const double theta = begin + (std::numbers::pi - begin) * ring / rings,
+                   phi = 2 * std::numbers::pi * sector / sectors;
       mesh.vertex.push_back({std::cos(theta), widen * std::sin(theta) * std::cos(phi),
                              widen * std::sin(theta) * std::sin(phi)});
     }
@@ -214,7 +214,8 @@ double uniform(std::uint64_t seed, std::uint64_t index) {
 }
 
 Vec<Body> uniform_direction(std::uint64_t seed, std::uint64_t index) {
-  const double z = 2 * uniform(seed, 2 * index) - 1, phi = 2 * kPi * uniform(seed, 2 * index + 1);
+  const double z = 2 * uniform(seed, 2 * index) - 1,
+               phi = 2 * std::numbers::pi * uniform(seed, 2 * index + 1);
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(phi), r * std::sin(phi), z};
 }

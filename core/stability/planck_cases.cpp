@@ -19,7 +19,7 @@ using Wide = long double;
 constexpr Wide kH = 6.62607015e-34L, kC = 299792458.0L, kK = 1.380649e-23L;
 constexpr Wide kFirst = 2.0L * kH * kC * kC * 1e24L;  // W um^4 m^-2 sr^-1
 constexpr Wide kSecond = kH * kC / kK * 1e6L;         // um K
-constexpr Wide kPi = std::numbers::pi_v<Wide>;
+constexpr Wide kWidePi = std::numbers::pi_v<Wide>;
 
 Wide wide_radiance(Wide lambda_um, Wide temperature_k) {
   return kFirst / (powl(lambda_um, 5) * expm1l(kSecond / (lambda_um * temperature_k)));
@@ -49,9 +49,9 @@ Wide lower_integral(Wide x) {
   static const std::array<Wide, 16> coefficient = [] {
     std::array<Wide, 16> out{};
     for (int k = 1; k < 16; ++k) {
-      Wide zeta = k == 1 ? kPi * kPi / 6 : k == 2 ? powl(kPi, 4) / 90 : 0;
+      Wide zeta = k == 1 ? kWidePi * kWidePi / 6 : k == 2 ? powl(kWidePi, 4) / 90 : 0;
       for (int n = 2000; k > 2 && n > 0; --n) zeta += powl(n, -2 * k);
-      out[static_cast<std::size_t>(k)] = (k % 2 == 1 ? 2 : -2) * zeta / powl(2 * kPi, 2 * k);
+      out[static_cast<std::size_t>(k)] = (k % 2 == 1 ? 2 : -2) * zeta / powl(2 * kWidePi, 2 * k);
     }
     return out;
   }();
@@ -70,7 +70,7 @@ Wide wide_band_radiance(Wide lambda_min_um, Wide lambda_max_um, Wide temperature
   else if (high <= 1)
     integral = lower_integral(high) - lower_integral(low);
   else
-    integral = powl(kPi, 4) / 15 - lower_integral(low) - upper_integral(high);
+    integral = powl(kWidePi, 4) / 15 - lower_integral(low) - upper_integral(high);
   return kFirst * powl(temperature_k / kSecond, 4) * integral;
 }
 
@@ -198,7 +198,7 @@ absl::StatusOr<Finding> stefan_boltzmann(Effort) {
     const auto second = static_cast<double>(kSecond);
     const double longest = std::min(second / (1e-5 * t), kPlanckLambdaMaxUm);
     const Wide whole = kFirst * powl(t / kSecond, 4) *
-                       (powl(kPi, 4) / 15 - lower_integral(kSecond / (longest * t)));
+                       (powl(kWidePi, 4) / 15 - lower_integral(kSecond / (longest * t)));
     worst.see(error_of(planck_band_radiance_w_m2_sr(second / (100 * t), longest, t), whole),
               [&] { return absl::StrCat(t, " K"); });
   }

@@ -250,7 +250,7 @@ absl::StatusOr<Finding> thin_and_thick(Effort) {
 }
 
 // Gas of 2000 K, and as warm as what is behind it: through zero with the right sign.
-absl::StatusOr<Finding> contrast_through_zero(Effort) {
+absl::StatusOr<Finding> gas_contrast_through_zero(Effort) {
   Worst worst(4e-5);
   const auto b = [](double t) { return planck_band_radiance_w_m2_sr(3, 5, t); };
   const double slope = (b(300.1) - b(299.9)) / 0.2;
@@ -440,7 +440,8 @@ absl::StatusOr<Field> slab(double length_m, double width_m, Vec<Body> at) {
 }
 
 // From ahead, 100 km away.
-absl::StatusOr<ViewResult> view_of(const Simulator& simulator, Field gas, std::uint64_t samples) {
+absl::StatusOr<ViewResult> view_of_gas(const Simulator& simulator, Field gas,
+                                       std::uint64_t samples) {
   ViewRequest r = dark_view(simulator, 0, 0, 1e5, {400});
   r.condition[0].gas = std::move(gas);
   r.accuracy.samples_per_replicate = samples;
@@ -463,7 +464,7 @@ absl::StatusOr<Finding> line_of_sight(Effort) {
   if (!simulator.ok()) return simulator.status();
   const auto gas = slab(50, 0.5, {30, 0, 0});
   if (!gas.ok()) return gas.status();
-  const auto view = view_of(**simulator, *gas, 1024);
+  const auto view = view_of_gas(**simulator, *gas, 1024);
   if (!view.ok()) return view.status();
   const auto column = column_of(**simulator, 50, 400);
   if (!column.ok()) return column.status();
@@ -488,7 +489,7 @@ absl::StatusOr<Finding> touching_hull(Effort) {
   if (!simulator.ok()) return simulator.status();
   const auto gas = slab(2, 4, {1, 0, 0});  // x from 0 to 2; the hull ends at 1
   if (!gas.ok()) return gas.status();
-  const auto view = view_of(**simulator, *gas, 512);
+  const auto view = view_of_gas(**simulator, *gas, 512);
   if (!view.ok()) return view.status();
   const auto beside = column_of(**simulator, 2, 400), before = column_of(**simulator, 1, 400);
   if (!beside.ok()) return beside.status();
@@ -526,7 +527,7 @@ std::vector<HardCase> plume_cases() {
        "light of both is a sum without cancellation; floats of mole fractions near 1e-12",
        thin_and_thick},
       {"plume", "contrast_through_zero", "gas of 300 K -+ 1 mK and 2000 K before 300 K, relative",
-       "B(T) - B(300) by its slope: curvature at 1 mK is 2e-5 of it", contrast_through_zero},
+       "B(T) - B(300) by its slope: curvature at 1 mK is 2e-5 of it", gas_contrast_through_zero},
       {"plume", "any_lattice", "voxels of 1 : 25 : 200, turned, sheared: amount along their edges",
        "41 edges of world metres; floats", any_lattice},
       {"plume", "far_from_origin", "a million voxels from the lattice's origin, from 50 km: amount",

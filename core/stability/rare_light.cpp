@@ -45,8 +45,8 @@ MaterialSpec mirror(double slope, bool metal) {
 Vec<Body> sun() { return body_from_aspect(20, 45); }
 Vec<Body> eye() { return body_from_aspect(0, 5); }
 
-RareLightScene scene_of(std::string name, Mesh mesh, std::vector<MaterialSpec> material,
-                        std::vector<PartSpec> part, bool in_the_sun) {
+RareLightScene rare_scene_of(std::string name, Mesh mesh, std::vector<MaterialSpec> material,
+                             std::vector<PartSpec> part, bool in_the_sun) {
   RareLightScene out;
   out.name = std::move(name);
   out.scene.mesh = std::move(mesh);
@@ -71,7 +71,7 @@ RareLightScene scene_of(std::string name, Mesh mesh, std::vector<MaterialSpec> m
 
 RareLightScene plain_plate(bool in_the_sun, double square_m) {
   const Mesh mesh = square_m > 0 ? fine_wall(0, square_m) : whole_plate();
-  return scene_of(
+  return rare_scene_of(
       absl::StrCat("plate", in_the_sun ? " in the sun" : "", square_m > 0 ? " of squares" : ""),
       mesh, {grey_paint(0.9)}, {{"plate", {}, 0, true, false}}, in_the_sun);
 }
@@ -87,7 +87,7 @@ RareLightScene hot_behind_hole(double side_m) {
   mesh = joined(mesh, piece(-middle, 0, wide, inner), "c/");
   mesh = joined(mesh, piece(middle, 0, wide, inner), "d/");
   mesh = joined(mesh, rectangle({1.5, 0, 0}, {0, 1, 0}, {0, 0, 1}, "hot"), "e/");
-  return scene_of(
+  return rare_scene_of(
       absl::StrCat("hole of ", 100 * side_m, " cm"), mesh, {grey_paint(0.9)},
       {{"plate", {"plate", "*/plate"}, 0, true, false}, {"hot", {"*/hot"}, 0, true, true}}, false);
 }
@@ -95,14 +95,15 @@ RareLightScene hot_behind_hole(double side_m) {
 RareLightScene hot_behind_fine_wall(double side_m, double square_m) {
   const Mesh mesh = joined(fine_wall(side_m, square_m),
                            rectangle({1.5, 0, 0}, {0, 1, 0}, {0, 0, 1}, "hot"), "e/");
-  return scene_of(absl::StrCat("hole of ", 100 * side_m, " cm in a wall of ",
-                               mesh.triangle.size() - 2, " triangles"),
-                  mesh, {grey_paint(0.9)},
-                  {{"plate", {"plate"}, 0, true, false}, {"hot", {"e/hot"}, 0, true, true}}, false);
+  return rare_scene_of(absl::StrCat("hole of ", 100 * side_m, " cm in a wall of ",
+                                    mesh.triangle.size() - 2, " triangles"),
+                       mesh, {grey_paint(0.9)},
+                       {{"plate", {"plate"}, 0, true, false}, {"hot", {"e/hot"}, 0, true, true}},
+                       false);
 }
 
 RareLightScene small_mirror(double side_m, double slope, bool metal) {
-  return scene_of(
+  return rare_scene_of(
       absl::StrCat(metal ? "metal" : "glass", " mirror of ", 100 * side_m, " cm, slope ", slope),
       joined(whole_plate(), square({0.5, 0.3, 0.2}, sun() + eye(), 0.5 * side_m, "mirror"), "m/"),
       {grey_paint(0.9), mirror(slope, metal)},
@@ -114,13 +115,13 @@ RareLightScene mirror_pair(double side_m, double slope, bool metal) {
       between = normalized(second - first);
   Mesh mesh = joined(whole_plate(), square(first, sun() + between, 0.5 * side_m, "first"), "m/");
   mesh = joined(mesh, square(second, eye() - between, 0.5 * side_m, "second"), "n/");
-  return scene_of(absl::StrCat("two ", metal ? "metal" : "glass", " mirrors of ", 100 * side_m,
-                               " cm, slope ", slope),
-                  mesh, {grey_paint(0.9), mirror(slope, metal)},
-                  {{"plate", {"plate"}, 0, true, false},
-                   {"first", {"*first"}, 1, true, false},
-                   {"second", {"*second"}, 1, true, false}},
-                  true);
+  return rare_scene_of(absl::StrCat("two ", metal ? "metal" : "glass", " mirrors of ", 100 * side_m,
+                                    " cm, slope ", slope),
+                       mesh, {grey_paint(0.9), mirror(slope, metal)},
+                       {{"plate", {"plate"}, 0, true, false},
+                        {"first", {"*first"}, 1, true, false},
+                        {"second", {"*second"}, 1, true, false}},
+                       true);
 }
 
 std::vector<RareLightPair> rare_light_scenes() {

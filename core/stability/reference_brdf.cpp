@@ -12,8 +12,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double value_at(const Spectrum& table, double lambda_um) {
   const auto above =
       std::upper_bound(table.begin(), table.end(), lambda_um,
@@ -55,7 +53,7 @@ double smith(double cos_i, double cos_o, double m) {
   const auto lambda = [m](double c) {
     if (c >= 1) return 0.0;
     const double a = c / (m * std::sqrt((1 - c) * (1 + c)));
-    return 0.5 * (std::exp(-a * a) / (a * std::sqrt(kPi)) - std::erfc(a));
+    return 0.5 * (std::exp(-a * a) / (a * std::sqrt(std::numbers::pi)) - std::erfc(a));
   };
   return 1 / (1 + lambda(cos_i) + lambda(cos_o));
 }
@@ -68,7 +66,7 @@ double masking(const ReflectionGeometry& g, Masking form, double m) {
 
 double beckmann(const ReflectionGeometry& g, double m) {
   const double cos2 = g.cos_h * g.cos_h;
-  return std::exp(-g.sin2_h / (cos2 * m * m)) / (kPi * m * m * cos2 * cos2);
+  return std::exp(-g.sin2_h / (cos2 * m * m)) / (std::numbers::pi * m * m * cos2 * cos2);
 }
 
 // Of a lobe seen along the normal; 1e4 points.
@@ -89,12 +87,12 @@ double normal_dhr(const CookTorrance& spec) {
 
 double prisse_factor(const Prisse& spec, double lambda_um) {
   const double d = lambda_um - spec.lambda0_um;
-  return kPi * (d * d + spec.gamma_um * spec.gamma_um) / spec.gamma_um;
+  return std::numbers::pi * (d * d + spec.gamma_um * spec.gamma_um) / spec.gamma_um;
 }
 
 double ward_lobe(const ReflectionGeometry& g, const Ward& spec) {
   const double a2 = spec.roughness * spec.roughness, cos2 = g.cos_h * g.cos_h;
-  const double bell = std::exp(-g.sin2_h / (cos2 * a2)) / (4 * kPi * a2);
+  const double bell = std::exp(-g.sin2_h / (cos2 * a2)) / (4 * std::numbers::pi * a2);
   switch (spec.form) {
     case WardForm::kWard1992:
       return bell / std::sqrt(g.cos_i * g.cos_o);
@@ -109,8 +107,8 @@ double ward_lobe(const ReflectionGeometry& g, const Ward& spec) {
 double beard_maxwell_shape(const ReflectionGeometry& g, const BeardMaxwell& spec) {
   const double tan2 = g.sin2_h / (g.cos_h * g.cos_h);
   const double d = spec.bias / (g.cos_h * (spec.width * spec.width + tan2));
-  const double theta = std::atan(std::sqrt(tan2)) * 180 / kPi / spec.omega_deg;
-  const double beta = std::acos(std::min(1.0, g.cos_d)) * 180 / kPi;
+  const double theta = std::atan(std::sqrt(tan2)) * 180 / std::numbers::pi / spec.omega_deg;
+  const double beta = std::acos(std::min(1.0, g.cos_d)) * 180 / std::numbers::pi;
   double so = (1 + theta * std::exp(-2 * beta / spec.tau_deg)) / (1 + theta);
   if (!spec.published) so = std::min(so, v_groove(g));
   return d * so / (4 * g.cos_i * g.cos_o);
@@ -126,11 +124,13 @@ void add_breaks(const OpticalConstants& table, std::vector<double>& out) {
 }
 
 // Half vectors about the normal: density over their solid angle, and tan^2 at a fraction u.
-double density(int law, double w, double cos_h, double sin2_h) {
+double half_vector_density(int law, double w, double cos_h, double sin2_h) {
   const double cos2 = cos_h * cos_h, w2 = w * w;
-  if (law == 0) return std::exp(-sin2_h / (cos2 * w2)) / (kPi * w2 * cos2 * cos_h);
-  if (law == 1) return w2 * cos_h / (kPi * (w2 * cos2 + sin2_h) * (w2 * cos2 + sin2_h));
-  const double k = w2 > 0.999 ? 1 / kPi : (1 - w2) / (kPi * -std::log(w2));
+  if (law == 0) return std::exp(-sin2_h / (cos2 * w2)) / (std::numbers::pi * w2 * cos2 * cos_h);
+  if (law == 1)
+    return w2 * cos_h / (std::numbers::pi * (w2 * cos2 + sin2_h) * (w2 * cos2 + sin2_h));
+  const double k =
+      w2 > 0.999 ? 1 / std::numbers::pi : (1 - w2) / (std::numbers::pi * -std::log(w2));
   return k * cos_h / (w2 * cos2 + sin2_h);
 }
 double tan2_at(int law, double w, double u) {
@@ -252,7 +252,7 @@ void ReferenceBrdf::brdf_per_sr(const ReflectionGeometry& g, std::span<const dou
     each([&](double l) { return shape * reflectance(index_at(constants, l), g.cos_d, form); });
   };
   if (const auto* lambert = std::get_if<Lambert>(&spec_.model)) {
-    each([&](double l) { return (1 - value_at(lambert->emissivity, l)) / kPi; });
+    each([&](double l) { return (1 - value_at(lambert->emissivity, l)) / std::numbers::pi; });
   } else if (const auto* cook = std::get_if<CookTorrance>(&spec_.model)) {
     facets(cook->constants, cook->fresnel, cook->roughness, cook->masking);
   } else if (const auto* priest = std::get_if<PriestGermer>(&spec_.model)) {
@@ -261,18 +261,19 @@ void ReferenceBrdf::brdf_per_sr(const ReflectionGeometry& g, std::span<const dou
   } else if (const auto* ward = std::get_if<Ward>(&spec_.model)) {
     const double shape = ward_lobe(g, *ward);
     each([&](double l) {
-      return value_at(ward->diffuse, l) / kPi + value_at(ward->specular, l) * shape;
+      return value_at(ward->diffuse, l) / std::numbers::pi + value_at(ward->specular, l) * shape;
     });
   } else if (const auto* beard = std::get_if<BeardMaxwell>(&spec_.model)) {
     const double shape = beard_maxwell_shape(g, *beard);
-    const double volume = 2 / (kPi * (g.cos_i + g.cos_o));
+    const double volume = 2 / (std::numbers::pi * (g.cos_i + g.cos_o));
     each([&](double l) {
       return shape * reflectance(index_at(beard->constants, l), g.cos_d, Fresnel::kExact) +
-             value_at(beard->diffuse, l) / kPi + value_at(beard->volume, l) * volume;
+             value_at(beard->diffuse, l) / std::numbers::pi + value_at(beard->volume, l) * volume;
     });
   } else if (const auto* prisse = std::get_if<Prisse>(&spec_.model)) {
     const double cos2 = g.cos_h * g.cos_h, x = 1 - g.cos_d;
-    const double shape = 1 / (4 * kPi * g.cos_d * g.cos_d * cos2 * cos2), x5 = x * x * x * x * x;
+    const double shape = 1 / (4 * std::numbers::pi * g.cos_d * g.cos_d * cos2 * cos2),
+                 x5 = x * x * x * x * x;
     each([&](double l) {
       const double r = prisse_factor(*prisse, l), rho = value_at(prisse->reflectance, l);
       const double bell = r * std::exp(-(prisse->printed ? 1 : r) * g.sin2_h / cos2);
@@ -284,7 +285,7 @@ void ReferenceBrdf::brdf_per_sr(const ReflectionGeometry& g, std::span<const dou
 ReferenceBrdf::Drawn ReferenceBrdf::draw(double cos_o, double u_lobe, double u, double v) const {
   Drawn out;
   const double sin_o = std::sqrt(std::max(0.0, (1 - cos_o) * (1 + cos_o)));
-  const double turn = 2 * kPi * v, c = std::cos(turn), s = std::sin(turn);
+  const double turn = 2 * std::numbers::pi * v, c = std::cos(turn), s = std::sin(turn);
   const auto to = [&](double cos_i) {
     const double sin_i = std::sqrt(std::max(0.0, 1 - cos_i * cos_i));
     out.x = sin_i * c;
@@ -320,9 +321,10 @@ ReferenceBrdf::Drawn ReferenceBrdf::draw(double cos_o, double u_lobe, double u, 
 }
 
 double ReferenceBrdf::density_per_sr(const ReflectionGeometry& g) const {
-  double sum = cosine_share_ * g.cos_i / kPi + uniform_share_ / (2 * kPi);
+  double sum = cosine_share_ * g.cos_i / std::numbers::pi + uniform_share_ / (2 * std::numbers::pi);
   for (const HalfVectors& h : lobe_)
-    sum += h.share * density(static_cast<int>(h.law), h.width, g.cos_h, g.sin2_h) / (4 * g.cos_d);
+    sum += h.share * half_vector_density(static_cast<int>(h.law), h.width, g.cos_h, g.sin2_h) /
+           (4 * g.cos_d);
   return sum;
 }
 

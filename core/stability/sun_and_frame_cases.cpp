@@ -14,8 +14,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double angle_rad(Vec<Enu> a, Vec<Enu> b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 // Mean over the sun's disk of the sine of the elevation of its part above the horizon: the disk is
@@ -28,8 +26,8 @@ double mean_sine(double elevation_deg, double radius_deg) {
   if (h >= 1) return sine;
   if (h <= -1) return 0;
   const double root = std::sqrt(1 - h * h);
-  return rho * cosine / kPi *
-         (2.0 / 3 * root * root * root + h * (kPi / 2 + h * root + std::asin(h)));
+  return rho * cosine / std::numbers::pi *
+         (2.0 / 3 * root * root * root + h * (std::numbers::pi / 2 + h * root + std::asin(h)));
 }
 
 // A level white plate under a sun that sets: irradiance of the part of the disk that is up.
@@ -50,8 +48,8 @@ absl::StatusOr<Finding> setting_sun(Effort effort) {
     const auto view = (*simulator)->simulate(r);
     if (!view.ok()) return view.status();
     const Estimate& sun = view->row[0].cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)];
-    const double expected = view->row[0].projected_area_m2.value * 0.5 / kPi * irradiance *
-                            mean_sine(elevation_deg, 0.266);
+    const double expected = view->row[0].projected_area_m2.value * 0.5 / std::numbers::pi *
+                            irradiance * mean_sine(elevation_deg, 0.266);
     const auto where = [&] {
       return absl::StrCat("elevation ", elevation_deg, " deg: ", sun.value, " +- ", sun.stderr_,
                           ", expected ", expected);

@@ -16,8 +16,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 double cause(const SignatureResult& row, Cause c) {
   return row.cause_w_sr[static_cast<std::size_t>(c)].value;
 }
@@ -148,7 +146,7 @@ absl::StatusOr<Finding> cavity_0999(Effort effort) {
     if (!view.ok()) return view.status();
     if (auto status = sound(*view, "cavity"); !status.ok()) return status;
     const SignatureResult& row = view->row[0];
-    const double opening = kPi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
+    const double opening = std::numbers::pi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
     const double kept = 1 - opening / measure(wall).area_m2;
     const double expected = row.projected_area_m2.value *
                             black_radiance_w_m2_sr(**simulator, 0, 400) * 0.001 /
@@ -171,7 +169,7 @@ absl::StatusOr<Finding> truncation(Effort effort) {
   const Mesh wall = spherical_cavity(half_angle_deg, 400, 256);
   const auto simulator = Simulator::create(one_body(wall, grey_paint(emissivity)));
   if (!simulator.ok()) return simulator.status();
-  const double opening = kPi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
+  const double opening = std::numbers::pi * std::pow(std::sin(half_angle_deg * kRadPerDeg), 2);
   const double kept = 1 - opening / measure(wall).area_m2;
   const double black = black_radiance_w_m2_sr(**simulator, 0, 400);
   for (const std::uint32_t reflections : {0u, 1u, 3u, 10u, 30u, 100u, 300u}) {
@@ -246,7 +244,7 @@ absl::StatusOr<Finding> mirror_and_sun(Effort effort) {
         const SignatureResult& row = view->row[0];
         const Estimate& sun = row.cause_w_sr[static_cast<std::size_t>(Cause::kSunReflected)];
         const double rho = std::sin(0.266 * kRadPerDeg);
-        const double disk = sun_irradiance_w_m2(**simulator) / (kPi * rho * rho);
+        const double disk = sun_irradiance_w_m2(**simulator) / (std::numbers::pi * rho * rho);
         const double sine = std::sin(elevation_deg * kRadPerDeg);
         const double shown = row.projected_area_m2.value * disk *
                              (*simulator)->materials()[0].dhr_max(static_cast<float>(sine));
@@ -339,7 +337,7 @@ absl::StatusOr<Finding> hidden_hot_spot(Effort effort) {
   if (!simulator.ok()) return simulator.status();
   const double x = 0.5 * side / height, root = std::sqrt(1 + x * x);
   // A small facet over the middle of a parallel square.
-  const double factor = 4 / (2 * kPi) * 2 * (x / root * std::atan(x / root));
+  const double factor = 4 / (2 * std::numbers::pi) * 2 * (x / root * std::atan(x / root));
   const double elevation_deg = 30;
   const double expected = std::sin(elevation_deg * kRadPerDeg) * 0.4 * edge * edge * factor *
                           black_radiance_w_m2_sr(**simulator, 0, 1500);

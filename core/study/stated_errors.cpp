@@ -20,7 +20,7 @@ void take(const Estimate& reference, StatedValue& value) {
   value.reference_stderr = reference.stderr_;
 }
 
-absl::Status add_reference(const SignatureResult& reference, StatedRow& row) {
+absl::Status add_stated_reference(const SignatureResult& reference, StatedRow& row) {
   if (reference.reflections != row.reflections)
     return absl::FailedPreconditionError(
         absl::StrCat("the rows were computed with up to ", row.reflections,
@@ -79,7 +79,7 @@ absl::StatusOr<CheckedErrors> check_stated_errors(const Simulator& simulator, Vi
         });
     if (same == reference->row.end())
       return absl::InternalError("a view's longer run does not have all of its rows");
-    if (auto status = add_reference(*same, row); !status.ok()) return status;
+    if (auto status = add_stated_reference(*same, row); !status.ok()) return status;
   }
   return CheckedErrors{std::move(rows), samples / own, reference->samples};
 }

@@ -103,12 +103,12 @@ class Purse {
   double start_s_, rays_ = 0;
 };
 
-struct Line {
+struct FittedLine {
   double slope, mean_x, mean_y;
 };
 
-Line fit(const std::vector<WorkError>& curve) {
-  Line line{0, 0, 0};
+FittedLine fit(const std::vector<WorkError>& curve) {
+  FittedLine line{0, 0, 0};
   const double n = static_cast<double>(curve.size());
   for (const WorkError& p : curve) {
     line.mean_x += std::log(p.work) / n;
@@ -306,7 +306,7 @@ std::optional<WorkToTarget> work_to_target(const std::vector<WorkError>& curve, 
   std::vector<WorkError> end = above(curve, floor);
   if (end.size() > 3) end.erase(end.begin(), end.end() - 3);
   if (end.size() < 3) return std::nullopt;
-  const Line line = fit(end);
+  const FittedLine line = fit(end);
   if (line.slope > -0.25) return std::nullopt;
   return WorkToTarget{std::exp(line.mean_x + (std::log(target) - line.mean_y) / line.slope), true};
 }

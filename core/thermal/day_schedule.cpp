@@ -6,9 +6,9 @@
 namespace irsig {
 namespace {
 
-constexpr double kDayS = 86400;
+constexpr double kScheduleDayS = 86400;
 
-double midnight_before(double unix_s) { return std::floor(unix_s / kDayS) * kDayS; }
+double midnight_before(double unix_s) { return std::floor(unix_s / kScheduleDayS) * kScheduleDayS; }
 
 }  // namespace
 
@@ -17,7 +17,8 @@ absl::Status check_schedule(const DaySchedule& schedule) {
   if (schedule.at.empty()) return wrong("a schedule of the day without times");
   double before_s = -1;
   for (const DaySchedule::At& at : schedule.at) {
-    if (!(at.utc_s >= 0 && at.utc_s < kDayS)) return wrong("a schedule's time outside the day");
+    if (!(at.utc_s >= 0 && at.utc_s < kScheduleDayS))
+      return wrong("a schedule's time outside the day");
     if (!(at.utc_s > before_s)) return wrong("a schedule's times do not increase");
     if (!std::isfinite(at.value)) return wrong("a schedule's value is no number");
     before_s = at.utc_s;
@@ -32,16 +33,17 @@ double value_at(const DaySchedule& schedule, double unix_s) {
   const DaySchedule::At& last = after == at.begin() ? at.back() : *(after - 1);
   if (schedule.steps) return last.value;
   const DaySchedule::At& next = after == at.end() ? at.front() : *after;
-  const double since_s = s - last.utc_s + (after == at.begin() ? kDayS : 0),
-               between_s =
-                   next.utc_s - last.utc_s + (after == at.begin() || after == at.end() ? kDayS : 0);
+  const double since_s = s - last.utc_s + (after == at.begin() ? kScheduleDayS : 0),
+               between_s = next.utc_s - last.utc_s +
+                           (after == at.begin() || after == at.end() ? kScheduleDayS : 0);
   return last.value + since_s / between_s * (next.value - last.value);
 }
 
 std::vector<double> times_between(const DaySchedule& schedule, double begin_unix_s,
                                   double end_unix_s) {
   std::vector<double> out;
-  for (double midnight = midnight_before(begin_unix_s); midnight < end_unix_s; midnight += kDayS)
+  for (double midnight = midnight_before(begin_unix_s); midnight < end_unix_s;
+       midnight += kScheduleDayS)
     for (const DaySchedule::At& at : schedule.at)
       if (const double t = midnight + at.utc_s; t > begin_unix_s && t < end_unix_s)
         out.push_back(t);

@@ -14,7 +14,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kDayS = 86400;
+constexpr double kCourseDayS = 86400;
 constexpr double kSolarConstantWM2 = 1361;  // [kopp2011], as clear_sky.h
 const double kTwilight = std::sin(6 * kRadPerDeg);
 
@@ -55,7 +55,7 @@ absl::Status check_close(const WeatherCourse& course) {
   WeatherRecord first = course.record.front();
   const WeatherRecord& last = course.record.back();
   const double day_s = last.unix_s - first.unix_s;
-  if (std::abs(day_s - kDayS) > 1e-3)
+  if (std::abs(day_s - kCourseDayS) > 1e-3)
     return absl::InvalidArgumentError(
         absl::StrCat("a periodic course of ", day_s, " s, expected a day"));
   const auto values = [](const WeatherRecord& r) {
@@ -189,7 +189,7 @@ absl::StatusOr<CourseRadiation> CourseRadiation::make(WeatherCourse course,
       const double begin = r.unix_s - length_s;
       const double energy = *r.direct_normal_w_m2 * length_s;
       const double up_s = energy > 0 ? sine.above(begin, r.unix_s, 0).length_s : 0;
-      const double in_space = extraterrestrial_w_m2(std::fmod(r.unix_s / kDayS, 365.2425) +
+      const double in_space = extraterrestrial_w_m2(std::fmod(r.unix_s / kCourseDayS, 365.2425) +
                                                     1);  // 0.5 %: a limit of what can be
       Spread& s = out.spread_.emplace_back();
       s.direct = up_s > 0 ? std::min(energy / up_s, in_space) : 0;
@@ -268,7 +268,7 @@ Radiation CourseRadiation::at(double unix_s, Side side) const {
 
 double solar_midnight_unix_s(int year, int month, int day, double longitude_deg) {
   const double midnight = unix_seconds({year, month, day, 0, 0, 0});
-  const double since_new_year = (midnight - unix_seconds({year, 1, 1, 0, 0, 0})) / kDayS;
+  const double since_new_year = (midnight - unix_seconds({year, 1, 1, 0, 0, 0})) / kCourseDayS;
   const double g = 2 * std::numbers::pi * since_new_year / 365;
   const double equation_of_time_s = 229.18 * 60 *
                                     (0.000075 + 0.001868 * std::cos(g) - 0.032077 * std::sin(g) -
@@ -294,7 +294,7 @@ absl::StatusOr<WeatherCourse> day_course(const StatedDay& day, double midnight_u
     WeatherRecord& r = course.record.emplace_back();
     const double hour = 24.0 * (i % kRecords) / kRecords;
     const double wave = std::cos(2 * std::numbers::pi * (hour - day.warmest_hour) / 24);
-    r.unix_s = midnight_unix_s + kDayS * i / kRecords;
+    r.unix_s = midnight_unix_s + kCourseDayS * i / kRecords;
     r.air_k =
         std::clamp((day.air_max_k + day.air_min_k) / 2 + (day.air_max_k - day.air_min_k) / 2 * wave,
                    day.air_min_k, day.air_max_k);

@@ -17,7 +17,7 @@ namespace {
 
 using Q = WeatherQuantity;
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t at(Q q) { return static_cast<std::size_t>(q); }
+constexpr std::size_t index_of(Q q) { return static_cast<std::size_t>(q); }
 
 // How a column's numbers become SI, and what they may be then.
 struct Form {
@@ -298,7 +298,7 @@ class RowReader {
     row.column.fill(1);
     for (const auto& [i, form] : column_) {
       const CsvCell& cell = cells[i];
-      const std::size_t q = at(form.quantity);
+      const std::size_t q = index_of(form.quantity);
       row.column[q] = static_cast<std::uint32_t>(cell.column);
       if (cell.text.empty() || is_word_of_missing(cell.text)) continue;
       const auto value = finite_number(cell.text);
@@ -343,9 +343,9 @@ class RowReader {
     if (!errors_.any() && file_.row.empty()) errors_.add(rows_.line() + 1, 1, "there are no rows");
     if (errors_.any()) return errors_.status();
     for (const auto& [i, form] : column_) {
-      file_.has[at(form.quantity)] = true;
-      file_.factor[at(form.quantity)] = form.factor;
-      file_.offset[at(form.quantity)] = form.offset;
+      file_.has[index_of(form.quantity)] = true;
+      file_.factor[index_of(form.quantity)] = form.factor;
+      file_.offset[index_of(form.quantity)] = form.offset;
     }
     return std::move(file_);
   }

@@ -13,7 +13,7 @@
 namespace irsig {
 namespace {
 
-absl::Status wrong(const std::string& path, const std::string& what) {
+absl::Status wrong_picture(const std::string& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
 }
 
@@ -69,31 +69,33 @@ absl::Status check_png(std::string_view png, std::uint32_t width_px, std::uint32
                        const std::string& path) {
   constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
   constexpr std::size_t kFrame = 12;  // length, name and checksum of a chunk
-  if (!png.starts_with(kSignature)) return wrong(path, "is no PNG file");
+  if (!png.starts_with(kSignature)) return wrong_picture(path, "is no PNG file");
   const std::uint64_t pixels = (std::uint64_t{width_px} + 1) * height_px;  // a filter byte a row
   Inflater inflater;
   bool first = true;
   for (std::string_view rest = png.substr(kSignature.size());; first = false) {
-    if (rest.size() < kFrame) return wrong(path, "is cut off");
+    if (rest.size() < kFrame) return wrong_picture(path, "is cut off");
     const std::uint32_t length = big_endian(rest);
-    if (length > rest.size() - kFrame) return wrong(path, "is cut off");
+    if (length > rest.size() - kFrame) return wrong_picture(path, "is cut off");
     const std::string_view name = rest.substr(4, 4), body = rest.substr(8, length);
     const std::uint32_t stated = big_endian(rest.substr(8 + length));
     const uLong computed = crc32(0, reinterpret_cast<const Bytef*>(name.data()), 4 + length);
-    if (computed != stated) return wrong(path, "is damaged: a checksum does not match");
+    if (computed != stated) return wrong_picture(path, "is damaged: a checksum does not match");
     rest.remove_prefix(kFrame + length);
     if (first) {
-      if (name != "IHDR" || length != 13) return wrong(path, "has no header");
+      if (name != "IHDR" || length != 13) return wrong_picture(path, "has no header");
       if (big_endian(body) != width_px || big_endian(body.substr(4)) != height_px)
-        return wrong(path, absl::StrCat("is ", big_endian(body), " x ", big_endian(body.substr(4)),
-                                        " pixels, its thumbnail ", width_px, " x ", height_px));
+        return wrong_picture(
+            path, absl::StrCat("is ", big_endian(body), " x ", big_endian(body.substr(4)),
+                               " pixels, its thumbnail ", width_px, " x ", height_px));
       if (body.substr(8) != std::string_view("\x08\0\0\0\0", 5))
-        return wrong(path, "is not 8 bit grey");
+        return wrong_picture(path, "is not 8 bit grey");
     } else if (name == "IDAT") {
-      if (!inflater.add(body, pixels)) return wrong(path, "has damaged pixels, or too many");
+      if (!inflater.add(body, pixels))
+        return wrong_picture(path, "has damaged pixels, or too many");
     } else if (name == "IEND") {
-      if (!rest.empty()) return wrong(path, "goes on after its end");
-      if (!inflater.ended_with(pixels)) return wrong(path, "has not all its pixels");
+      if (!rest.empty()) return wrong_picture(path, "goes on after its end");
+      if (!inflater.ended_with(pixels)) return wrong_picture(path, "has not all its pixels");
       return absl::OkStatus();
     }
   }
@@ -131,23 +133,25 @@ bool blocks_are_whole(std::string_view exr, std::string_view rest, std::uint64_t
 absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32_t height_px,
                        const std::string& path) {
   constexpr std::uint32_t kMagic = 20000630, kPlainScanLines = 2;
-  if (exr.size() < 8 || little_endian(exr) != kMagic) return wrong(path, "is no OpenEXR file");
+  if (exr.size() < 8 || little_endian(exr) != kMagic)
+    return wrong_picture(path, "is no OpenEXR file");
   if (little_endian(exr.substr(4)) != kPlainScanLines)
-    return wrong(path, "is not one part of scan lines");
+    return wrong_picture(path, "is not one part of scan lines");
   // Each row as it is, its place and size, and a header.
   const std::uint64_t most = std::uint64_t{height_px} * (4 * std::uint64_t{width_px} + 16) + 4096;
   if (exr.size() > most)
-    return wrong(path, absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most));
+    return wrong_picture(path, absl::StrCat("has ", exr.size(), " bytes, its pixels take ", most));
   bool sized = false, channel = false;
   std::uint32_t lines = 1;
   std::string_view rest = exr.substr(8);
   for (;;) {
     if (rest.starts_with('\0')) break;
     const std::string_view name = take_text(rest), type = take_text(rest);
-    if (name.empty() || type.empty() || rest.size() < 4) return wrong(path, "has a damaged header");
+    if (name.empty() || type.empty() || rest.size() < 4)
+      return wrong_picture(path, "has a damaged header");
     const std::uint32_t size = little_endian(rest);
     rest.remove_prefix(4);
-    if (size >= rest.size()) return wrong(path, "has a damaged header");
+    if (size >= rest.size()) return wrong_picture(path, "has a damaged header");
     std::string_view value = rest.substr(0, size);
     rest.remove_prefix(size);
     if (name == "dataWindow") {
@@ -155,23 +159,23 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
               little_endian(value.substr(4)) == 0 &&
               little_endian(value.substr(8)) == width_px - 1 &&
               little_endian(value.substr(12)) == height_px - 1;
-      if (!sized) return wrong(path, "is of another size than its thumbnail");
+      if (!sized) return wrong_picture(path, "is of another size than its thumbnail");
     } else if (name == "compression") {
       lines = type == "compression" && size == 1
                   ? lines_of_block(static_cast<unsigned char>(value.front()))
                   : 0;
-      if (lines == 0) return wrong(path, "is compressed in no known way");
+      if (lines == 0) return wrong_picture(path, "is compressed in no known way");
     } else if (name == "channels") {
       // One, of float32: its name, 16 bytes, and the end of the list.
       const std::string_view of = take_text(value);
       channel = !of.empty() && value.size() == 17 && little_endian(value) == 2;
-      if (!channel) return wrong(path, "has other channels than one of float32");
+      if (!channel) return wrong_picture(path, "has other channels than one of float32");
     }
   }
-  if (!sized || !channel) return wrong(path, "has a damaged header");
+  if (!sized || !channel) return wrong_picture(path, "has a damaged header");
   rest.remove_prefix(1);
   const std::uint64_t blocks = (std::uint64_t{height_px} + lines - 1) / lines;
-  return blocks_are_whole(exr, rest, blocks) ? absl::OkStatus() : wrong(path, "is cut off");
+  return blocks_are_whole(exr, rest, blocks) ? absl::OkStatus() : wrong_picture(path, "is cut off");
 }
 
 }  // namespace
@@ -179,8 +183,8 @@ absl::Status check_exr(std::string_view exr, std::uint32_t width_px, std::uint32
 absl::Status check_thumbnail(const schema::Thumbnail& thumbnail, const std::string& path) {
   const std::uint32_t width_px = thumbnail.width_px(), height_px = thumbnail.height_px();
   if (width_px < 1 || height_px < 1 || width_px > kMostPixels || height_px > kMostPixels)
-    return wrong(path, absl::StrCat("is ", width_px, " x ", height_px, " pixels, expected 1 to ",
-                                    kMostPixels));
+    return wrong_picture(path, absl::StrCat("is ", width_px, " x ", height_px,
+                                            " pixels, expected 1 to ", kMostPixels));
   IRSIG_STORE_TRY(check_png(thumbnail.png(), width_px, height_px, path + ".png"));
   return check_exr(thumbnail.exr(), width_px, height_px, path + ".exr");
 }

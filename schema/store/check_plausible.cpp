@@ -21,7 +21,7 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-absl::Status wrong(const std::string& path, const std::string& what) {
+absl::Status implausible(const std::string& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
 }
 
@@ -90,10 +90,10 @@ std::string outside(double value, const Range& range) {
 absl::Status check_estimate(const schema::Estimate& estimate, const Range& range,
                             const std::string& name, const std::string& path) {
   if (!inside(estimate.value(), range))
-    return wrong(absl::StrCat(path, ".", name, ".value"), outside(estimate.value(), range));
+    return implausible(absl::StrCat(path, ".", name, ".value"), outside(estimate.value(), range));
   const Range error = {0, std::max(range.most, -range.least)};
   if (!inside(estimate.stderr(), error))
-    return wrong(absl::StrCat(path, ".", name, ".stderr"), outside(estimate.stderr(), error));
+    return implausible(absl::StrCat(path, ".", name, ".stderr"), outside(estimate.stderr(), error));
   return absl::OkStatus();
 }
 
@@ -102,7 +102,7 @@ absl::Status check_list(const google::protobuf::RepeatedField<Number>& values, c
                         const std::string& name, const std::string& path) {
   for (int i = 0; i < values.size(); ++i)
     if (const auto value = static_cast<double>(values[i]); !inside(value, range))
-      return wrong(absl::StrCat(path, ".", name, "[", i, "]"), outside(value, range));
+      return implausible(absl::StrCat(path, ".", name, "[", i, "]"), outside(value, range));
   return absl::OkStatus();
 }
 
@@ -117,7 +117,7 @@ absl::Status check_ranges(const Message& message, const std::string& path) {
       case FieldDescriptor::CPPTYPE_DOUBLE:
         if (field.is_repeated()) break;  // of spectra, below
         if (const double value = r.GetDouble(message, &field); !inside(value, range_of(field)))
-          return wrong(absl::StrCat(path, ".", name), outside(value, range_of(field)));
+          return implausible(absl::StrCat(path, ".", name), outside(value, range_of(field)));
         break;
       case FieldDescriptor::CPPTYPE_MESSAGE:
         if (field.is_repeated() || !r.HasField(message, &field)) break;
@@ -137,7 +137,7 @@ absl::Status check_sum(double sum, double magnitude, double whole, double relati
                        const std::string& path, const char* parts) {
   // Not above: what is not a number is refused, too.
   if (std::abs(sum - whole) <= relative * (magnitude + std::abs(whole))) return absl::OkStatus();
-  return wrong(path, absl::StrCat("= ", whole, ", but its ", parts, " sum to ", sum));
+  return implausible(path, absl::StrCat("= ", whole, ", but its ", parts, " sum to ", sum));
 }
 
 constexpr double kRounding = 1e-9;       // of sums of doubles: 1e-15 is met
@@ -209,7 +209,7 @@ const std::array kSpectrumLists = {
 #undef IRSIG_LIST
 };
 
-absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string& path) {
+absl::Status check_plausible_spectrum(const schema::Spectrum& spectrum, const std::string& path) {
   IRSIG_STORE_TRY(check_list(spectrum.lambda_um(), make_range("lambda_um"), "lambda_um", path));
   for (const SpectrumList& list : kSpectrumLists)
     IRSIG_STORE_TRY(check_list((spectrum.*list.values)(), list.range, list.name, path));
@@ -219,7 +219,7 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string&
   if (!spectrum.plume_w_sr_um().empty()) causes.push_back(&spectrum.plume_w_sr_um());
   const auto& whole = spectrum.spectral_intensity_w_sr_um();
   for (const auto* cause : causes)
-    if (cause->size() != whole.size()) return wrong(path, "has causes of another length");
+    if (cause->size() != whole.size()) return implausible(path, "has causes of another length");
   for (int i = 0; i < whole.size(); ++i) {
     double sum = 0, magnitude = 0;
     for (const auto* cause : causes) {
@@ -236,15 +236,15 @@ absl::Status check_spectrum(const schema::Spectrum& spectrum, const std::string&
 
 absl::Status check_text(const std::string& text, std::size_t most, const std::string& path) {
   if (text.size() > most)
-    return wrong(path, absl::StrCat("has ", text.size(), " bytes, expected at most ", most));
-  if (!is_one_line(text)) return wrong(path, "has control characters or is not UTF-8");
+    return implausible(path, absl::StrCat("has ", text.size(), " bytes, expected at most ", most));
+  if (!is_one_line(text)) return implausible(path, "has control characters or is not UTF-8");
   return absl::OkStatus();
 }
 
-absl::Status check_row(const schema::SignatureRow& row, const std::string& path) {
+absl::Status check_plausible_row(const schema::SignatureRow& row, const std::string& path) {
   IRSIG_STORE_TRY(check_ranges(row, path));
   IRSIG_STORE_TRY(check_ranges(row.energy(), path + ".energy"));
-  IRSIG_STORE_TRY(check_spectrum(row.spectrum(), path + ".spectrum"));
+  IRSIG_STORE_TRY(check_plausible_spectrum(row.spectrum(), path + ".spectrum"));
   for (const schema::PartIntensity& part : row.part())
     IRSIG_STORE_TRY(check_ranges(part, path + ".part"));
   for (const schema::EffectEntry& effect : row.effect())
@@ -270,9 +270,9 @@ absl::Status check_plausible(const schema::JobResult& result) {
   IRSIG_STORE_TRY(check_text(result.build_id(), 1000, "build_id"));
   IRSIG_STORE_TRY(check_ranges(result, "job"));
   for (int i = 0; i < result.view().row_size(); ++i)
-    IRSIG_STORE_TRY(check_row(result.view().row(i), absl::StrCat("row[", i, "]")));
+    IRSIG_STORE_TRY(check_plausible_row(result.view().row(i), absl::StrCat("row[", i, "]")));
   if (result.heat().warning_size() > 1000)
-    return wrong("heat.warning", "has more than 1000 elements");
+    return implausible("heat.warning", "has more than 1000 elements");
   for (const std::string& warning : result.heat().warning())
     IRSIG_STORE_TRY(check_text(warning, 10000, "heat.warning"));
   for (const schema::PartTemperature& part : result.heat().part())

@@ -16,17 +16,17 @@
 namespace irsig {
 namespace {
 
-absl::Status wrong(const schema::ResolvedSweep& sweep, const std::string& what) {
+absl::Status wrong_sweep(const schema::ResolvedSweep& sweep, const std::string& what) {
   return absl::InvalidArgumentError(
       one_line(absl::StrCat("sweep \"", sweep.sweep().name(), "\": ", what)));
 }
 
-absl::Status check_text(const schema::ResolvedSweep& sweep) {
+absl::Status check_sweep_text(const schema::ResolvedSweep& sweep) {
   const auto plain = [&](const char* what, const std::string& text) {
     return is_one_line(text)
                ? absl::OkStatus()
-               : wrong(sweep, absl::StrCat("the ", what, " \"", text,
-                                           "\" has control characters or is not UTF-8"));
+               : wrong_sweep(sweep, absl::StrCat("the ", what, " \"", text,
+                                                 "\" has control characters or is not UTF-8"));
   };
   IRSIG_STORE_TRY(plain("name", sweep.sweep().name()));
   for (const schema::Part& part : sweep.sweep().part()) IRSIG_STORE_TRY(plain("part", part.name()));
@@ -55,8 +55,9 @@ absl::Status check_viewpoints(const schema::ResolvedSweep& sweep) {
     const std::string name =
         absl::StrCat("viewpoint (azimuth ", viewpoint.aspect_azimuth_deg(), " deg, elevation ",
                      viewpoint.aspect_elevation_deg(), " deg, range ", viewpoint.range_m(), " m)");
-    if (!usable) return wrong(sweep, absl::StrCat("the ", name, " is out of range"));
-    if (!seen.insert(place).second) return wrong(sweep, absl::StrCat("the ", name, " comes twice"));
+    if (!usable) return wrong_sweep(sweep, absl::StrCat("the ", name, " is out of range"));
+    if (!seen.insert(place).second)
+      return wrong_sweep(sweep, absl::StrCat("the ", name, " comes twice"));
   }
   return absl::OkStatus();
 }
@@ -65,28 +66,29 @@ absl::Status check_names(const schema::ResolvedSweep& sweep) {
   std::set<std::pair<std::string, std::string>> conditions;
   for (const schema::Condition& condition : sweep.condition()) {
     if (!conditions.emplace(condition.season(), condition.time_utc()).second) {
-      return wrong(sweep, absl::StrCat("season \"", condition.season(), "\" at ",
-                                       condition.time_utc(), " comes twice"));
+      return wrong_sweep(sweep, absl::StrCat("season \"", condition.season(), "\" at ",
+                                             condition.time_utc(), " comes twice"));
     }
     if (condition.part_temperature_k_size() != sweep.sweep().part_size()) {
-      return wrong(sweep, absl::StrCat("season \"", condition.season(), "\" has ",
-                                       condition.part_temperature_k_size(), " temperatures for ",
-                                       sweep.sweep().part_size(), " parts"));
+      return wrong_sweep(sweep,
+                         absl::StrCat("season \"", condition.season(), "\" has ",
+                                      condition.part_temperature_k_size(), " temperatures for ",
+                                      sweep.sweep().part_size(), " parts"));
     }
   }
   std::set<std::string> bands;
   for (const schema::Band& band : sweep.sweep().band()) {
     if (!bands.insert(band.name()).second)
-      return wrong(sweep, absl::StrCat("band \"", band.name(), "\" comes twice"));
+      return wrong_sweep(sweep, absl::StrCat("band \"", band.name(), "\" comes twice"));
     if (!(band.lambda_min_um() > 0 && band.lambda_max_um() > band.lambda_min_um())) {
-      return wrong(sweep,
-                   absl::StrCat("band \"", band.name(), "\" has no limits, or reversed ones"));
+      return wrong_sweep(
+          sweep, absl::StrCat("band \"", band.name(), "\" has no limits, or reversed ones"));
     }
   }
   std::set<std::string> parts;
   for (const schema::Part& part : sweep.sweep().part()) {
     if (!parts.insert(part.name()).second)
-      return wrong(sweep, absl::StrCat("part \"", part.name(), "\" comes twice"));
+      return wrong_sweep(sweep, absl::StrCat("part \"", part.name(), "\" comes twice"));
   }
   return absl::OkStatus();
 }
@@ -103,14 +105,14 @@ class ViewRule {
 
   absl::Status add(const schema::ViewJob& job) {
     if (job.viewpoint_index() >= viewpoints_ || !in_shard(sweep_, job.viewpoint_index()))
-      return wrong(sweep_, "a job names a viewpoint that does not exist");
+      return wrong_sweep(sweep_, "a job names a viewpoint that does not exist");
     for (const std::uint32_t condition : job.condition_index()) {
       for (const std::uint32_t band : job.band_index()) {
         if (condition >= conditions_ || band >= bands_) {
-          return wrong(sweep_, "a job names a condition or band that does not exist");
+          return wrong_sweep(sweep_, "a job names a condition or band that does not exist");
         }
         auto place = covered_[(job.viewpoint_index() * conditions_ + condition) * bands_ + band];
-        if (place) return wrong(sweep_, "two jobs compute the same row");
+        if (place) return wrong_sweep(sweep_, "two jobs compute the same row");
         place = true;
         ++places_;
       }
@@ -121,7 +123,7 @@ class ViewRule {
   absl::Status finish() const {
     const std::size_t rows = shard_size(sweep_) * conditions_ * bands_;
     if (places_ == rows) return absl::OkStatus();
-    return wrong(sweep_, absl::StrCat("its jobs compute ", places_, " of ", rows, " rows"));
+    return wrong_sweep(sweep_, absl::StrCat("its jobs compute ", places_, " of ", rows, " rows"));
   }
 
  private:
@@ -139,9 +141,9 @@ class HeatRule {
 
   absl::Status add(const schema::JobSpec& job) {
     if (job.heat().heat() != keys_.size() || job.heat().heat() >= runs() || job.needs_size() > 0)
-      return wrong(sweep_, absl::StrCat("the job \"", job.job_key(), "\" computes heat run ",
-                                        job.heat().heat(), " of ", runs(),
-                                        " out of order, or needs another job"));
+      return wrong_sweep(sweep_, absl::StrCat("the job \"", job.job_key(), "\" computes heat run ",
+                                              job.heat().heat(), " of ", runs(),
+                                              " out of order, or needs another job"));
     keys_.push_back(job.job_key());
     return absl::OkStatus();
   }
@@ -151,8 +153,8 @@ class HeatRule {
     if (keys_.size() == runs() &&
         std::equal(keys_.begin(), keys_.end(), job.needs().begin(), job.needs().end()))
       return absl::OkStatus();
-    return wrong(sweep_, absl::StrCat("the view \"", job.job_key(), "\" does not need the sweep's ",
-                                      runs(), " heat jobs"));
+    return wrong_sweep(sweep_, absl::StrCat("the view \"", job.job_key(),
+                                            "\" does not need the sweep's ", runs(), " heat jobs"));
   }
 
  private:
@@ -168,32 +170,32 @@ absl::Status check_heat(const schema::ResolvedSweep& sweep) {
   for (const schema::HeatRun& run : sweep.heat()) {
     const std::string name = absl::StrCat("the heat run of \"", run.season(), "\" ");
     if (!is_one_line(run.season()))
-      return wrong(sweep, name + "has control characters or is not UTF-8");
-    if (run.time_utc().empty()) return wrong(sweep, name + "has no times");
+      return wrong_sweep(sweep, name + "has control characters or is not UTF-8");
+    if (run.time_utc().empty()) return wrong_sweep(sweep, name + "has no times");
     for (const std::string& time : run.time_utc())
       if (!is_one_line(time) || !unix_s_of(time))
-        return wrong(sweep, absl::StrCat(name, "has \"", time, "\", which is no time"));
+        return wrong_sweep(sweep, absl::StrCat(name, "has \"", time, "\", which is no time"));
     if (run.part_temperature_k_size() != parts)
-      return wrong(sweep, absl::StrCat(name, "has ", run.part_temperature_k_size(),
-                                       " temperatures for ", parts, " parts"));
+      return wrong_sweep(sweep, absl::StrCat(name, "has ", run.part_temperature_k_size(),
+                                             " temperatures for ", parts, " parts"));
     if (std::count(run.part_temperature_k().begin(), run.part_temperature_k().end(), 0.0) == 0)
-      return wrong(sweep, name + "has nothing to compute");
+      return wrong_sweep(sweep, name + "has nothing to compute");
   }
   for (const schema::Condition& c : sweep.condition()) {
     const schema::ConditionField& from = c.temperature_field();
     if (!from.has_heat()) continue;
     const std::string name = absl::StrCat("season \"", c.season(), "\" at ", c.time_utc());
     if (from.heat() >= static_cast<std::uint32_t>(sweep.heat_size()))
-      return wrong(sweep, absl::StrCat(name, " has the temperatures of heat run ", from.heat(),
-                                       " of ", sweep.heat_size()));
+      return wrong_sweep(sweep, absl::StrCat(name, " has the temperatures of heat run ",
+                                             from.heat(), " of ", sweep.heat_size()));
     const schema::HeatRun& run = sweep.heat(static_cast<int>(from.heat()));
     if (!time_index_of(run, c.time_utc()))
-      return wrong(sweep, name + " is no time of its heat run");
+      return wrong_sweep(sweep, name + " is no time of its heat run");
     for (const std::uint32_t part : from.part())
       if (part >= static_cast<std::uint32_t>(parts) ||
           run.part_temperature_k(static_cast<int>(part)) != 0)
-        return wrong(sweep, absl::StrCat(name, " has the temperatures of part ", part,
-                                         ", which its heat run does not compute"));
+        return wrong_sweep(sweep, absl::StrCat(name, " has the temperatures of part ", part,
+                                               ", which its heat run does not compute"));
   }
   return absl::OkStatus();
 }
@@ -208,12 +210,12 @@ absl::Status check_jobs(const schema::ResolvedSweep& sweep,
     std::set<std::string_view> needed;
     for (const std::string& key : job.needs()) {
       if (!keys.contains(key) || !needed.insert(key).second)
-        return wrong(sweep, absl::StrCat("a job needs \"", key,
-                                         "\", which is no job before it, or needs it twice"));
+        return wrong_sweep(sweep, absl::StrCat("a job needs \"", key,
+                                               "\", which is no job before it, or needs it twice"));
     }
     if (job.job_key().empty() || !keys.insert(job.job_key()).second) {
-      return wrong(sweep,
-                   absl::StrCat("the job key \"", job.job_key(), "\" is empty or comes twice"));
+      return wrong_sweep(
+          sweep, absl::StrCat("the job key \"", job.job_key(), "\" is empty or comes twice"));
     }
     switch (job.kind_case()) {
       case schema::JobSpec::kView:
@@ -224,7 +226,8 @@ absl::Status check_jobs(const schema::ResolvedSweep& sweep,
         IRSIG_STORE_TRY(heat.add(job));
         break;
       case schema::JobSpec::KIND_NOT_SET:
-        return wrong(sweep, absl::StrCat("the job \"", job.job_key(), "\" is of no known kind"));
+        return wrong_sweep(sweep,
+                           absl::StrCat("the job \"", job.job_key(), "\" is of no known kind"));
     }
   }
   return views.finish();
@@ -234,12 +237,12 @@ absl::Status check_jobs(const schema::ResolvedSweep& sweep,
 
 absl::Status check_sweep(const schema::ResolvedSweep& sweep, const std::string& sweep_sha256,
                          const std::vector<schema::JobSpec>& jobs) {
-  if (sweep.sweep().name().empty()) return wrong(sweep, "it has no name");
-  if (sweep_sha256.empty()) return wrong(sweep, "it has no hash");
-  if (sweep.viewpoint().empty()) return wrong(sweep, "it has no viewpoints");
-  if (sweep.condition().empty()) return wrong(sweep, "it has no conditions (season x time)");
-  if (sweep.sweep().band().empty()) return wrong(sweep, "it has no bands");
-  IRSIG_STORE_TRY(check_text(sweep));
+  if (sweep.sweep().name().empty()) return wrong_sweep(sweep, "it has no name");
+  if (sweep_sha256.empty()) return wrong_sweep(sweep, "it has no hash");
+  if (sweep.viewpoint().empty()) return wrong_sweep(sweep, "it has no viewpoints");
+  if (sweep.condition().empty()) return wrong_sweep(sweep, "it has no conditions (season x time)");
+  if (sweep.sweep().band().empty()) return wrong_sweep(sweep, "it has no bands");
+  IRSIG_STORE_TRY(check_sweep_text(sweep));
   IRSIG_STORE_TRY(check_viewpoints(sweep));
   IRSIG_STORE_TRY(check_names(sweep));
   IRSIG_STORE_TRY(check_heat(sweep));

@@ -62,7 +62,7 @@ class Named {
 };
 
 // Places in a list, in increasing order, as text: "0, 7 to 23".
-class Places {
+class ListPlaces {
  public:
   void add(std::int64_t place) {
     if (!ranges_.empty() && ranges_.back().last + 1 == place) {
@@ -229,7 +229,7 @@ class Examination {
   }
 
   absl::Status coverage() {
-    std::map<std::pair<std::string, JobState>, Places> without;
+    std::map<std::pair<std::string, JobState>, ListPlaces> without;
     IRSIG_STORE_TRY(for_each(database_, sql::jobs_without_rows, [&](Rows& row) {
       const std::string sweep = row.text();
       const auto state = static_cast<JobState>(row.integer());

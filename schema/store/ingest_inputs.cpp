@@ -8,7 +8,7 @@
 namespace irsig {
 namespace {
 
-std::optional<double> if_stated(bool stated, double value) {
+std::optional<double> if_change_stated(bool stated, double value) {
   return stated ? std::optional(value) : std::nullopt;
 }
 
@@ -60,9 +60,9 @@ absl::Status insert_inputs(Database& database, std::int64_t signature_id,
         c.contribution_w_sr().stderr(), c.apparent_contribution_w_sr().value(),
         c.apparent_contribution_w_sr().stderr(), c.contrast_contribution_w_sr().value(),
         c.contrast_contribution_w_sr().stderr(),
-        if_stated(c.has_curvature_w_sr(), c.curvature_w_sr()),
-        if_stated(c.has_apparent_curvature_w_sr(), c.apparent_curvature_w_sr()),
-        if_stated(c.has_contrast_curvature_w_sr(), c.contrast_curvature_w_sr())));
+        if_change_stated(c.has_curvature_w_sr(), c.curvature_w_sr()),
+        if_change_stated(c.has_apparent_curvature_w_sr(), c.apparent_curvature_w_sr()),
+        if_change_stated(c.has_contrast_curvature_w_sr(), c.contrast_curvature_w_sr())));
   }
   return absl::OkStatus();
 }

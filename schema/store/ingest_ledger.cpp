@@ -9,7 +9,7 @@
 namespace irsig {
 namespace {
 
-absl::Status wrong(const std::string& path, const std::string& what) {
+absl::Status wrong_ledger(const std::string& path, const std::string& what) {
   return absl::InvalidArgumentError(absl::StrCat("result: ", path, " ", what));
 }
 
@@ -30,17 +30,17 @@ absl::StatusOr<std::map<std::string, std::int64_t>> numbers_of_names(Database& d
 absl::Status check_entry(const schema::EffectEntry& entry, const LedgerNames& names,
                          const std::string& path) {
   if (!names.effect.contains(entry.effect()))
-    return wrong(path, absl::StrCat("names an unknown effect: \"", entry.effect(), "\""));
+    return wrong_ledger(path, absl::StrCat("names an unknown effect: \"", entry.effect(), "\""));
   const std::string of = absl::StrCat(path, " (", entry.effect(), ")");
   if (!names.reason.contains(entry.reason()))
-    return wrong(of, absl::StrCat("has an unknown reason: \"", entry.reason(), "\""));
+    return wrong_ledger(of, absl::StrCat("has an unknown reason: \"", entry.reason(), "\""));
   if (entry.state() < schema::EFFECT_STATE_ON || entry.state() > schema::EFFECT_STATE_ABSENT)
-    return wrong(of, "has no state");
+    return wrong_ledger(of, "has no state");
   const bool bounded =
       entry.has_bound_w_sr() && entry.has_apparent_bound_w_sr() && entry.has_contrast_bound_w_sr();
   if (entry.state() == schema::EFFECT_STATE_OFF && !bounded && entry.reason() != "forced" &&
       !names.bounded_with.contains(entry.effect()))
-    return wrong(of, "is off without a bound");
+    return wrong_ledger(of, "is off without a bound");
   return absl::OkStatus();
 }
 
@@ -70,23 +70,24 @@ absl::Status check_ledger(const schema::SignatureRow& row, const LedgerNames& na
     const std::string at = absl::StrCat(path, ".effect[", i, "]");
     IRSIG_STORE_TRY(check_entry(row.effect(i), names, at));
     if (!seen.insert(row.effect(i).effect()).second)
-      return wrong(at, absl::StrCat("is there twice: ", row.effect(i).effect()));
+      return wrong_ledger(at, absl::StrCat("is there twice: ", row.effect(i).effect()));
   }
   for (const auto& [name, number] : names.effect) {
     const bool expected = row.has_plume_w_sr() || !names.of_hot_gas.contains(name);
     if (expected && !seen.contains(name))
-      return wrong(path + ".effect", absl::StrCat("lacks ", name));
+      return wrong_ledger(path + ".effect", absl::StrCat("lacks ", name));
     if (!expected && seen.contains(name))
-      return wrong(path + ".effect", absl::StrCat("has ", name, ", but the row has no hot gas"));
+      return wrong_ledger(path + ".effect",
+                          absl::StrCat("has ", name, ", but the row has no hot gas"));
   }
   if (!row.has_energy()) {
     if (row.projected_area_m2().value() == 0) return absl::OkStatus();
-    return wrong(path + ".energy", "is missing");
+    return wrong_ledger(path + ".energy", "is missing");
   }
   const schema::EnergyLedger& energy = row.energy();
   if (!energy.has_absorbed() || !energy.has_escaped_to_sky() || !energy.has_escaped_to_lower() ||
       !energy.has_cut_off() || !energy.has_balance())
-    return wrong(path + ".energy", "is incomplete");
+    return wrong_ledger(path + ".energy", "is incomplete");
   return absl::OkStatus();
 }
 

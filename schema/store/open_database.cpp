@@ -69,7 +69,7 @@ absl::Status check_pragmas(const std::string& path, Database& database) {
   return refuse(path, static_cast<std::uint32_t>(*id), *version);
 }
 
-bool exists(const std::string& path) {
+bool path_exists(const std::string& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
@@ -111,7 +111,7 @@ absl::Status begin_journal(Database& database) {
 // header asks for a journal that is not there.
 void say_no_more_than_needed(WritableDatabase& out) {
   const absl::StatusOr<FileHeader> header = read_file_header(out.path);
-  if (!header.ok() || exists(out.path + "-journal")) return;
+  if (!header.ok() || path_exists(out.path + "-journal")) return;
   if (!header->write_ahead_log || has_journal(out.path)) out.lock->say_nothing();
 }
 
@@ -219,11 +219,11 @@ absl::StatusOr<WritableDatabase> open_for_writing(const std::string& path) {
   if (!lock.ok()) return lock.status();
   out.lock = *std::move(lock);
 
-  const bool existed = exists(out.path);
+  const bool existed = path_exists(out.path);
   bool is_new = !existed;
   // With a hot rollback journal (a creation or migration that was killed) the bytes mean nothing
   // before SQLite has rolled it back; the pragmas are checked below.
-  if (existed && !exists(out.path + "-journal")) {
+  if (existed && !path_exists(out.path + "-journal")) {
     const absl::StatusOr<FileHeader> header = read_file_header(out.path);
     if (!header.ok()) return header.status();
     is_new = header->empty;

@@ -20,9 +20,9 @@ namespace irsig {
 namespace {
 
 // Rows between two reports of progress.
-constexpr std::int64_t kRowsAtOnce = 1000;
+constexpr std::int64_t kCopiedAtOnce = 1000;
 
-constexpr const char* kOfSignatures[] = {
+constexpr const char* kCopiedOfSignatures[] = {
     sql::slice_signature,      sql::slice_spectrum,  sql::slice_spectral_modes,
     sql::slice_part_intensity, sql::slice_thumbnail, sql::slice_ledger,
     sql::slice_energy,         sql::slice_profile,   sql::slice_input_contribution};
@@ -207,11 +207,12 @@ class Slicing {
   absl::Status copy_signatures() {
     std::int64_t after = 0;
     for (std::uint64_t done = 0; done < out_.rows;) {
-      const auto last = database_.integer(sql::slice_last_after, after, kRowsAtOnce);
+      const auto last = database_.integer(sql::slice_last_after, after, kCopiedAtOnce);
       if (!last.ok()) return last.status();
-      for (const char* table : kOfSignatures) IRSIG_STORE_TRY(database_.run(table, after, *last));
+      for (const char* table : kCopiedOfSignatures)
+        IRSIG_STORE_TRY(database_.run(table, after, *last));
       after = *last;
-      done = std::min(out_.rows, done + kRowsAtOnce);
+      done = std::min(out_.rows, done + kCopiedAtOnce);
       if (progress_) IRSIG_STORE_TRY(progress_(done, out_.rows));
     }
     return absl::OkStatus();

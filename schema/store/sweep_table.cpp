@@ -42,8 +42,8 @@ std::string serialized(const google::protobuf::Message& message) {
 double without_sign_of_zero(double value) { return value + 0.0; }
 
 template <typename Message, typename Value>
-std::optional<Value> if_stated(bool stated, Value (Message::*field)() const,
-                               const Message& message) {
+std::optional<Value> if_key_stated(bool stated, Value (Message::*field)() const,
+                                   const Message& message) {
   return stated ? std::optional<Value>((message.*field)()) : std::nullopt;
 }
 
@@ -126,7 +126,7 @@ class SweepUpdate {
     const std::string bytes = serialized(sweep_);
     const schema::Output& output = sweep_.sweep().output();
     const auto thumbnail_px =
-        if_stated(output.has_thumbnail_px(), &schema::Output::thumbnail_px, output);
+        if_key_stated(output.has_thumbnail_px(), &schema::Output::thumbnail_px, output);
     const absl::StatusOr<std::int64_t> known = database_.integer(sql::sweep_id_by_name, name);
     if (!known.ok() && !absl::IsNotFound(known.status())) return known.status();
     if (known.ok()) {
@@ -324,14 +324,15 @@ class SweepUpdate {
     const absl::StatusOr<std::int64_t> id = database_.integer(
         sql::insert_condition, sweep_id_, definition, index, condition.season(),
         condition.time_utc(), condition.sun_irradiance_w_m2(), condition.air_temperature_k(),
-        around.kind(), if_stated(around.has_sky_temperature_k(), &S::sky_temperature_k, around),
-        if_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um, around),
-        if_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
-        if_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
-        if_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um, around),
+        around.kind(), if_key_stated(around.has_sky_temperature_k(), &S::sky_temperature_k, around),
+        if_key_stated(around.has_sky_radiance_w_m2_sr_um(), &S::sky_radiance_w_m2_sr_um, around),
+        if_key_stated(around.has_sea_temperature_k(), &S::sea_temperature_k, around),
+        if_key_stated(around.has_sea_emissivity(), &S::sea_emissivity, around),
+        if_key_stated(around.has_lower_radiance_w_m2_sr_um(), &S::lower_radiance_w_m2_sr_um,
+                      around),
         around.has_sea_model() ? std::optional<std::string>(around.sea_model()) : std::nullopt,
-        if_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
-        if_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
+        if_key_stated(around.has_ground_temperature_k(), &S::ground_temperature_k, around),
+        if_key_stated(around.has_ground_emissivity(), &S::ground_emissivity, around), *weather,
         warnings(condition), field_text(condition), place.heat_index, place.time_index);
     if (!id.ok()) return id.status();
     const auto& by_field = condition.temperature_field().part();

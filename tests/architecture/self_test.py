@@ -5,7 +5,9 @@ import tempfile
 import unittest
 
 import check_layers
+import check_libm
 import check_loaded
+import check_unity
 import check_words
 
 LAYERS = """core_base |  | core/base/base.h core/base/base.cpp
@@ -145,6 +147,56 @@ class Loaded(unittest.TestCase):
         line = "\tlibOpenImageIO.so.2.4 => /lib/x86_64-linux-gnu/libOpenImageIO.so.2.4 (0x00007f)\n"
         self.assertEqual(check_loaded.worker_only(line), ["libOpenImageIO.so"])
         self.assertEqual(check_loaded.worker_only("\tlibsqlite3.so.0 => /lib/libsqlite3.so.0 (0x0)\n"), [])
+
+
+class Libm(unittest.TestCase):
+    FINGERPRINT = [("arithmetic_fingerprint.cpp.o", name) for name in ("exp", "sincosf")]
+
+    def test_covered(self):
+        self.assertEqual(check_libm.check(self.FINGERPRINT + [("a.cpp.o", "exp"), ("b.cpp.o", "sinf@GLIBC_2.2.5"), ("b.cpp.o", "cosf"),
+                                                              ("b.cpp.o", "sqrt"), ("b.cpp.o", "fmod"), ("b.cpp.o", "memcpy")]), [])
+
+    def test_not_covered(self):
+        self.assertEqual(check_libm.check(self.FINGERPRINT + [("a.cpp.o", "exp"), ("b.cpp.o", "sincosf"), ("c.cpp.o", "csqrt")]),
+                         ["c.cpp.o calls csqrt: add it to core/base/arithmetic_fingerprint.cpp"])
+
+    def test_not_called(self):
+        self.assertEqual(check_libm.check(self.FINGERPRINT + [("a.cpp.o", "expf"), ("a.cpp.o", "exp"), ("b.cpp.o", "cosf")]),
+                         ["a.cpp.o calls expf: add it to core/base/arithmetic_fingerprint.cpp",
+                          "core/base/arithmetic_fingerprint.cpp covers sinf, which nothing calls: remove it"])
+
+
+class Unity(TreeTest):
+    ONE = "namespace irsig {\nnamespace {\n%s\n}  // namespace\n}  // namespace irsig\n"
+    TARGET = "core_base | core/base/base.cpp core/base/other.cpp\n"
+
+    def unity(self, a, b, batches=TARGET):
+        return check_unity.check(self.tree({"core/base/base.cpp": self.ONE % a, "core/base/other.cpp": self.ONE % b}), batches)
+
+    def test_equal_names(self):
+        for a in ("double area(double x) { return x; }", "std::vector<Pair<int, int>> area(const F<void(int)>& f) {\n}",
+                  "struct area {\n  int x;\n};", "using area = int;", "constexpr double kOther = 1, area = 2;",
+                  "const char* const area[] = {\"{\", \"}\"};", "template <typename T>\nT area(T x) {\n  return x;\n}",
+                  "enum class area { kOne };", "std::pair<int, int> area();", "constexpr int kMany = 1'000;\nint area() { return 'a'; }"):
+            with self.subTest(a=a):
+                self.assertEqual(self.unity(a, "double area = 1;"),
+                                 ["core/base/other.cpp: area is a name in an anonymous namespace of core/base/base.cpp, too: "
+                                  "a release compiles both as one (core_base); rename one of them"])
+
+    def test_other_names(self):
+        for a in ("double other() {\n  double area = 1;\n  return area;\n}", "// double area() {\n", "double Box::area() {\n}",
+                  "struct Box {\n  double area() const;\n};", "bool operator<(Box a, Box b) {\n}", "#define X double area() {",
+                  "static_assert(area(1) == 2);", "const char* kText = R\"(\ndouble area() {\n)\";", "constexpr int kTwo = 2 * area;"):
+            with self.subTest(a=a):
+                self.assertEqual(self.unity(a, "double area = 1;\nbool operator<(Ball a, Ball b) {\n}"), [])
+
+    def test_equal_aliases_may_stand(self):
+        self.assertEqual(self.unity("using Cell = std::array<int, 3>;", "using Cell = std::array<int,\n 3>;"), [])
+        self.assertEqual(len(self.unity("using Cell = std::array<int, 3>;", "using Cell = std::array<int, 2>;")), 1)
+
+    def test_targets_apart(self):
+        batches = "core_base | core/base/base.cpp\ncore_other | core/base/other.cpp\n"
+        self.assertEqual(self.unity("double area = 1;", "double area = 1;", batches), [])
 
 
 if __name__ == "__main__":

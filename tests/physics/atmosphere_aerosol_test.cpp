@@ -20,7 +20,7 @@
 namespace irsig {
 namespace {
 
-std::size_t band_of(double centre_cm1) {
+std::size_t aerosol_band_of(double centre_cm1) {
   return static_cast<std::size_t>((centre_cm1 - kAirFirstCm1) / kAirBandWidthCm1);
 }
 
@@ -45,8 +45,8 @@ TEST(AtmosphereAerosol, NavyAgainstRuralAsInLowtran) {
                            {2755, 1.01444}, {2815, 1.01300}, {2875, 1.01162}, {2935, 1.01030}};
   const auto depth = [](const AtmosphereSpec& spec, double centre_cm1) {
     const AbsorberAmounts a = Atmosphere::make(spec)->amounts(level_path(0, 5000));
-    return a.grey(GreyAbsorber::kAerosolAbsorption)[band_of(centre_cm1)] +
-           a.grey(GreyAbsorber::kAerosolScattering)[band_of(centre_cm1)];
+    return a.grey(GreyAbsorber::kAerosolAbsorption)[aerosol_band_of(centre_cm1)] +
+           a.grey(GreyAbsorber::kAerosolScattering)[aerosol_band_of(centre_cm1)];
   };
   double worst = 0, worst_by_wind = 0;
   for (const Row& row : kRows) {
@@ -100,7 +100,7 @@ TEST(AtmosphereAerosol, NavyThinsWithHeightAsItsVisibleExtinction) {
   const double at_1km = 0.0415 + (0.0991 - 0.0415) * inverse;
   const double at_2km = 0.026 + (0.0621 - 0.026) * inverse;
   for (const double cm1 : {2505.0, 1005.0}) {
-    const std::size_t b = band_of(cm1);
+    const std::size_t b = aerosol_band_of(cm1);
     const double surface = aerosol_per_km(spec, 0, b);
     EXPECT_NEAR(aerosol_per_km(spec, 1000, b) / surface, at_1km / ground, 1e-6);
     EXPECT_NEAR(aerosol_per_km(spec, 2000, b) / surface, at_2km / ground, 1e-6);
@@ -123,8 +123,8 @@ TEST(AtmosphereAerosol, NavyAtOneKilometreIsModtrans) {
   for (std::size_t row = 0; row < table.size(); ++row) {
     const double cm1 = table.number(row, "centre_cm1");
     if (table.number(row, "height_m") != 1000 || cm1 < 2430 || cm1 > 2540) continue;
-    left += std::log(clean[band_of(cm1)] / table.number(row, "transmittance")) / 2;
-    ours += aerosol_per_km(navy, 1000, band_of(cm1));
+    left += std::log(clean[aerosol_band_of(cm1)] / table.number(row, "transmittance")) / 2;
+    ours += aerosol_per_km(navy, 1000, aerosol_band_of(cm1));
     ++count;
   }
   std::printf("Navy at 1 km, 4 um, per km: %.5f / %.5f\n", ours / count, left / count);
@@ -171,7 +171,8 @@ TEST(AtmosphereAerosol, RegionsFadeIntoEachOther) {
       EXPECT_LT(worst, 1e-4) << top_m;  // 2e-5 where fog of the boundary layer sets in
     }
     const AerosolOptics low = at(2000), middle = at(2500), high = at(3000);
-    for (const std::size_t b : {band_of(1005), band_of(2505), band_of(2905)}) {
+    for (const std::size_t b :
+         {aerosol_band_of(1005), aerosol_band_of(2505), aerosol_band_of(2905)}) {
       const double a = low.scattering_per_m[b], c = high.scattering_per_m[b];
       const bool one_kind = kind == AerosolKind::kTropospheric;
       EXPECT_NEAR(middle.scattering_per_m[b], one_kind ? std::sqrt(a * c) : 0.5 * (a + c),

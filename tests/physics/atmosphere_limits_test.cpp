@@ -20,7 +20,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kFarLimit = std::numeric_limits<double>::infinity();
 
 Atmosphere clean_air(AfglProfile profile = AfglProfile::kMidlatitudeSummer) {
   return *Atmosphere::make({afgl_profile(profile), {}});
@@ -72,14 +72,14 @@ std::vector<Combination> combinations(const std::vector<AbsorberAmounts>& stretc
 // 3.5, 3.9, 4.6, 8.6 and 11 um.
 constexpr double kCentresCm1[] = {2855, 2565, 2175, 1165, 905};
 
-std::size_t band_of(double centre_cm1) {
+std::size_t limit_band_of(double centre_cm1) {
   return static_cast<std::size_t>((centre_cm1 - kAirFirstCm1) / kAirBandWidthCm1);
 }
 
 TEST(AtmosphereLimits, BandsThatAreLeftOutChangeNoOther) {
   const Atmosphere air = *Atmosphere::make(
       {afgl_profile(AfglProfile::kUsStandard1976), {AerosolKind::kMaritime, 23e3}});
-  const LightPath path = look(air.profile(), 10, 40, kFar);
+  const LightPath path = look(air.profile(), 10, 40, kFarLimit);
   // Of every length, and all over the lanes of a vector.
   std::vector<unsigned char> wanted(kAirBandCount, 0);
   for (std::size_t first = 0, length = 1; first + length < kAirBandCount; ++length) {
@@ -154,7 +154,7 @@ TEST(AtmosphereLimits, ReflectedSunByAmountsIsTheOverlappedSum) {
   const AirSpectrum t_sun = transmittance(sun), t_sensor = transmittance(sensor);
   double product_worst = 1;
   for (const double nu : kCentresCm1) {
-    const std::size_t b = band_of(nu);
+    const std::size_t b = limit_band_of(nu);
     double exact = 0;
     for (const Combination& c : combinations({sun, sensor}, b)) {
       exact += c.weight * std::exp(-c.depth[0] - c.depth[1]);
@@ -168,7 +168,7 @@ TEST(AtmosphereLimits, ReflectedSunByAmountsIsTheOverlappedSum) {
 
 TEST(AtmosphereLimits, SkyBehindAirIsTheOverlappedSum) {
   const Atmosphere air = clean_air();
-  const LightPath up = look(air.profile(), 0, 60, kFar);
+  const LightPath up = look(air.profile(), 0, 60, kFarLimit);
   const AbsorberAmounts near = air.amounts(level_path(10, 5000));
   const PathRadiance ours = air.radiance(up, {}, &near);
   const PathRadiance alone = air.radiance(up);
@@ -184,7 +184,7 @@ TEST(AtmosphereLimits, SkyBehindAirIsTheOverlappedSum) {
   }
   double product_worst = 1;
   for (const double nu : kCentresCm1) {
-    const std::size_t b = band_of(nu);
+    const std::size_t b = limit_band_of(nu);
     std::vector<double> planck;
     for (const auto& node : up.node) {
       planck.push_back(planck_radiance_w_m2_sr_um(
@@ -213,7 +213,7 @@ TEST(AtmosphereLimits, BeerHoldsPerTermAndNotForTheMean) {
   const AirSpectrum t1 = transmittance(once), t2 = transmittance(twice);
   double largest = 0;
   for (const double nu : kCentresCm1) {
-    const std::size_t b = band_of(nu);
+    const std::size_t b = limit_band_of(nu);
     double exact = 0;
     for (const Combination& c : combinations({once}, b)) {
       exact += c.weight * std::exp(-2 * c.depth[0]);
@@ -230,7 +230,7 @@ TEST(AtmosphereLimits, BouguerForGreyAbsorbersAlone) {
   AtmosphereSpec spec{afgl_profile(AfglProfile::kUsStandard1976), {}, 0, 0, 0};
   for (AirLevel& level : spec.profile.level) level.gas = GasMix{};
   const Atmosphere air = *Atmosphere::make(spec);
-  const std::size_t b = band_of(2335);
+  const std::size_t b = limit_band_of(2335);
   const double per_m = air.amounts(level_path(0, 1)).grey(GreyAbsorber::kNitrogen)[b];
   EXPECT_GT(per_m, 1e-5);
   for (double range_m = 1e-7; range_m < 1e9; range_m *= 100) {
@@ -289,7 +289,7 @@ TEST(AtmosphereLimits, EmissivityIsOneMinusTransmittance) {
 
 TEST(AtmosphereLimits, OpaquePathsRadiateLikeTheAirAtTheObserver) {
   const Atmosphere air = clean_air();
-  const std::size_t b = band_of(2345);  // 4.26 um, opaque within 100 m
+  const std::size_t b = limit_band_of(2345);  // 4.26 um, opaque within 100 m
   for (const double zenith_deg : {0.0, 60.0, 90.0, 150.0}) {
     const PathRadiance sky = air.sky_radiance(3000, zenith_deg);
     EXPECT_LT(sky.transmittance[b], 1e-6);
@@ -330,7 +330,7 @@ TEST(AtmosphereLimits, ScatteredSunAgreesWithTheThinLimit) {
                      relative_humidity_percent(air.profile().level[0]));
   const double cosine = std::sin(50 * M_PI / 180) * std::cos(30 * M_PI / 180);
   for (const double nu : kCentresCm1) {
-    const std::size_t b = band_of(nu);
+    const std::size_t b = limit_band_of(nu);
     const double g = optics.asymmetry[b];
     const double phase = (1 - g * g) / (4 * M_PI * std::pow(1 + g * g - 2 * g * cosine, 1.5));
     const double expected = sun[b] * (amounts.grey(GreyAbsorber::kAerosolScattering)[b] * phase +
@@ -344,11 +344,11 @@ TEST(AtmosphereLimits, ScatteredSunAgreesWithTheThinLimit) {
 TEST(AtmosphereLimits, DiffuseIrradianceOfAnOpaqueSkyIsPi) {
   const Atmosphere air = clean_air();
   const AirSpectrum down = air.sky_irradiance_w_m2_um(0);
-  const std::size_t b = band_of(2345);
+  const std::size_t b = limit_band_of(2345);
   EXPECT_NEAR(down[b] / planck_radiance_w_m2_sr_um(air_band_lambda_um(b), 294.2), M_PI,
               0.02 * M_PI);
   // In the window the mean over angles lies above the zenith's radiance; 8 and 16 nodes agree.
-  const std::size_t w = band_of(905);
+  const std::size_t w = limit_band_of(905);
   const double zenith = air.sky_radiance(0, 0).total_w_m2_sr_um[w];
   EXPECT_GT(down[w], M_PI * zenith);
   EXPECT_NEAR(air.sky_irradiance_w_m2_um(0, {}, 16)[w] / down[w], 1, 1e-3);
@@ -359,7 +359,7 @@ TEST(AtmosphereLimits, MoreCarbonDioxideAbsorbsMore) {
   const AirSpectrum less = transmittance(Atmosphere::make(spec)->amounts(level_path(0, 3000)));
   spec.co2_ppmv = 425;
   const AirSpectrum more = transmittance(Atmosphere::make(spec)->amounts(level_path(0, 3000)));
-  EXPECT_LT(more[band_of(2405)], less[band_of(2405)] - 0.02);
+  EXPECT_LT(more[limit_band_of(2405)], less[limit_band_of(2405)] - 0.02);
   for (std::size_t b = 0; b < kAirBandCount; ++b) EXPECT_LE(more[b], less[b]);
 }
 

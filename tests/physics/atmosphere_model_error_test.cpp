@@ -52,7 +52,7 @@ struct Case {
   std::vector<Band> band;
 };
 
-Atmosphere reference_air(AfglProfile profile, AerosolKind kind) {
+Atmosphere model_error_air(AfglProfile profile, AerosolKind kind) {
   AtmosphereSpec spec{afgl_profile(profile), {}, 330, 0, 0};
   spec.aerosol.kind = kind;
   spec.aerosol.visibility_m = kind == AerosolKind::kRural ? 23e3 : 0;
@@ -88,7 +88,7 @@ std::vector<Case> modtran_cases() {
   std::vector<Case> out;
   const ReferenceTable level("atmosphere_modtran_level.csv");
   const Atmosphere summer =
-      reference_air(AfglProfile::kMidlatitudeSummer, AerosolKind::kNavyMaritime);
+      model_error_air(AfglProfile::kMidlatitudeSummer, AerosolKind::kNavyMaritime);
   struct Level {
     double height_m, range_m, temperature_k;
   };
@@ -101,7 +101,7 @@ std::vector<Case> modtran_cases() {
     out.push_back(compared("level path at " + std::to_string(static_cast<int>(c.height_m)) + " m",
                            summer, level_path(c.height_m, c.range_m), light, level, c.height_m));
   }
-  const Atmosphere tropical = reference_air(AfglProfile::kTropical, AerosolKind::kRural);
+  const Atmosphere tropical = model_error_air(AfglProfile::kTropical, AerosolKind::kRural);
   out.push_back(compared("zenith", tropical,
                          look(tropical.profile(), 0, 0, std::numeric_limits<double>::infinity()),
                          {}, ReferenceTable("atmosphere_modtran_zenith.csv"), 0));
@@ -217,7 +217,7 @@ TEST(AtmosphereModelError, StatedIsThatOfAllPaths) {
 // At either end the error goes with what is left to be wrong: the depth of a clear path, next to
 // nothing of a dark one; and it never exceeds what a transmittance can be wrong by.
 TEST(AtmosphereModelError, FollowsTheDepthOfClearAndDarkPaths) {
-  const Atmosphere air = reference_air(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural);
+  const Atmosphere air = model_error_air(AfglProfile::kMidlatitudeSummer, AerosolKind::kRural);
   const auto at = [&](double range_m) { return air.radiance(level_path(0, range_m)); };
   const PathRadiance none = at(0), near = at(0.01), nearer = at(0.005), far = at(1e6);
   double darkest = 0;

@@ -15,7 +15,7 @@
 namespace irsig {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kFarPath = std::numeric_limits<double>::infinity();
 
 const AirProfile& standard() { return afgl_profile(AfglProfile::kUsStandard1976); }
 
@@ -42,7 +42,7 @@ TEST(AtmospherePath, StraightRaysAreSphericalGeometry) {
 }
 
 TEST(AtmospherePath, BouguersInvariant) {
-  const LightPath path = look(standard(), 0, 85, kFar);
+  const LightPath path = look(standard(), 0, 85, kFarPath);
   const auto n = [](double height_m) {
     const AirLevel a = air_at(standard(), height_m);
     return 1 + 1e-6 * ((77.46 + 0.459e-8 * 4e6) * 1e-2 * a.pressure_pa / a.temperature_k -
@@ -58,9 +58,9 @@ TEST(AtmospherePath, BouguersInvariant) {
 }
 
 TEST(AtmospherePath, BendingAtTheHorizon) {
-  EXPECT_NEAR(look(standard(), 0, 90, kFar).bending_deg, 0.56, 0.06);
-  EXPECT_NEAR(look(standard(), 0, 45, kFar).bending_deg, 0.0163, 0.001);  // 58 arc seconds
-  EXPECT_NEAR(look(standard(), 0, 0, kFar).bending_deg, 0, 1e-12);
+  EXPECT_NEAR(look(standard(), 0, 90, kFarPath).bending_deg, 0.56, 0.06);
+  EXPECT_NEAR(look(standard(), 0, 45, kFarPath).bending_deg, 0.0163, 0.001);  // 58 arc seconds
+  EXPECT_NEAR(look(standard(), 0, 0, kFarPath).bending_deg, 0, 1e-12);
 }
 
 TEST(AtmospherePath, TheHorizonLiesFartherThanStraight) {
@@ -128,14 +128,14 @@ TEST(AtmospherePath, HardDirectionsAreFiniteAndContinuous) {
 
 TEST(AtmospherePath, TangentPathsPassAndEndInSpace) {
   const Atmosphere air = *Atmosphere::make({standard(), {}});
-  const LightPath limb = look(standard(), 300e3, 180 - 73, kFar);
+  const LightPath limb = look(standard(), 300e3, 180 - 73, kFarPath);
   EXPECT_EQ(limb.end, PathEnd::kSpace);
   double lowest = 1e9;
   for (const auto& node : limb.node) lowest = std::min(lowest, node.height_m);
   const double straight = (kEarthRadiusM + 300e3) * std::sin(73 * kRadPerDeg) - kEarthRadiusM;
   EXPECT_NEAR(lowest, straight, 2000);
   expect_finite(air.radiance(limb));
-  const LightPath miss = look(standard(), 300e3, 80, kFar);
+  const LightPath miss = look(standard(), 300e3, 80, kFarPath);
   EXPECT_TRUE(miss.node.empty());
   EXPECT_EQ(air.radiance(miss).transmittance[0], 1);
 }

@@ -20,8 +20,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::set<std::string> failures(const MaterialSpec& spec) {
   const auto rows = check_material(spec, roster_wavelengths());
   EXPECT_TRUE(rows.ok()) << spec.name << ": " << rows.status();
@@ -89,7 +87,8 @@ TEST(MaterialCheck, RefusesWhatIsNoMaterial) {
 }
 
 Reflection reflection(double in_deg, double out_deg, double phi_deg) {
-  const double i = in_deg * kPi / 180, o = out_deg * kPi / 180, p = phi_deg * kPi / 180;
+  const double i = in_deg * std::numbers::pi / 180, o = out_deg * std::numbers::pi / 180,
+               p = phi_deg * std::numbers::pi / 180;
   const double hx = std::sin(i) * std::cos(p) + std::sin(o), hy = std::sin(i) * std::sin(p),
                hz = std::cos(i) + std::cos(o), h2 = hx * hx + hy * hy + hz * hz;
   return {static_cast<float>(std::cos(i)), static_cast<float>(std::cos(o)),
@@ -120,7 +119,7 @@ TEST(TabulatedBrdf, ReproducesItsPointsAndIsLinearBetweenThem) {
   const auto findings = examine(table);
   ASSERT_TRUE(findings.ok());
   EXPECT_EQ(findings->last_zenith_deg, 80);
-  EXPECT_NEAR(findings->clamped_share, std::pow(std::cos(80 * kPi / 180), 2), 1e-12);
+  EXPECT_NEAR(findings->clamped_share, std::pow(std::cos(80 * std::numbers::pi / 180), 2), 1e-12);
 }
 
 TEST(TabulatedBrdf, IsMadeReciprocalAndSaysByHowMuchItWasNot) {
@@ -147,7 +146,7 @@ TEST(TabulatedBrdf, IsMadeReciprocalAndSaysByHowMuchItWasNot) {
   const auto flat = Material::prepare({"flat", table}, {10}, 10, 10);
   ASSERT_TRUE(flat.ok());
   for (const float cos_o : {1.0f, 0.7f, 0.2f, 1e-3f})
-    EXPECT_NEAR(flat->emissivity(cos_o), 1 - 0.1 * kPi, 1e-6);
+    EXPECT_NEAR(flat->emissivity(cos_o), 1 - 0.1 * std::numbers::pi, 1e-6);
 }
 
 TEST(ChiSquare, MeetsClosedForms) {

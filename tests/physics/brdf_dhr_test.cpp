@@ -24,7 +24,7 @@ float cos_deg(double theta_deg) {
   return static_cast<float>(std::cos(theta_deg * std::numbers::pi / 180));
 }
 
-Material prepared(const MaterialSpec& spec, const std::vector<double>& nodes = {10.0}) {
+Material prepared_dhr(const MaterialSpec& spec, const std::vector<double>& nodes = {10.0}) {
   auto m = Material::prepare(spec, nodes, nodes.front(), nodes.back());
   EXPECT_TRUE(m.ok()) << spec.name << ": " << m.status();
   return *std::move(m);
@@ -98,7 +98,7 @@ TEST(BrdfDhr, TablesMeetTheReferenceAtEveryRow) {
     const std::string name = reference.text(row, "model");
     const auto model = named(name);
     ASSERT_TRUE(model) << name;
-    if (!cache.contains(name)) cache.emplace(name, prepared(model->spec));
+    if (!cache.contains(name)) cache.emplace(name, prepared_dhr(model->spec));
     const Material& material = cache.at(name);
     const double expected = reference.number(row, "dhr") / model->factor;
     const double theta_deg = reference.number(row, "theta_deg");
@@ -125,7 +125,7 @@ TEST(BrdfDhr, PrintedPrisseMeetsTheReference) {
     rough.lambda0_um = 10 - reference.number(row, "lambda_minus_lambda0_um");
     rough.reflectance = {{0, reference.number(row, "rho")}};
     rough.printed = true;
-    const Material material = prepared({"rough", rough});
+    const Material material = prepared_dhr({"rough", rough});
     bool gains = false;
     for (const char* column : {"dhr_0", "dhr_45", "dhr_60", "dhr_85", "dhr_89"}) {
       const double expected = reference.number(row, column);

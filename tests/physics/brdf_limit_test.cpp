@@ -25,7 +25,7 @@ Direction at(double zenith_deg, double azimuth_deg) {
           std::cos(zenith_deg * kRad)};
 }
 
-Reflection reflection(const Direction& i, const Direction& o) {
+Reflection reflection_at_limit(const Direction& i, const Direction& o) {
   const Direction h{i.x + o.x, i.y + o.y, i.z + o.z};
   const double h2 = h.x * h.x + h.y * h.y + h.z * h.z;
   return {static_cast<float>(i.z), static_cast<float>(o.z), static_cast<float>(h.z / std::sqrt(h2)),
@@ -67,7 +67,7 @@ TEST(BrdfLimit, HoldsAndIsNotFarAway) {
       for (const double theta_i : about(theta_o, scale_deg, 0, 89.99))
         for (const double azimuth : about(180, scale_deg, 0, 180)) {
           const Direction i = at(theta_i, azimuth);
-          const Reflection r = reflection(i, o);
+          const Reflection r = reflection_at_limit(i, o);
           const double value = cos_brdf(*material, r, row);
           largest = std::max(largest, value);
           const double tan2 = static_cast<double>(r.sin2_h / (r.cos_h * r.cos_h));
@@ -85,7 +85,7 @@ TEST(BrdfLimit, HoldsAndIsNotFarAway) {
       for (const double theta_i : {0.0, 30.0, theta_o, 89.9})
         for (const double azimuth : {0.0, 90.0, 150.0, 179.0, 180.0}) {
           const Direction looks = at(theta_i, azimuth);
-          ASSERT_LE(cos_brdf(*material, reflection(o, looks), row),
+          ASSERT_LE(cos_brdf(*material, reflection_at_limit(o, looks), row),
                     1.001 * material->limit_of_light_per_sr(o.z * (1 - 1e-6), o.z))
               << entry.spec.name << ", light from " << theta_o << ", to " << theta_i << ", "
               << azimuth;

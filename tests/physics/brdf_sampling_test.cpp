@@ -21,9 +21,9 @@ namespace {
 
 constexpr double kAnglesDeg[] = {0, 30, 60, 80, 88.5};
 
-double cos_deg(double theta_deg) { return std::cos(theta_deg * std::numbers::pi / 180); }
+double sampled_cos_deg(double theta_deg) { return std::cos(theta_deg * std::numbers::pi / 180); }
 
-Material prepared(const MaterialSpec& spec) {
+Material prepared_sampler(const MaterialSpec& spec) {
   const auto nodes = roster_wavelengths();
   auto m = Material::prepare(spec, nodes, nodes.front(), nodes.back());
   EXPECT_TRUE(m.ok()) << spec.name << ": " << m.status();
@@ -40,7 +40,7 @@ const std::vector<Prepared>& roster() {
   static const std::vector<Prepared> all = [] {
     std::vector<Prepared> out;
     for (const RosterEntry& e : material_roster())
-      out.push_back({e.spec.name, e.family, e.bounded, e.largest_weight, prepared(e.spec)});
+      out.push_back({e.spec.name, e.family, e.bounded, e.largest_weight, prepared_sampler(e.spec)});
     return out;
   }();
   return all;
@@ -61,7 +61,7 @@ TEST(BrdfSampling, DirectionsFollowTheirDensity) {
     const Material& material = entry.material;
     for (const double theta_deg : kAnglesDeg) {
       const DirectionCheck test =
-          check_directions(material, material, cos_deg(theta_deg), 1 << 15, seed++);
+          check_directions(material, material, sampled_cos_deg(theta_deg), 1 << 15, seed++);
       EXPECT_GT(test.p_value, 0.01 / tests) << entry.name << " at " << theta_deg << " deg";
       EXPECT_GE(test.bins, 8) << entry.name << " at " << theta_deg << " deg";
       // 5 standard errors of the share, and the quadrature of the bins.
@@ -81,8 +81,8 @@ TEST(BrdfSampling, DirectionsFollowTheirDensity) {
 
 TEST(BrdfSampling, WrongDensitiesAreSeen) {
   const auto p = [](const MaterialSpec& drawn_from, const MaterialSpec& stated, double theta_deg) {
-    return check_directions(prepared(drawn_from), prepared(stated), cos_deg(theta_deg), 1 << 16,
-                            424242)
+    return check_directions(prepared_sampler(drawn_from), prepared_sampler(stated),
+                            sampled_cos_deg(theta_deg), 1 << 16, 424242)
         .p_value;
   };
   const auto ward = [](double alpha, double diffuse) {
@@ -109,7 +109,7 @@ TEST(BrdfSampling, WeightIsBrdfTimesCosineOverDensity) {
     double worst = 0;
     for (const double theta_deg : kAnglesDeg)
       for (int n = 0; n < 500; ++n) {
-        const auto cos_o = static_cast<float>(cos_deg(theta_deg));
+        const auto cos_o = static_cast<float>(sampled_cos_deg(theta_deg));
         const Material::Sampled s = draw(material, cos_o, random);
         if (!(s.weight > 0)) continue;
         ASSERT_NEAR(s.x * s.x + s.y * s.y + s.z * s.z, 1, 1e-5) << entry.name;
@@ -143,7 +143,8 @@ TEST(BrdfSampling, WeightsStayBelowWhatTheHeadersState) {
     double largest = 0;
     for (const double theta_deg : {0.0, 45.0, 70.0, 85.0, 89.0, 89.9, 89.999})
       for (int n = 0; n < 5000; ++n) {
-        const Material::Sampled s = draw(material, static_cast<float>(cos_deg(theta_deg)), random);
+        const Material::Sampled s =
+            draw(material, static_cast<float>(sampled_cos_deg(theta_deg)), random);
         if (!(s.weight > 0)) continue;
         material.spectral_weight(s, weight.data());
         for (const float w : weight) largest = std::max(largest, static_cast<double>(w));
@@ -166,7 +167,7 @@ TEST(BrdfSampling, WhiteFurnaceAtEveryVertex) {
     const Material& material = entry.material;
     EXPECT_FALSE(material.creates_energy()) << entry.name;
     for (const double theta_deg : {0.0, 35.0, 70.0, 86.0, 89.5, 89.99, 89.9999}) {
-      const auto cos_o = static_cast<float>(cos_deg(theta_deg));
+      const auto cos_o = static_cast<float>(sampled_cos_deg(theta_deg));
       std::vector<double> sum(nodes.size(), 0.0), sum2(nodes.size(), 0.0);
       for (std::uint32_t r = 0; r < kReplicates; ++r) {
         std::vector<double> mean(nodes.size(), 0.0);

@@ -15,7 +15,7 @@
 namespace irsig {
 namespace {
 
-std::vector<double> wavelengths() {
+std::vector<double> limit_wavelengths() {
   std::vector<double> um;
   for (double x = 3.4; x < 5; x += 0.04) um.push_back(x);
   for (double x = 8; x < 12; x += 0.08) um.push_back(x);
@@ -36,20 +36,21 @@ WeatherSpec sea_weather() {
   return w;
 }
 
-ConditionEnvironment sunny(double zenith_deg, double azimuth_deg, std::uint32_t weather = 0) {
+ConditionEnvironment limit_sunny(double zenith_deg, double azimuth_deg, std::uint32_t weather = 0) {
   const double z = zenith_deg * M_PI / 180, a = azimuth_deg * M_PI / 180;
   return {weather, true, {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)}, 1};
 }
 
-Environment::Line line(double range_m, double elevation_deg) {
+Environment::Line limit_line(double range_m, double elevation_deg) {
   return {range_m, elevation_deg, body_from_aspect(30, elevation_deg),
           BehindNodes({-0.5f, -0.1f, 0.0f, 0.05f, 0.2f, 0.7f})};
 }
 
-std::unique_ptr<const Environment> environment(std::vector<WeatherSpec> weather,
-                                               std::vector<ConditionEnvironment> condition,
-                                               double height_m = 10) {
-  auto made = Environment::make(std::move(weather), std::move(condition), height_m, wavelengths());
+std::unique_ptr<const Environment> limit_environment(std::vector<WeatherSpec> weather,
+                                                     std::vector<ConditionEnvironment> condition,
+                                                     double height_m = 10) {
+  auto made =
+      Environment::make(std::move(weather), std::move(condition), height_m, limit_wavelengths());
   EXPECT_TRUE(made.ok()) << made.status();
   return *std::move(made);
 }
@@ -95,14 +96,14 @@ TEST(EnvironmentLimits, ProductsOfBandMeansErrAsKnown) {
   // And what a view holds is the exact one, not the product.
   WeatherSpec w = sea_weather();
   w.air = summer(AerosolKind::kNone);
-  const auto e = environment({w}, {sunny(30, 0)});
-  const ViewEnvironment v = seen(*e, line(5000, 0.03));
+  const auto e = limit_environment({w}, {limit_sunny(30, 0)});
+  const ViewEnvironment v = seen(*e, limit_line(5000, 0.03));
   const LightPath leg =
       *look_between(air.profile(), 10 + 5000 * std::sin(0.03 * M_PI / 180) + 1.96, 10, 5000);
   const AbsorberAmounts amounts = air.amounts(leg);
   const AirSpectrum direct = air.sun_irradiance_w_m2_um(10, {30, 0}, &amounts);
   double product_error = 0;
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = limit_wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
     const std::size_t b = *air_band(um[i]);
     if (direct[b] < 1e-4) continue;
@@ -129,13 +130,14 @@ TEST(EnvironmentLimits, InFogOfOneTemperatureAllIsABlackbody) {
   // Opaque, and half of it scatters: emission, reflection and scattering have to add up.
   WeatherSpec w{{isothermal(), {AerosolKind::kAdvectionFog, 200}}, true, {}, nullptr};
   w.lower = {LowerSpec::Kind::kRoughSea, 290, 1, 7};
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = limit_wavelengths();
   for (const LowerSpec::Kind kind :
        {LowerSpec::Kind::kRoughSea, LowerSpec::Kind::kFlatSea, LowerSpec::Kind::kGround}) {
     w.lower.kind = kind;
     w.lower.emissivity = 0.7;
-    const auto e = environment({w}, {{}});
-    for (const Environment::Line& l : {line(50, 5), line(3000, 1), line(20e3, 40)}) {
+    const auto e = limit_environment({w}, {{}});
+    for (const Environment::Line& l :
+         {limit_line(50, 5), limit_line(3000, 1), limit_line(20e3, 40)}) {
       const ViewEnvironment v = seen(*e, l);
       const auto node = radiance_of(v.around);
       const auto apparent = apparent_of(v.around);
@@ -158,10 +160,11 @@ TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
   // Black sea, no scattering but the molecules': what is seen below the horizon is the blackbody
   // at the target and, with the path's radiance, at the sensor.
   WeatherSpec w{{isothermal(), {}}, true, {LowerSpec::Kind::kGreySea, 290, 1, 0}, nullptr};
-  const auto e = environment({w}, {{}});
-  const std::vector<double> um = wavelengths();
+  const auto e = limit_environment({w}, {{}});
+  const std::vector<double> um = limit_wavelengths();
   const std::size_t sky = e->nodes().sky();
-  for (const Environment::Line& l : {line(1000, 2), line(30e3, 10), line(200e3, 30)}) {
+  for (const Environment::Line& l :
+       {limit_line(1000, 2), limit_line(30e3, 10), limit_line(200e3, 30)}) {
     const ViewEnvironment v = seen(*e, l);
     const auto node = radiance_of(v.around);
     const auto apparent = apparent_of(v.around);
@@ -182,8 +185,8 @@ TEST(EnvironmentLimits, InClearAirOfOneTemperatureTheSeaIsLost) {
 }
 
 TEST(EnvironmentLimits, NoRangeNoAir) {
-  const auto e = environment({sea_weather()}, {sunny(50, 120)});
-  const ViewEnvironment v = seen(*e, line(0, 20));
+  const auto e = limit_environment({sea_weather()}, {limit_sunny(50, 120)});
+  const ViewEnvironment v = seen(*e, limit_line(0, 20));
   const auto node = radiance_of(v.around);
   const auto apparent = apparent_of(v.around);
   for (std::size_t i = 0; i < v.transmittance.size(); ++i) {
@@ -199,9 +202,9 @@ TEST(EnvironmentLimits, NoRangeNoAir) {
 TEST(EnvironmentLimits, OpaqueAirHidesEverything) {
   WeatherSpec w = sea_weather();
   w.air.aerosol = {AerosolKind::kRadiationFog, 100};
-  const auto e = environment({w}, {sunny(40, 0)});
-  const ViewEnvironment v = seen(*e, line(20e3, 0.2));
-  const std::vector<double> um = wavelengths();
+  const auto e = limit_environment({w}, {limit_sunny(40, 0)});
+  const ViewEnvironment v = seen(*e, limit_line(20e3, 0.2));
+  const std::vector<double> um = limit_wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
     EXPECT_LT(v.transmittance[i], 1e-12);
     EXPECT_LT(v.sun_apparent[i], 1e-12);
@@ -212,7 +215,7 @@ TEST(EnvironmentLimits, OpaqueAirHidesEverything) {
 }
 
 TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
-  const Environment::Line l = line(5000, 0.03);
+  const Environment::Line l = limit_line(5000, 0.03);
   const double nan = std::nan("");
   ImportedPath path{14.6,
                     10,
@@ -230,15 +233,15 @@ TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
   const auto with = [&](ImportedPath p) {
     WeatherSpec w = sea_weather();
     w.imported = std::make_shared<const ImportedPaths>(ImportedPaths{"tape7", {std::move(p)}});
-    return environment({w}, {sunny(50, 120), {}});
+    return limit_environment({w}, {limit_sunny(50, 120), {}});
   };
-  const auto own = environment({sea_weather()}, {sunny(50, 120), {}});
+  const auto own = limit_environment({sea_weather()}, {limit_sunny(50, 120), {}});
   const ViewEnvironment embedded = seen(*own, l);
   const auto embedded_node = radiance_of(embedded.around);
   const ViewEnvironment v = seen(*with(path), l);
   const auto node = radiance_of(v.around);
   const auto apparent = apparent_of(v.around);
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = limit_wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
     EXPECT_EQ(v.transmittance[i], 0.4);
     const double centre_um = air_band_lambda_um(*air_band(um[i]));
@@ -266,7 +269,7 @@ TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
   }
 
   // Other lines of sight and missing wavelengths are refused.
-  EXPECT_EQ(with(path)->view(line(9000, 0.03), std::vector<std::uint32_t>{0}).status().code(),
+  EXPECT_EQ(with(path)->view(limit_line(9000, 0.03), std::vector<std::uint32_t>{0}).status().code(),
             absl::StatusCode::kInvalidArgument);
   path.transmittance[*air_band(4.0)] = nan;
   EXPECT_EQ(with(path)->view(l, std::vector<std::uint32_t>{0}).status().code(),
@@ -276,11 +279,11 @@ TEST(EnvironmentLimits, ImportedPathsTakeTheEmbeddedModelsPlace) {
 TEST(EnvironmentLimits, SkyAndSeaMeetAtTheHorizon) {
   // Through kilometres of air both are the air's: across the horizon nothing
   // jumps by more than what the sea there mirrors from a higher, colder sky.
-  const auto e = environment({sea_weather()}, {{}});
+  const auto e = limit_environment({sea_weather()}, {{}});
   const DirectionNodes& nodes = e->nodes();
-  const ViewEnvironment v = seen(*e, line(2000, 3));
+  const ViewEnvironment v = seen(*e, limit_line(2000, 3));
   const auto node = radiance_of(v.around);
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = limit_wavelengths();
   for (std::size_t i = 0; i < um.size(); ++i) {
     const double sky = node[0][i], sea = node[nodes.sky()][i];
     const double air = planck_radiance_w_m2_sr_um(um[i], 294.2);
@@ -316,13 +319,14 @@ TEST(EnvironmentLimits, HardCasesAreFiniteAndNotNegative) {
   std::vector<ConditionEnvironment> conditions;
   std::vector<std::uint32_t> all;
   for (std::uint32_t i = 0; i < weather.size(); ++i) {
-    conditions.push_back(sunny(i % 2 == 0 ? 89.99 : 0, 100.0 * i, i));
+    conditions.push_back(limit_sunny(i % 2 == 0 ? 89.99 : 0, 100.0 * i, i));
     all.push_back(i);
   }
   for (const double height_m : {0.5, 3000.0}) {
-    const auto e = environment(weather, conditions, height_m);
+    const auto e = limit_environment(weather, conditions, height_m);
     for (const Environment::Line& l :
-         {line(1, 0), line(100e3, 90), line(400, -0.003), line(1500e3, 10), line(0.2, -60)}) {
+         {limit_line(1, 0), limit_line(100e3, 90), limit_line(400, -0.003), limit_line(1500e3, 10),
+          limit_line(0.2, -60)}) {
       const auto views = e->view(l, all);
       ASSERT_TRUE(views.ok()) << views.status();
       for (const ViewEnvironment& v : *views) {
@@ -358,10 +362,10 @@ TEST(EnvironmentLimits, SameBitsInAnyOrderAndFromAnyThread) {
   winter.air.profile = afgl_profile(AfglProfile::kMidlatitudeWinter);
   winter.lower.temperature_k = 280;
   const std::vector<ConditionEnvironment> conditions = {
-      sunny(60, 10), {}, sunny(40, 200, 1), sunny(95, 0, 1)};
-  const auto a = environment({sea_weather(), winter}, conditions);
-  const auto b = environment({sea_weather(), winter}, conditions);
-  const Environment::Line l = line(8000, 12);
+      limit_sunny(60, 10), {}, limit_sunny(40, 200, 1), limit_sunny(95, 0, 1)};
+  const auto a = limit_environment({sea_weather(), winter}, conditions);
+  const auto b = limit_environment({sea_weather(), winter}, conditions);
+  const Environment::Line l = limit_line(8000, 12);
   const auto all = *a->view(l, std::vector<std::uint32_t>{0, 1, 2, 3});
   std::vector<ViewEnvironment> one(4);
   std::vector<std::thread> threads;
@@ -387,7 +391,7 @@ TEST(EnvironmentLimits, AStormIsTheSeaOf20WithALargerError) {
   const auto of_wind = [](double wind_m_s) {
     WeatherSpec w = sea_weather();
     w.lower.wind_speed_m_s = wind_m_s;
-    return seen(*environment({w}, {{}}), line(1000, 2));
+    return seen(*limit_environment({w}, {{}}), limit_line(1000, 2));
   };
   const ViewEnvironment strong = of_wind(20), storm = of_wind(26);
   double largest = 0, smallest = 1e9;
@@ -406,21 +410,22 @@ TEST(EnvironmentLimits, AStormIsTheSeaOf20WithALargerError) {
 TEST(EnvironmentLimits, WhatIsNotCoveredIsRefused) {
   EXPECT_EQ(Environment::make({sea_weather()}, {{}}, 10, {2.0}).status().code(),
             absl::StatusCode::kOutOfRange);
-  EXPECT_FALSE(Environment::make({sea_weather()}, {sunny(10, 0, 1)}, 10, {4.0}).ok());
+  EXPECT_FALSE(Environment::make({sea_weather()}, {limit_sunny(10, 0, 1)}, 10, {4.0}).ok());
   EXPECT_FALSE(Environment::make({sea_weather()}, {{}}, 0, {4.0}).ok());
   WeatherSpec storm = sea_weather();
   storm.lower.wind_speed_m_s = 300;
   EXPECT_FALSE(Environment::make({storm}, {{}}, 10, {4.0}).ok());
-  const auto e = environment({sea_weather()}, {{}});
+  const auto e = limit_environment({sea_weather()}, {{}});
   const std::vector<std::uint32_t> first = {0};
-  EXPECT_EQ(e->view(line(1000, -5), first).status().code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(e->view(line(100e3, -0.01), std::vector<std::uint32_t>{7}).status().code(),
+  EXPECT_EQ(e->view(limit_line(1000, -5), first).status().code(),
+            absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(e->view(limit_line(100e3, -0.01), std::vector<std::uint32_t>{7}).status().code(),
             absl::StatusCode::kInvalidArgument);
   // 40 km away and 13 m high: behind the bulge of the sea for a target 10 m high.
-  EXPECT_EQ(e->view(line(40e3, -0.1755), first).status().code(),
+  EXPECT_EQ(e->view(limit_line(40e3, -0.1755), first).status().code(),
             absl::StatusCode::kInvalidArgument);
   // A ship 10 m high is seen from 20 m over 20 km, below its own horizontal.
-  EXPECT_TRUE(e->view(line(20e3, -0.0613), first).ok());
+  EXPECT_TRUE(e->view(limit_line(20e3, -0.0613), first).ok());
 }
 
 TEST(EnvironmentLimits, BandEdgesAreTheAirs) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kHeightM = 10;
 
-std::vector<double> wavelengths() {  // one a band, at its centre
+std::vector<double> node_wavelengths() {  // one a band, at its centre
   std::vector<double> um;
   for (const double x : {3.5, 3.7, 3.9, 4.05, 4.7, 8.3, 8.9, 9.6, 10.2, 11.0, 11.8}) {
     um.push_back(air_band_lambda_um(*air_band(x)));
@@ -26,7 +26,7 @@ std::vector<double> wavelengths() {  // one a band, at its centre
   return um;
 }
 
-WeatherSpec weather() {
+WeatherSpec node_weather() {
   WeatherSpec w{{afgl_profile(AfglProfile::kMidlatitudeSummer), {}}, true, {}, nullptr};
   w.air.aerosol.kind = AerosolKind::kMaritime;
   w.air.aerosol.visibility_m = 23e3;
@@ -35,27 +35,27 @@ WeatherSpec weather() {
   return w;
 }
 
-ConditionEnvironment sunny(double zenith_deg, double azimuth_deg) {
+ConditionEnvironment node_sunny(double zenith_deg, double azimuth_deg) {
   const double z = zenith_deg * M_PI / 180, a = azimuth_deg * M_PI / 180;
   return {0, true, {std::sin(z) * std::cos(a), std::sin(z) * std::sin(a), -std::cos(z)}, 1};
 }
 
 BandChoice bands() {
   std::vector<unsigned char> wanted(kAirBandCount, 0);
-  for (const double um : wavelengths()) wanted[*air_band(um)] = 1;
+  for (const double um : node_wavelengths()) wanted[*air_band(um)] = 1;
   return BandChoice(wanted);
 }
 
 // The weather's own light, to know what surrounds a path.
 struct Light {
-  WeatherSpec spec = weather();
+  WeatherSpec spec = node_weather();
   Atmosphere air = *Atmosphere::make(spec.air);
   std::unique_ptr<const Environment> environment;
   BandChoice choice = bands();
   std::unique_ptr<WeatherLight> light;
 
   explicit Light(std::vector<ConditionEnvironment> conditions) {
-    environment = *Environment::make({spec}, std::move(conditions), kHeightM, wavelengths());
+    environment = *Environment::make({spec}, std::move(conditions), kHeightM, node_wavelengths());
     light = std::make_unique<WeatherLight>(spec, air, kHeightM, environment->nodes(), choice);
   }
 };
@@ -79,7 +79,7 @@ double read(const std::vector<std::vector<double>>& node, const DirectionNodes& 
 
 TEST(EnvironmentNodes, AThousandDirectionsOfTheNightSky) {
   const Light l(std::vector<ConditionEnvironment>(1));
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = node_wavelengths();
   const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                   std::vector<std::uint32_t>{0}))[0];
   const auto radiance = radiance_of(v.around);
@@ -121,9 +121,9 @@ TEST(EnvironmentNodes, AThousandDirectionsOfTheNightSky) {
 TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
   // Irradiance on planes, and lobes of cos^20 as a rough surface sees them, from the nodes and from
   // the sky itself.
-  const Light l({sunny(60, 77)});
+  const Light l({node_sunny(60, 77)});
   const DirectionNodes& nodes = l.environment->nodes();
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = node_wavelengths();
   const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                   std::vector<std::uint32_t>{0}))[0];
   const auto radiance = radiance_of(v.around);
@@ -134,7 +134,7 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
   const std::size_t b = *air_band(um[i]);
   const SunAmounts sun(l.air, kHeightM, 60);
   const double outside = solar_irradiance_w_m2_um(air_band_lambda_um(b));
-  const Vec<Body> towards_sun = sunny(60, 77).sun_direction;
+  const Vec<Body> towards_sun = node_sunny(60, 77).sun_direction;
   for (int s = 0; s < kSines; ++s) {
     const double up = std::pow((s + 0.5) / kSines, 1.5), step = 1.5 * std::sqrt((s + 0.5) / kSines);
     const double level = std::sqrt(1 - up * up), zenith_deg = std::acos(up) * 180 / M_PI;
@@ -169,15 +169,15 @@ TEST(EnvironmentNodes, EnergyAndLobesOfTheSunlitSky) {
 // A mirror sees one direction, and no errors cancel.
 TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
   for (const double zenith_deg : {20.0, 60.0, 85.0}) {
-    const Light l({sunny(zenith_deg, 77)});
+    const Light l({node_sunny(zenith_deg, 77)});
     const DirectionNodes& nodes = l.environment->nodes();
-    const std::vector<double> um = wavelengths();
+    const std::vector<double> um = node_wavelengths();
     const ViewEnvironment v = (*l.environment->view({0, 10, body_from_aspect(0, 10), {}},
                                                     std::vector<std::uint32_t>{0}))[0];
     const auto node = radiance_of(v.around), interpolation = interpolation_of(v.around);
     ASSERT_EQ(interpolation.size(), nodes.count());
     const SunAmounts sun(l.air, kHeightM, zenith_deg);
-    const Vec<Body> towards_sun = sunny(zenith_deg, 77).sun_direction;
+    const Vec<Body> towards_sun = node_sunny(zenith_deg, 77).sun_direction;
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> uniform(0, 1);
     double worst = 0, worst_relative = 0, sum_error = 0, sum_stated = 0;
@@ -219,7 +219,7 @@ TEST(EnvironmentNodes, EveryDirectionOfTheSunlitSkyIsWithinItsNodesErrors) {
 
 TEST(EnvironmentNodes, SkyBehindAirAsSummedOverEveryStep) {
   const Light night(std::vector<ConditionEnvironment>(1));
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = node_wavelengths();
   const DirectionNodes& nodes = night.environment->nodes();
   PathLight light;
   light.surroundings_w_m2_sr_um = night.light->surroundings;
@@ -260,8 +260,8 @@ double lift_of(double range_m, double elevation_deg) {
 
 TEST(EnvironmentNodes, SunlitSkyInOneDirectionAsSummedOverEveryStep) {
   // Where the background is wanted, the aureole is that of the very direction.
-  const Light day({sunny(50, 0)});
-  const std::vector<double> um = wavelengths();
+  const Light day({node_sunny(50, 0)});
+  const std::vector<double> um = node_wavelengths();
   PathLight light;
   light.surroundings_w_m2_sr_um = day.light->surroundings;
   double worst = 0;
@@ -318,7 +318,7 @@ TEST(EnvironmentNodes, SunlightScatteredByLayersAsStepByStep) {
       const double z = zenith_deg * M_PI / 180, s = kSunZenithDeg * M_PI / 180;
       const double cosine = std::cos(z) * std::cos(s) +
                             std::sin(z) * std::sin(s) * std::cos(azimuth_deg * M_PI / 180);
-      for (const double um : wavelengths()) {
+      for (const double um : node_wavelengths()) {
         const std::size_t b = *air_band(um);
         double sum = 0;
         for (std::size_t i = 0; i < step.size(); ++i) {
@@ -336,8 +336,8 @@ TEST(EnvironmentNodes, SunlightScatteredByLayersAsStepByStep) {
 }
 
 TEST(EnvironmentNodes, PathScattersAsTheAtmosphereSays) {
-  const Light l({sunny(50, 40)});
-  const std::vector<double> um = wavelengths();
+  const Light l({node_sunny(50, 40)});
+  const std::vector<double> um = node_wavelengths();
   for (const auto& [range_m, elevation_deg] : {std::pair{5000.0, 3.0}, std::pair{30e3, 20.0}}) {
     const Vec<Body> towards = body_from_aspect(10, elevation_deg);
     const ViewEnvironment v = (*l.environment->view({range_m, elevation_deg, towards, {}},
@@ -359,7 +359,7 @@ TEST(EnvironmentNodes, PathScattersAsTheAtmosphereSays) {
 
 // The sea in one direction: every facet's own direction in the sky, with no nodes in between.
 std::vector<double> sea_by_facets(const Light& l, double down) {
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = node_wavelengths();
   PathLight light;
   light.surroundings_w_m2_sr_um = l.light->surroundings;
   const LightPath path = look(l.air.profile(), kHeightM, std::acos(-down) * 180 / M_PI, INFINITY);

@@ -153,9 +153,9 @@ TEST(LineHorizon, TheEquivalentSphereHidesAsMuch) {
   }
 }
 
-constexpr double kHeightM = 7;
+constexpr double kHorizonHeightM = 7;
 
-std::vector<double> wavelengths() {
+std::vector<double> horizon_wavelengths() {
   std::vector<double> um;
   for (const double x : {3.5, 3.7, 3.9, 4.05, 8.3, 8.9, 10.2, 11.0, 11.8}) {
     um.push_back(air_band_lambda_um(*air_band(x)));
@@ -163,7 +163,7 @@ std::vector<double> wavelengths() {
   return um;
 }
 
-WeatherSpec weather(bool refraction = true) {
+WeatherSpec horizon_weather(bool refraction = true) {
   WeatherSpec w{{air(), {}}, refraction, {}, nullptr};
   w.air.aerosol.kind = AerosolKind::kMaritime;
   w.air.aerosol.visibility_m = 50e3;
@@ -177,9 +177,10 @@ ConditionEnvironment low_sun(double elevation_deg) {
   return {0, true, {std::cos(e), 0, -std::sin(e)}, 1};
 }
 
-std::unique_ptr<const Environment> environment(bool refraction = true, double sun_deg = 9.8) {
-  auto made =
-      Environment::make({weather(refraction)}, {low_sun(sun_deg), {}}, kHeightM, wavelengths());
+std::unique_ptr<const Environment> horizon_environment(bool refraction = true,
+                                                       double sun_deg = 9.8) {
+  auto made = Environment::make({horizon_weather(refraction)}, {low_sun(sun_deg), {}},
+                                kHorizonHeightM, horizon_wavelengths());
   EXPECT_TRUE(made.ok()) << made.status();
   return *std::move(made);
 }
@@ -199,8 +200,8 @@ double mwir(const std::vector<double>& spectrum) {
 // there is none of it.
 TEST(Behind, HasOneStepAtTheDip) {
   for (const bool refraction : {false, true}) {
-    const auto e = environment(refraction);
-    const Environment::Line line = line_of(10, kHeightM, 5e3);
+    const auto e = horizon_environment(refraction);
+    const Environment::Line line = line_of(10, kHorizonHeightM, 5e3);
     const double dip_z = static_cast<double>(e->horizons_z(line)[0]);
     EXPECT_GT(dip_z, 5e-4) << "below the horizontal of the target";
     double last = 0;
@@ -221,44 +222,44 @@ TEST(Behind, HasOneStepAtTheDip) {
 
 // Rays that fall and miss the Earth, against Atmosphere's sum over every step.
 TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
-  const auto e = environment();
-  const WeatherSpec spec = weather();
+  const auto e = horizon_environment();
+  const WeatherSpec spec = horizon_weather();
   const Atmosphere atmosphere = *Atmosphere::make(spec.air);
   std::vector<unsigned char> wanted(kAirBandCount, 0);
-  for (const double um : wavelengths()) wanted[*air_band(um)] = 1;
-  const WeatherLight of_weather(spec, atmosphere, kHeightM, e->nodes(), BandChoice(wanted));
+  for (const double um : horizon_wavelengths()) wanted[*air_band(um)] = 1;
+  const WeatherLight of_weather(spec, atmosphere, kHorizonHeightM, e->nodes(), BandChoice(wanted));
   PathLight light;
   light.surroundings_w_m2_sr_um = of_weather.surroundings;
-  const std::vector<double> um = wavelengths();
+  const std::vector<double> um = horizon_wavelengths();
   const GrazingRay ray(air());
   double worst = 0;
   for (const double along_m : {0.0, 5e3}) {
     const Environment::Line line = along_m > 0
-                                       ? line_of(10, kHeightM, along_m)
+                                       ? line_of(10, kHorizonHeightM, along_m)
                                        : Environment::Line{0, 0, body_from_aspect(180, 0), {}};
-    const double sensor_m = along_m > 0 ? 10 : kHeightM;
-    const LightPath near_path = *look_between(air(), sensor_m, kHeightM, line.range_m);
+    const double sensor_m = along_m > 0 ? 10 : kHorizonHeightM;
+    const LightPath near_path = *look_between(air(), sensor_m, kHorizonHeightM, line.range_m);
     const AbsorberAmounts near = atmosphere.amounts(near_path);
     const double lift =
         line.range_m > 0 ? (near_path.node.back().zenith_deg - 90 - line.elevation_deg) * kRadPerDeg
                          : 0;
     for (const double part : {0.999, 0.9, 0.7, 0.4, 0.1}) {
       // The ray that passes the target's own height: it falls there by a part of the dip.
-      const double z = std::sin(part * ray.dip_rad(kHeightM) - lift);
+      const double z = std::sin(part * ray.dip_rad(kHorizonHeightM) - lift);
       if (along_m > 0 && std::abs(z - std::sin(line.elevation_deg * kRadPerDeg)) > 1) continue;
       Environment::Line at = line;
       if (along_m > 0) {  // a sensor whose line to the target is that ray
-        at = line_of(10, kHeightM, along_m);
+        at = line_of(10, kHorizonHeightM, along_m);
       }
       const std::vector<double> seen = behind(*e, at, z, 1);
       // Of other heights of passing the horizon is another, and so is the same part of it.
       const double el = line.elevation_deg * kRadPerDeg;
       const double height_m =
-          along_m > 0
-              ? kHeightM + line.range_m * (std::sin(el) - std::cos(el) * z / std::sqrt(1 - z * z))
-              : kHeightM;
+          along_m > 0 ? kHorizonHeightM +
+                            line.range_m * (std::sin(el) - std::cos(el) * z / std::sqrt(1 - z * z))
+                      : kHorizonHeightM;
       if (height_m < 0) continue;
-      const double zenith_deg = 90 + part * ray.dip_rad(kHeightM) / kRadPerDeg;
+      const double zenith_deg = 90 + part * ray.dip_rad(kHorizonHeightM) / kRadPerDeg;
       if (look(air(), height_m, zenith_deg, kInfinity).end == PathEnd::kSurface) continue;
       const AirSpectrum all =
           atmosphere.sky_radiance(height_m, zenith_deg, light, &near).total_w_m2_sr_um;
@@ -274,11 +275,11 @@ TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
 
 // Raising the sensor by 1 mm moves nothing but the dip.
 TEST(Behind, RaisingTheSensorChangesItContinuously) {
-  const auto e = environment();
+  const auto e = horizon_environment();
   const double along_m = 5e3;
   for (const double sensor_m : {2.0, 6.999, 7.0, 8.0, 8.9615, 10.0, 40.0}) {
-    const Environment::Line low = line_of(sensor_m, kHeightM, along_m),
-                            high = line_of(sensor_m + 1e-3, kHeightM, along_m);
+    const Environment::Line low = line_of(sensor_m, kHorizonHeightM, along_m),
+                            high = line_of(sensor_m + 1e-3, kHorizonHeightM, along_m);
     const float dip_low = e->horizons_z(low)[0], dip_high = e->horizons_z(high)[0];
     EXPECT_NEAR(static_cast<double>(dip_low), static_cast<double>(dip_high), 1e-6);
     for (const double offset : {-3e-3, -5e-4, -2e-5, 2e-4, 1e-3, 5e-3}) {
@@ -292,9 +293,9 @@ TEST(Behind, RaisingTheSensorChangesItContinuously) {
 
 // The stated bound of reading straight lines between the nodes that a view has.
 TEST(Behind, InterpolatesWithinItsBound) {
-  const auto e = environment();
+  const auto e = horizon_environment();
   for (const auto& [sensor_m, along_m] : {std::pair{10.0, 5e3}, {25.0, 5e3}, {300.0, 8e3}}) {
-    Environment::Line line = line_of(sensor_m, kHeightM, along_m);
+    Environment::Line line = line_of(sensor_m, kHorizonHeightM, along_m);
     const double z = -line.direction.z;
     line.behind = BehindNodes::spanning(z - 0.012, z + 0.012, e->horizons_z(line), 0);
     for (const std::uint32_t condition : {0u, 1u}) {

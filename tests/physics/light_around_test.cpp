@@ -16,19 +16,19 @@ namespace {
 
 using Spectra = std::vector<std::vector<double>>;
 
-std::vector<double> wavelengths() {
+std::vector<double> around_wavelengths() {
   std::vector<double> um;
   for (double x = 3.4; x < 5; x += 0.013) um.push_back(x);
   for (double x = 8; x < 12; x += 0.04) um.push_back(x);
   return um;
 }
 
-ConditionEnvironment sunny(double zenith_deg, std::uint32_t weather) {
+ConditionEnvironment around_sunny(double zenith_deg, std::uint32_t weather) {
   const double z = zenith_deg * M_PI / 180;
   return {weather, true, {std::sin(z) * 0.6, std::sin(z) * 0.8, -std::cos(z)}, 1};
 }
 
-WeatherSpec weather(AerosolKind aerosol, double visibility_m, LowerSpec lower) {
+WeatherSpec around_weather(AerosolKind aerosol, double visibility_m, LowerSpec lower) {
   AtmosphereSpec spec{afgl_profile(AfglProfile::kMidlatitudeSummer), {}};
   spec.aerosol.kind = aerosol;
   spec.aerosol.visibility_m = visibility_m;
@@ -41,16 +41,16 @@ struct Scenes {
   std::vector<ViewEnvironment> seen;
   Scenes() {
     const std::vector<WeatherSpec> weathers = {
-        weather(AerosolKind::kMaritime, 23e3, {LowerSpec::Kind::kRoughSea, 293, 1, 6}),
-        weather(AerosolKind::kRadiationFog, 300, {LowerSpec::Kind::kGreySea, 290, 0.9, 0}),
-        weather(AerosolKind::kNone, 0, {LowerSpec::Kind::kGround, 300, 0.8, 0})};
+        around_weather(AerosolKind::kMaritime, 23e3, {LowerSpec::Kind::kRoughSea, 293, 1, 6}),
+        around_weather(AerosolKind::kRadiationFog, 300, {LowerSpec::Kind::kGreySea, 290, 0.9, 0}),
+        around_weather(AerosolKind::kNone, 0, {LowerSpec::Kind::kGround, 300, 0.8, 0})};
     std::vector<ConditionEnvironment> conditions;
     for (const std::uint32_t w : {0u, 1u, 2u}) {
       ConditionEnvironment night;
       night.weather = w;
-      conditions.insert(conditions.end(), {sunny(30, w), sunny(89.9, w), night});
+      conditions.insert(conditions.end(), {around_sunny(30, w), around_sunny(89.9, w), night});
     }
-    environment = *Environment::make(weathers, conditions, 10, wavelengths());
+    environment = *Environment::make(weathers, conditions, 10, around_wavelengths());
     Environment::Line line{4000, 8, body_from_aspect(30, 8), BehindNodes({0.1f, 0.2f})};
     line.end = {{3960, 40}, {4040, 2}};
     std::vector<std::uint32_t> all;

@@ -15,7 +15,7 @@ namespace irsig {
 namespace {
 
 using namespace plume_fixture;
-constexpr double kPi = std::numbers::pi, kPressurePa = 101325, kR = 8.31446261815324;
+constexpr double kPressurePa = 101325, kR = 8.31446261815324;
 
 double b_mwir(double t) { return planck_band_radiance_w_m2_sr(3, 5, t); }
 double unity(double) { return 1; }
@@ -89,7 +89,7 @@ GasLight slab(double tau, double mu, double t, const std::function<double(double
 
 double gaussian(double tau, double t) {  // side-on, a = 0.5 m, 4 m long
   constexpr double kA = 0.5;
-  const double m2_mol = tau / (density(t) * kA * std::sqrt(kPi));
+  const double m2_mol = tau / (density(t) * kA * std::sqrt(std::numbers::pi));
   const SegmentSteps steps{.grey = grey_co2(m2_mol)};
   static const Nodes nodes = legendre(40);
   double sum = 0;
@@ -120,7 +120,7 @@ double value_of(const std::string& name, double tau) {
   if (has("uniform-density cylinder")) return cylinder(tau, 900, unity);
   if (has("sphere thin limit")) return sphere(1e-12, 900, unity);
   if (has("cylinder thin limit")) return cylinder(1e-12, 900, unity);
-  if (has("gray gas sphere")) return kPi * sphere(tau, 1500, b_mwir);
+  if (has("gray gas sphere")) return std::numbers::pi * sphere(tau, 1500, b_mwir);
   if (has("gaussian plume")) return gaussian(tau, 900);
   if (has("tau=1 T=1500")) return two_layers(0.5, 600, 1, 1500);
   if (has("tau=10 T=1500")) return two_layers(2, 600, 10, 1500);
@@ -191,7 +191,7 @@ double voxel_sphere_error(double size_m, PlumeInterpolation interpolation) {
       const PlumeRay ray{y * up + z * side - 5.0 * to, to, 0, 10};
       sum += light(march(*field, ray, {.grey = grey}), grey, unity).emitted;
     }
-  return std::abs(sum * 2.4 * 2.4 / (kRays * kRays) / kPi / 0.47151776468576929 - 1);
+  return std::abs(sum * 2.4 * 2.4 / (kRays * kRays) / std::numbers::pi / 0.47151776468576929 - 1);
 }
 
 TEST(PlumeClosedForms, SphereOfVoxelsConverges) {

@@ -11,7 +11,7 @@ namespace {
 
 using namespace plume_fixture;
 using enum PlumeInterpolation;
-constexpr double kPressurePa = 101325, kR = 8.31446261815324;
+constexpr double kHardPressurePa = 101325, kHardR = 8.31446261815324;
 
 double amount(const std::vector<GasSegment>& segments) {
   double sum = 0;
@@ -19,7 +19,9 @@ double amount(const std::vector<GasSegment>& segments) {
   return sum;
 }
 // [mol/m3] of CO2 in a voxel.
-double density(const Gas& gas) { return gas.co2 * kPressurePa / (kR * gas.temperature_k); }
+double hard_density(const Gas& gas) {
+  return gas.co2 * kHardPressurePa / (kHardR * gas.temperature_k);
+}
 
 const Gas kWarm{600, 0.1, 0.05};
 
@@ -35,7 +37,7 @@ TEST(PlumeHard, RayAlongAFace) {
   const auto along = [](PlumeInterpolation how, double y, double z, double x_step = 1) {
     return amount(march(*bar(how), {{x_step > 0 ? -5.0 : 25.0, y, z}, {x_step, 0, 0}, 0, 100}, {}));
   };
-  const double whole = 16 * density(kWarm);
+  const double whole = 16 * hard_density(kWarm);
   for (const double direction : {1.0, -1.0}) {
     EXPECT_NEAR(along(kConstant, 3.5, 3.5, direction), whole, 1e-6 * whole);
     EXPECT_NEAR(along(kConstant, 3.5, 2, direction), whole, 1e-6 * whole);
@@ -66,7 +68,7 @@ TEST(PlumeHard, RayThroughTheCornerOfATile) {
     const double whole = amount(march(*field, {{-3, -3, -3}, diagonal, 0, 1000}, {}));
     // 8 voxels each; linear: cubic ramps of length root3 at ends, joined where blocks touch: the
     // sum of (1 - s)^3 over a ramp is a quarter, of 1 - 3 s (1 - s) over the joint a half.
-    const double n = density(kWarm), joint = 0.5 * root3;
+    const double n = hard_density(kWarm), joint = 0.5 * root3;
     const double expected =
         how == kConstant ? 24 * root3 * n : (3 * 7 * root3 + 4 * root3 / 4 + joint) * n;
     EXPECT_NEAR(whole, expected, 1e-6 * expected);
@@ -88,14 +90,14 @@ TEST(PlumeHard, OneVoxel) {
     // Through its centre along an axis: 1 m of it, or two ramps of 1 m.
     for (const Vec<Body> to : {Vec<Body>{1, 0, 0}, Vec<Body>{0, -1, 0}, Vec<Body>{0, 0, 1}}) {
       const auto segments = march(*field, {Vec<Body>{3, 4, 5} - 10.0 * to, to, 0, 20}, {});
-      EXPECT_NEAR(amount(segments), density(kWarm), 1e-6 * density(kWarm));
+      EXPECT_NEAR(amount(segments), hard_density(kWarm), 1e-6 * hard_density(kWarm));
       ASSERT_EQ(segments.size(), 1U);
       EXPECT_NEAR(segments[0].temperature_k, 600, 1e-9);
       EXPECT_NEAR(segments[0].temperature_spread_k, 0, 1e-4);
     }
     // Ends of the ray inside.
-    EXPECT_NEAR(amount(march(*field, {{3, 4, 5}, {1, 0, 0}, 0, 20}, {})), density(kWarm) / 2,
-                1e-6 * density(kWarm));
+    EXPECT_NEAR(amount(march(*field, {{3, 4, 5}, {1, 0, 0}, 0, 20}, {})), hard_density(kWarm) / 2,
+                1e-6 * hard_density(kWarm));
     EXPECT_EQ(amount(march(*field, {{3, 4, 5}, {1, 0, 0}, 20, 20}, {})), 0);
     EXPECT_EQ(amount(march(*field, {{3, 4, 5}, {1, 0, 0}, 2, 20}, {})), 0);
   }
@@ -116,15 +118,15 @@ TEST(PlumeHard, FarAwayVoxel) {
   MarchCounts counts;
   const auto segments = march(*field, {{-1, 0, 0}, {1, 0, 0}, 0, 2e6}, {}, &counts);
   ASSERT_EQ(segments.size(), 2U);
-  EXPECT_NEAR(amount(segments), 0.002 * density(kWarm), 1e-6 * density(kWarm));
+  EXPECT_NEAR(amount(segments), 0.002 * hard_density(kWarm), 1e-6 * hard_density(kWarm));
   EXPECT_LT(counts.skips + counts.cells, 200U);
   EXPECT_LT(field->bytes(), 200'000U);
 }
 
 // A hair of gas in front of a wall of it.
 TEST(PlumeHard, ThinAndThickInOneRay) {
-  const double thin = 1e-12, thick = 1e4, per_m = thick / (4 * density({2000, 0.5, 0}));
-  const double thin_x = thin / (per_m * 4) * kR * 300 / kPressurePa;
+  const double thin = 1e-12, thick = 1e4, per_m = thick / (4 * hard_density({2000, 0.5, 0}));
+  const double thin_x = thin / (per_m * 4) * kHardR * 300 / kHardPressurePa;
   const auto field = field_of(volume_of({0, -8, -8}, {23, 8, 8}, cubes(1),
                                         [&](int i, int, int) {
                                           if (i >= 4 && i < 12) return Gas{};
@@ -175,7 +177,7 @@ TEST(PlumeHard, AnyAffineLattice) {
   // From face to face along an edge of a voxel: 41 edges.
   const Vec<Body> edges[] = {{0.5, 0.05, 0}, {0.1, 0.2, 0.03}, {0, 0, 1.5}};
   for (const Vec<Body>& edge : edges) {
-    const double expected = 41 * length(edge) * density(kWarm);
+    const double expected = 41 * length(edge) * hard_density(kWarm);
     const Vec<Body> to = normalized(edge);
     const double got = amount(march(*field, {Vec<Body>{3, -2, 7} - 60.0 * to, to, 0, 1000}, {}));
     EXPECT_NEAR(got, expected, 1e-6 * expected);

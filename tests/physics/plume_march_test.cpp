@@ -15,7 +15,7 @@ namespace irsig {
 namespace {
 
 using namespace plume_fixture;
-constexpr double kPressurePa = 101325, kR = 8.31446261815324;
+constexpr double kMarchPressurePa = 101325, kMarchR = 8.31446261815324;
 
 double b_43(double t) { return planck_radiance_w_m2_sr_um(4.3, t); }
 double b_10(double t) { return planck_radiance_w_m2_sr_um(10, t); }
@@ -68,7 +68,7 @@ Point linear_at(const DenseField& field, double x, double y, double z) {
     const Gas g = field.at(a, b, c);
     if (!(g.co2 > 0)) continue;
     const double w = (1 - std::abs(x - a)) * (1 - std::abs(y - b)) * (1 - std::abs(z - c));
-    const double all = kPressurePa / (kR * g.temperature_k);
+    const double all = kMarchPressurePa / (kMarchR * g.temperature_k);
     out.co2 += w * g.co2 * all;
     out.h2o += w * g.h2o * all;
     weight += w * (g.co2 + g.h2o) * all;
@@ -82,7 +82,7 @@ Point constant_at(const DenseField& field, double x, double y, double z) {
       field.at(static_cast<int>(std::floor(x + 0.5)), static_cast<int>(std::floor(y + 0.5)),
                static_cast<int>(std::floor(z + 0.5)));
   if (!(g.co2 > 0)) return {0, 0, 300};
-  const double all = kPressurePa / (kR * g.temperature_k);
+  const double all = kMarchPressurePa / (kMarchR * g.temperature_k);
   return {g.co2 * all, g.h2o * all, g.temperature_k};
 }
 
@@ -214,7 +214,7 @@ TEST(PlumeMarch, SymmetricCoursesHaveAStatedError) {
     GasSums out;
     out.amount[0] = out.weight = std::exp(-s * s);
     out.weight_temperature = out.weight * (300 + 350 * std::exp(-s * s));
-    out.weight_pressure = out.weight * kPressurePa;
+    out.weight_pressure = out.weight * kMarchPressurePa;
     return out;
   };
   for (const double step : {0.1, 0.2, 0.4, 1.0}) {

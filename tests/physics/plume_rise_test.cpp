@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using namespace plume_fixture;
-constexpr double kPi = std::numbers::pi, kG = 9.80665;
+constexpr double kG = 9.80665;
 
 std::vector<PlumeStation> plume(const PlumeExit& exit, const PlumeAir& air, double length_m,
                                 double step = 0.02) {
@@ -45,7 +45,7 @@ TEST(PlumeRise, CalmAirIsMortonTaylorTurner) {
     EXPECT_NEAR(s.radius_m, 1.2 * alpha * z, 0.005 * s.radius_m);
     EXPECT_NEAR(s.velocity_m_s, 5 / (6 * alpha) * std::cbrt(0.9 * alpha * f / z),
                 0.005 * s.velocity_m_s);
-    EXPECT_NEAR(s.angle_rad, kPi / 2, 1e-12);
+    EXPECT_NEAR(s.angle_rad, std::numbers::pi / 2, 1e-12);
     EXPECT_NEAR(s.x_m, 0, 1e-9);
   }
   EXPECT_NEAR(stations.back().height_m, 200, 1e-9);
@@ -185,7 +185,8 @@ TEST(PlumeRise, VoxelsCarryTheExhaustDownstream) {
   const auto field = plume_of(made->volume, made->grids);
   ASSERT_TRUE(field.ok()) << field.status();
   const ExhaustGas gas = *exhaust_gas(funnel.exhaust, 650, 101325);
-  const double emitted = kPi * 0.36 * 25 * gas.co2 * 101325 / (8.31446261815324 * 650);  // mol/s
+  const double emitted =
+      std::numbers::pi * 0.36 * 25 * gas.co2 * 101325 / (8.31446261815324 * 650);  // mol/s
   EXPECT_LT((*field)->report().most_k, 650.001);
   EXPECT_GT((*field)->report().most_k, 640);
   int planes = 0;
@@ -228,8 +229,9 @@ TEST(PlumeRise, WhatIsNoFunnel) {
 TEST(PlumeRise, UniformBodiesHoldTheirVolume) {
   UniformPlume body{"slab", 2, 3, 4, 0.9, 900, 101325, 0.1, 0.05, 0.001, 1e-8, 0.1};
   const double mol_m3 = 0.1 * 101325 / (8.31446261815324 * 900);
-  const std::pair<const char*, double> volumes[] = {
-      {"slab", 24}, {"cylinder", kPi * 0.81 * 2}, {"sphere", 4 * kPi / 3 * 0.729}};
+  const std::pair<const char*, double> volumes[] = {{"slab", 24},
+                                                    {"cylinder", std::numbers::pi * 0.81 * 2},
+                                                    {"sphere", 4 * std::numbers::pi / 3 * 0.729}};
   for (const auto& [kind, volume_m3] : volumes) {
     body.kind = kind;
     const auto made = generate_uniform_plume(body);

@@ -13,7 +13,7 @@
 namespace irsig {
 namespace {
 
-std::shared_ptr<const PlumeField> sphere(double voxel_m) {
+std::shared_ptr<const PlumeField> silhouette_sphere(double voxel_m) {
   UniformPlume body;
   body.kind = "sphere";
   body.radius_m = 1;
@@ -27,7 +27,7 @@ std::shared_ptr<const PlumeField> sphere(double voxel_m) {
 }
 
 TEST(PlumeSilhouette, AreaAboveAThreshold) {
-  const auto field = sphere(0.04);
+  const auto field = silhouette_sphere(0.04);
   const double per_m = 3, density = 0.1 * 101325 / (8.31446261815324 * 900);
   const GreyAbsorption grey{{per_m / density, 0, 0, 0}};
   for (const double threshold : {0.5, 3.0, 5.0}) {
@@ -46,7 +46,7 @@ TEST(PlumeSilhouette, AreaAboveAThreshold) {
 }
 
 TEST(PlumeSilhouette, NothingOutsideTheWindow) {
-  const auto field = sphere(0.1);
+  const auto field = silhouette_sphere(0.1);
   const Vec<Body> to = normalized(Vec<Body>{0.3, -0.5, 0.8});
   const GasWindow window = gas_window(*field, to);
   EXPECT_NEAR(length(window.center - Vec<Body>{100, -20, -30}), 0, 0.1);

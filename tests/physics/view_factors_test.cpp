@@ -19,7 +19,7 @@ constexpr Vec<Body> kX{1, 0, 0}, kY{0, 1, 0}, kUp{0, 0, -1}, kDown{0, 0, 1};
 constexpr double kFar = 2000;  // what stands for an infinite length
 
 // A polygon of the disk's area around the z axis, which its front looks along.
-Mesh disk(double radius, double z, bool looks_down) {
+Mesh facing_disk(double radius, double z, bool looks_down) {
   constexpr int kSides = 192;
   const double step = 2 * std::numbers::pi / kSides;
   const double corner = radius * std::sqrt(step / std::sin(step));
@@ -92,11 +92,11 @@ const std::map<std::string, std::function<Pair()>>& scenes() {
   static const std::map<std::string, std::function<Pair()>> kScenes = {
       {"disks_1",
        [] {
-         return Pair{disk(1, 0, true), disk(1, 1, false)};
+         return Pair{facing_disk(1, 0, true), facing_disk(1, 1, false)};
        }},
       {"disks_2",
        [] {
-         return Pair{disk(1, 0, true), disk(2, 1.5, false)};
+         return Pair{facing_disk(1, 0, true), facing_disk(2, 1.5, false)};
        }},
       {"squares_1",
        [] {

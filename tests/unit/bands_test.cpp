@@ -13,17 +13,22 @@
 namespace irsig {
 namespace {
 
-constexpr std::size_t kBins = 21;
+constexpr std::size_t kSearchedBins = 21;
 constexpr double kWithin = 0.16;  // of a scatter of 400 draws: 4 sigma
 
 TargetContrast contrast(double level) {
-  return {std::vector<double>(kBins, level), {}, std::vector<double>(kBins, 0.0), 0, 0, 0};
+  return {std::vector<double>(kSearchedBins, level),
+          {},
+          std::vector<double>(kSearchedBins, 0.0),
+          0,
+          0,
+          0};
 }
 
 BandPopulation population(TargetContrast target, std::optional<TargetContrast> against = {}) {
   BandPopulation out;
-  for (std::size_t k = 0; k < kBins; ++k)
-    out.lambda_um.push_back(3 + 2.0 * static_cast<double>(k) / (kBins - 1));
+  for (std::size_t k = 0; k < kSearchedBins; ++k)
+    out.lambda_um.push_back(3 + 2.0 * static_cast<double>(k) / (kSearchedBins - 1));
   out.row.push_back({1, 0, 0, "s", "t", 0, 0, 1000, std::move(target), std::move(against), {}});
   return out;
 }
@@ -53,13 +58,13 @@ void expect_near(double found, double expected) {
 
 TEST(BandMargins, OfModesAndOfWhatTheyLeaveOver) {
   TargetContrast t = contrast(1);
-  t.modes = {std::vector<double>(kBins, 0.01)};
+  t.modes = {std::vector<double>(kSearchedBins, 0.01)};
   Margins m = margins(population(t));
   expect_near(m.whole.samples_stderr, 0.02);
   expect_near(m.half.samples_stderr, 0.01 * kShape);
   EXPECT_DOUBLE_EQ(m.whole.total_error, m.whole.samples_stderr);
   t.modes.clear();
-  t.rest = std::vector<double>(kBins, 0.03);
+  t.rest = std::vector<double>(kSearchedBins, 0.03);
   m = margins(population(t));
   expect_near(m.whole.samples_stderr, 0.06);
   expect_near(m.half.samples_stderr, 0.03 * kShape);
@@ -91,7 +96,7 @@ TEST(BandMargins, OfBoundsUnseenLightAndModels) {
 // Samples and models of two targets are independent; their bounds err in opposite ways.
 TEST(BandMargins, OfTwoTargets) {
   TargetContrast one = contrast(3), other = contrast(2);
-  one.modes = other.modes = {std::vector<double>(kBins, 0.01)};
+  one.modes = other.modes = {std::vector<double>(kSearchedBins, 0.01)};
   expect_near(margins(population(one, other)).whole.samples_stderr, std::sqrt(2.0) * 0.02);
   one.modes = other.modes = {};
   one.bias_bound_w_sr = other.bias_bound_w_sr = 0.1;
@@ -105,7 +110,7 @@ TEST(BandMargins, OfTwoTargets) {
 TEST(BandMargins, OfAContrastThatIsNothing) {
   const auto whole = [](double level) {
     TargetContrast t = contrast(level);
-    t.modes = {std::vector<double>(kBins, 0.01)};
+    t.modes = {std::vector<double>(kSearchedBins, 0.01)};
     const auto search = BandSearch::make(population(t), {{}, ConstantNoise{1e-6}});
     EXPECT_TRUE(search.ok());
     const Candidate all[] = {search->candidate({}, {0, search->edges_um().size() - 1})};
@@ -128,7 +133,7 @@ TEST(BandMargins, OfAContrastThatIsNothing) {
 // A range grows only as the root of the contrast, and a share no further than to one.
 TEST(BandMargins, OfAContrastThatIsNothingInOtherMerits) {
   TargetContrast t = contrast(0.05);
-  t.modes = {std::vector<double>(kBins, 0.01)};  // a fifth
+  t.modes = {std::vector<double>(kSearchedBins, 0.01)};  // a fifth
   BandPopulation of = population(t);
   of.row.push_back(of.row.front());
   for (BandCase& row : of.row) row.weight = 0.5;
@@ -156,14 +161,14 @@ TEST(BandMargins, SamplesThatWouldTell) {
   const auto second = [](double error, double model) {
     TargetContrast t = contrast(1);
     // Beyond the half there is 0.01 of it, which is what both differ by.
-    for (std::size_t k = kBins / 2; k < kBins; ++k) t.value[k] = 0.01;
-    t.modes = {std::vector<double>(kBins, error)};
+    for (std::size_t k = kSearchedBins / 2; k < kSearchedBins; ++k) t.value[k] = 0.01;
+    t.modes = {std::vector<double>(kSearchedBins, error)};
     t.model_error_w_sr = model;
     const auto search = BandSearch::make(population(t), {{}, ConstantNoise{1e-6}});
     EXPECT_TRUE(search.ok());
     const std::size_t last = search->edges_um().size() - 1;
     const Candidate both[] = {search->candidate({}, {0, last}),
-                              search->candidate({}, {0, kBins / 2})};
+                              search->candidate({}, {0, kSearchedBins / 2})};
     const WindowChoice choice = search->compare({}, both);
     EXPECT_EQ(choice.candidate[0].samples_to_tell, 0);
     EXPECT_NEAR(choice.candidate[0].of.merit - choice.candidate[1].of.merit, 0.0105, 3e-4);
@@ -181,7 +186,7 @@ TEST(BandMargins, SamplesThatWouldTell) {
 // Two that are the same thing share being the best.
 TEST(BandMargins, EqualOnesShareBeingTheBest) {
   TargetContrast t = contrast(1);
-  t.modes = {std::vector<double>(kBins, 0.01)};
+  t.modes = {std::vector<double>(kSearchedBins, 0.01)};
   const auto search = BandSearch::make(population(t), {{}, ConstantNoise{1e-6}});
   ASSERT_TRUE(search.ok());
   const Candidate same = search->candidate({}, {0, search->edges_um().size() - 1});
@@ -204,7 +209,7 @@ TEST(BandSearchTest, AlikeToABandWhoseResponseEndsInNothing) {
 // Rows of a view share their paths, those of two views do not.
 TEST(BandMargins, RowsOfAViewErrTogether) {
   TargetContrast t = contrast(1);
-  t.modes = {std::vector<double>(kBins, 0.01)};
+  t.modes = {std::vector<double>(kSearchedBins, 0.01)};
   for (const bool same_view : {true, false}) {
     BandPopulation p = population(t);
     p.row.push_back(p.row.front());

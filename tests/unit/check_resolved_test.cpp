@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-schema::ResolvedSweep example(const std::string& name) {
+schema::ResolvedSweep resolved_example(const std::string& name) {
   const absl::StatusOr<schema::ResolvedSweep> sweep =
       resolved_file(absl::StrCat(IRSIG_SOURCE_DIR, "/jobs/examples/", name));
   EXPECT_TRUE(sweep.ok()) << name << ": " << sweep.status();
@@ -43,7 +43,7 @@ void expect_refused(const schema::ResolvedSweep& good, const std::vector<Change>
 
 TEST(CheckResolved, WhatNoFileCouldSayIsRefusedByThePathOfTheField) {
   expect_refused(
-      example("frigate.toml"),
+      resolved_example("frigate.toml"),
       {
           {"condition[1].part_temperature_k[0] = -5",
            [](auto& s) { s.mutable_condition(1)->set_part_temperature_k(0, -5); }},
@@ -130,7 +130,7 @@ TEST(CheckResolved, WhatNoFileCouldSayIsRefusedByThePathOfTheField) {
 }
 
 TEST(CheckResolved, RunsOfTemperaturesAreThoseOfTheFile) {
-  const schema::ResolvedSweep good = example("frigate_day.toml");
+  const schema::ResolvedSweep good = resolved_example("frigate_day.toml");
   const int last = good.heat_size() - 1;
   ASSERT_GT(good.heat(last).input_size(), 0);
   ASSERT_EQ(good.heat(0).input_size(), 0);
@@ -189,7 +189,7 @@ TEST(CheckResolved, RunsOfTemperaturesAreThoseOfTheFile) {
 
 TEST(CheckResolved, JobsAreCountedBeforeTheyAreMade) {
   for (const char* name : {"frigate.toml", "houses.toml", "frigate_day.toml"}) {
-    schema::ResolvedSweep sweep = example(name);
+    schema::ResolvedSweep sweep = resolved_example(name);
     sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e5);
     EXPECT_EQ(job_count(sweep), static_cast<double>(expand_jobs(sweep, 1).size())) << name;
   }
@@ -197,7 +197,7 @@ TEST(CheckResolved, JobsAreCountedBeforeTheyAreMade) {
 
 // As planning/sweep_pilot.cpp and planning/time_budget.cpp make them.
 TEST(CheckResolved, SweepsOfPilotsAndBudgetsAreTaken) {
-  schema::ResolvedSweep pilot = example("frigate.toml");
+  schema::ResolvedSweep pilot = resolved_example("frigate.toml");
   while (pilot.viewpoint_size() > 3) pilot.mutable_viewpoint()->RemoveLast();
   schema::Accuracy& accuracy = *pilot.mutable_sweep()->mutable_accuracy();
   ASSERT_TRUE(accuracy.has_relative_error());
@@ -210,7 +210,7 @@ TEST(CheckResolved, SweepsOfPilotsAndBudgetsAreTaken) {
 }
 
 TEST(CheckResolved, OfManyErrorsTheRestIsCounted) {
-  schema::ResolvedSweep sweep = example("frigate.toml");
+  schema::ResolvedSweep sweep = resolved_example("frigate.toml");
   for (schema::Viewpoint& v : *sweep.mutable_viewpoint()) v.set_range_m(-1);
   const absl::Status status = check_resolved(sweep);
   EXPECT_THAT(std::string(status.message()), HasSubstr("viewpoint[0].range_m = -1"));

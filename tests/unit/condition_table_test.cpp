@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr const char* kTarget = R"(
+constexpr const char* kTableTarget = R"(
 [model]
 generate = "box"
 triangles = 12
@@ -74,12 +74,12 @@ absl::StatusOr<schema::ResolvedSweep> with_csv(const std::string& toml, const st
   return resolve_sweep(*file, "");
 }
 
-std::string error_of(const absl::StatusOr<schema::ResolvedSweep>& sweep) {
+std::string table_error_of(const absl::StatusOr<schema::ResolvedSweep>& sweep) {
   return std::string(sweep.status().message());
 }
 
 TEST(ConditionTable, WhatAConditionDoesNotSayItTakesFromItsSeasonThenFromTheWeather) {
-  const auto sweep = resolved_text(absl::StrCat("name = \"t\"", kTarget, kWeather, kSummer, R"(
+  const auto sweep = resolved_text(absl::StrCat("name = \"t\"", kTableTarget, kWeather, kSummer, R"(
 [[condition]]
 time = "06:00Z"
 [[condition]]
@@ -115,7 +115,7 @@ wind_speed_m_s = 15
 
 // The same conditions, written as seasons at times and as a table, are the same jobs.
 TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
-  const std::string target = absl::StrCat(kTarget, kWeather);
+  const std::string target = absl::StrCat(kTableTarget, kWeather);
   const auto crossed =
       resolved_text(absl::StrCat("name = \"t\"\ntime = [\"06:00Z\", \"12:00Z\"]", target, kSummer));
   const auto table = resolved_text(absl::StrCat("name = \"t\"", target, kSummer,
@@ -141,7 +141,7 @@ TEST(ConditionTable, JobsAreThoseOfSeasonsAtTimes) {
 
 TEST(ConditionTable, ACsvFileHasAColumnForEachKey) {
   const auto sweep =
-      with_csv(absl::StrCat("name = \"t\"\ncondition_file = \"c.csv\"", kTarget, kWeather),
+      with_csv(absl::StrCat("name = \"t\"\ncondition_file = \"c.csv\"", kTableTarget, kWeather),
                "\xef\xbb\xbf# made by hand\r\n"
                "\"time\", air_temperature_k, sea_temperature_k, part_temperature_k.box\r\n"
                "2025-06-21T06:00:00Z, 288.5, 289, 290\r\n"
@@ -158,7 +158,7 @@ TEST(ConditionTable, ACsvFileHasAColumnForEachKey) {
 
 TEST(ConditionTable, VariedWeather) {
   const std::string head =
-      absl::StrCat("name = \"t\"\ntime = [\"12:00Z\"]", kTarget, kWeather, kSummer);
+      absl::StrCat("name = \"t\"\ntime = [\"12:00Z\"]", kTableTarget, kWeather, kSummer);
   const auto crossed = resolved_text(absl::StrCat(
       head,
       "[vary]\ncombine = \"cross\"\nwind_speed_m_s = [2, 8]\nsea_temperature_k = [285, 290]\n"));
@@ -179,7 +179,8 @@ TEST(ConditionTable, VariedWeather) {
 }
 
 TEST(ConditionTable, EachDirectionAtEachRange) {
-  std::string text = absl::StrCat("name = \"t\"\ntime = [\"12:00Z\"]", kTarget, kWeather, kSummer);
+  std::string text =
+      absl::StrCat("name = \"t\"\ntime = [\"12:00Z\"]", kTableTarget, kWeather, kSummer);
   text.replace(text.find("range_m = 1000"), 14, "ranges_m = [1000, 5000]");
   const auto sweep = resolved_text(text);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
@@ -196,7 +197,7 @@ struct Wrong {
 
 TEST(ConditionTable, ErrorsStandWhereTheyWereWritten) {
   const std::string top = "name = \"t\"\n", file = "name = \"t\"\ncondition_file = \"c.csv\"\n";
-  const std::string target = absl::StrCat(kTarget, kWeather);
+  const std::string target = absl::StrCat(kTableTarget, kWeather);
   for (const Wrong& w : std::vector<Wrong>{
            {"a time that is none",
             top + target + kSummer + "[[condition]]\ntime = \"noon\"\n",
@@ -269,7 +270,7 @@ TEST(ConditionTable, ErrorsStandWhereTheyWereWritten) {
             "time\n12:00Z\n",
             {"condition_file and [[condition]] are both there"}},
            {"a name in the weather",
-            "name = \"t\"\ntime = [\"12:00Z\"]\n" + std::string(kTarget) + kSummer +
+            "name = \"t\"\ntime = [\"12:00Z\"]\n" + std::string(kTableTarget) + kSummer +
                 "[weather]\nname = \"x\"\n",
             "",
             {"weather.name does not apply"}},
@@ -291,8 +292,9 @@ TEST(ConditionTable, ErrorsStandWhereTheyWereWritten) {
             {"vary.combine is missing"}}}) {
     const auto sweep = w.csv.empty() ? resolved_text(w.text) : with_csv(w.text, w.csv);
     ASSERT_FALSE(sweep.ok()) << w.what;
-    for (const std::string& said : w.said) EXPECT_THAT(error_of(sweep), HasSubstr(said)) << w.what;
-    EXPECT_THAT(error_of(sweep), testing::Not(HasSubstr("season[1]"))) << w.what;
+    for (const std::string& said : w.said)
+      EXPECT_THAT(table_error_of(sweep), HasSubstr(said)) << w.what;
+    EXPECT_THAT(table_error_of(sweep), testing::Not(HasSubstr("season[1]"))) << w.what;
   }
 }
 

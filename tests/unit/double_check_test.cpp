@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 using State = schema::CompleteReply;
-using Worker = schema::WorkerStatus;
+using CheckedWorker = schema::WorkerStatus;
 
 // The share of 10^5 keys, within four standard deviations; another start chooses others.
 TEST(DoubleCheckShare, IsWhatIsAskedFor) {
@@ -41,11 +41,11 @@ class AuditTest : public FarmTest {
     rules_.audit_share = 1;
     FarmTest::SetUp();
   }
-  Worker::State state_of(const std::string& name) {
+  CheckedWorker::State state_of(const std::string& name) {
     const auto told = farm_status();
     for (const auto& worker : told.worker())
       if (worker.name() == name) return worker.state();
-    return Worker::STATE_UNSPECIFIED;
+    return CheckedWorker::STATE_UNSPECIFIED;
   }
 };
 
@@ -93,7 +93,8 @@ TEST_F(AuditTest, OfTwoThatDifferNobodyIsToBlameUntilAThirdComes) {
     const auto audit = job(b);
     EXPECT_EQ(*(first_is_wrong ? returns(b, audit) : returns(b, audit, wrong_result(audit))),
               State::STATE_ASIDE);
-    for (const char* name : {"a", "b"}) EXPECT_EQ(state_of(name), Worker::STATE_IDLE) << name;
+    for (const char* name : {"a", "b"})
+      EXPECT_EQ(state_of(name), CheckedWorker::STATE_IDLE) << name;
     const auto told = farm_status();
     EXPECT_EQ(told.differing(), 1U);
     ASSERT_EQ(told.warning_size(), 1);
@@ -102,8 +103,10 @@ TEST_F(AuditTest, OfTwoThatDifferNobodyIsToBlameUntilAThirdComes) {
     const auto decides = job(c);
     EXPECT_EQ(decides.job().job_key(), audit.job().job_key());
     EXPECT_EQ(*returns(c, decides), first_is_wrong ? State::STATE_STORED : State::STATE_KNOWN);
-    EXPECT_EQ(state_of("a"), first_is_wrong ? Worker::STATE_SET_ASIDE : Worker::STATE_IDLE);
-    EXPECT_EQ(state_of("b"), first_is_wrong ? Worker::STATE_IDLE : Worker::STATE_SET_ASIDE);
+    EXPECT_EQ(state_of("a"),
+              first_is_wrong ? CheckedWorker::STATE_SET_ASIDE : CheckedWorker::STATE_IDLE);
+    EXPECT_EQ(state_of("b"),
+              first_is_wrong ? CheckedWorker::STATE_IDLE : CheckedWorker::STATE_SET_ASIDE);
   }
   // The database remembers.
   open("third");
@@ -121,10 +124,10 @@ TEST_F(AuditTest, WhoeverDifferedFromWhatWasWrongIsNotToBlame) {
   EXPECT_EQ(*returns(b, one), State::STATE_ASIDE);
   EXPECT_EQ(*returns(b, two), State::STATE_ASIDE);
   EXPECT_EQ(*returns(c, one), State::STATE_STORED);  // and so a is wrong, in two as well
-  EXPECT_EQ(state_of("a"), Worker::STATE_SET_ASIDE);
+  EXPECT_EQ(state_of("a"), CheckedWorker::STATE_SET_ASIDE);
   EXPECT_EQ(*returns(c, two), State::STATE_STORED);
   EXPECT_EQ(*returns(b, two), State::STATE_KNOWN);
-  for (const char* name : {"b", "c"}) EXPECT_EQ(state_of(name), Worker::STATE_IDLE) << name;
+  for (const char* name : {"b", "c"}) EXPECT_EQ(state_of(name), CheckedWorker::STATE_IDLE) << name;
 }
 
 TEST_F(AuditTest, AThirdWorkerDecidesForWhatIsStored) {
@@ -133,12 +136,12 @@ TEST_F(AuditTest, AThirdWorkerDecidesForWhatIsStored) {
   ASSERT_TRUE(complete(a, job(a)).ok());
   const auto audit = job(b);
   EXPECT_EQ(*returns(b, audit, wrong_result(audit)), State::STATE_ASIDE);
-  EXPECT_EQ(state_of("b"), Worker::STATE_IDLE) << "nobody knows yet";
+  EXPECT_EQ(state_of("b"), CheckedWorker::STATE_IDLE) << "nobody knows yet";
   const auto decides = job(c);
   EXPECT_EQ(decides.job().job_key(), audit.job().job_key());
   EXPECT_EQ(*returns(c, decides), State::STATE_KNOWN);
-  EXPECT_EQ(state_of("b"), Worker::STATE_SET_ASIDE);
-  EXPECT_EQ(state_of("a"), Worker::STATE_IDLE);
+  EXPECT_EQ(state_of("b"), CheckedWorker::STATE_SET_ASIDE);
+  EXPECT_EQ(state_of("a"), CheckedWorker::STATE_IDLE);
 }
 
 TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
@@ -150,8 +153,8 @@ TEST_F(AuditTest, AThirdWorkerDecidesAgainstWhatIsStored) {
   EXPECT_EQ(*returns(b, audit), State::STATE_ASIDE);
   const auto decides = job(c);
   EXPECT_EQ(*returns(c, decides), State::STATE_STORED) << "in place of the wrong one";
-  EXPECT_EQ(state_of("a"), Worker::STATE_SET_ASIDE);
-  EXPECT_EQ(state_of("b"), Worker::STATE_IDLE);
+  EXPECT_EQ(state_of("a"), CheckedWorker::STATE_SET_ASIDE);
+  EXPECT_EQ(state_of("b"), CheckedWorker::STATE_IDLE);
   EXPECT_EQ(status().done(), 1U);
   EXPECT_EQ(*returns(b, audit), State::STATE_KNOWN);
   // As if it had been right at once.
@@ -185,7 +188,7 @@ TEST_F(AuditTest, WhatAContradictedWorkerHadComputedIsComputedAgain) {
   EXPECT_EQ(status().done(), 4U);
   EXPECT_EQ(*returns(b, of_a[0]), State::STATE_ASIDE);
   EXPECT_EQ(*returns(c, of_a[0]), State::STATE_STORED);
-  EXPECT_EQ(state_of("a"), Worker::STATE_SET_ASIDE);
+  EXPECT_EQ(state_of("a"), CheckedWorker::STATE_SET_ASIDE);
   EXPECT_THAT(farm_status().worker(0).reason(), HasSubstr("(3 jobs) is computed again"));
   EXPECT_EQ(status().done(), 2U);
   while (status().done() < 6) ASSERT_TRUE(complete(c, job(c)).ok());
@@ -201,7 +204,8 @@ TEST_F(AuditTest, WhereAllDifferNobodyIsToBlame) {
   EXPECT_EQ(*returns(b, second, wrong_result(second, 1)), State::STATE_ASIDE);
   const auto third = job(c);
   EXPECT_EQ(*returns(c, third, wrong_result(third, 2)), State::STATE_ASIDE);
-  for (const char* name : {"a", "b", "c"}) EXPECT_EQ(state_of(name), Worker::STATE_IDLE) << name;
+  for (const char* name : {"a", "b", "c"})
+    EXPECT_EQ(state_of(name), CheckedWorker::STATE_IDLE) << name;
   EXPECT_EQ(farm_status().differing(), 2U);
   EXPECT_EQ(lease(d)->state(), schema::LeaseReply::STATE_FINISHED);
 }

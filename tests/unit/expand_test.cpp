@@ -17,10 +17,11 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using ::testing::ElementsAre;
 
-const std::filesystem::path kExamples = std::filesystem::path(IRSIG_SOURCE_DIR) / "jobs/examples";
+const std::filesystem::path kExpandedExamples =
+    std::filesystem::path(IRSIG_SOURCE_DIR) / "jobs/examples";
 
 schema::ResolvedSweep quickstart() {
-  const auto sweep = resolved_file(kExamples / "quickstart.toml");
+  const auto sweep = resolved_file(kExpandedExamples / "quickstart.toml");
   EXPECT_TRUE(sweep.ok()) << sweep.status();
   return *sweep;
 }
@@ -225,7 +226,7 @@ TEST(ExpandJobs, KeysChangeWithEveryDeterminingField) {
     }
     return not_determining.contains(path);
   };
-  const auto original = resolved_file(kExamples / "frigate.toml");
+  const auto original = resolved_file(kExpandedExamples / "frigate.toml");
   ASSERT_TRUE(original.ok()) << original.status();
   schema::ResolvedSweep one_view = *original;
   // What the frigate does without.
@@ -352,7 +353,7 @@ TEST(ExpandJobs, KeysOfViewsCoverWhatTheyNeed) {
 }
 
 TEST(ExpandJobs, ARenamedModelFileKeepsTheKeysAndAnotherOneDoesNot) {
-  const auto original = resolved_file(kExamples / "primitives.toml");
+  const auto original = resolved_file(kExpandedExamples / "primitives.toml");
   ASSERT_TRUE(original.ok()) << original.status();
   const std::string key = expand_jobs(*original, 1)[0].job_key();
   schema::ResolvedSweep renamed = *original;

@@ -21,27 +21,27 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-absl::StatusOr<Mesh> read(const std::string& name, const std::string& bytes) {
+absl::StatusOr<Mesh> read_apart(const std::string& name, const std::string& bytes) {
   return import_mesh(bytes, {name, 1, "+x", "+z", "origin"});
 }
 
-std::string with(std::string json, const std::string& from, const std::string& to) {
+std::string mesh_with(std::string json, const std::string& from, const std::string& to) {
   const std::size_t at = json.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return json.replace(at, from.size(), to);
 }
 
-std::string refusal(const std::string& name, const std::string& bytes) {
-  const absl::StatusOr<Mesh> mesh = read(name, bytes);
+std::string refusal_apart(const std::string& name, const std::string& bytes) {
+  const absl::StatusOr<Mesh> mesh = read_apart(name, bytes);
   EXPECT_EQ(mesh.status().code(), absl::StatusCode::kInvalidArgument) << mesh.status();
   return std::string(mesh.status().message());
 }
 
 // The undamaged scene of the fuzz tests: each kind of node and primitive is there.
 TEST(ImportApart, GltfAndGlbGiveTheSameMesh) {
-  const Mesh gltf = *read("a.gltf", gltf_scene(true).json);
+  const Mesh gltf = *read_apart("a.gltf", gltf_scene(true).json);
   const GltfScene scene = gltf_scene(false);
-  const Mesh glb = *read("a.glb", glb_file(scene.json, scene.buffer));
+  const Mesh glb = *read_apart("a.glb", glb_file(scene.json, scene.buffer));
   EXPECT_EQ(gltf.triangle.size(), 20U);
   EXPECT_EQ(gltf.vertex, glb.vertex);
   EXPECT_EQ(gltf.triangle, glb.triangle);
@@ -53,15 +53,15 @@ TEST(ImportApart, GltfAndGlbGiveTheSameMesh) {
 
 // An accessor that is sparse without indices: the library follows a null pointer.
 TEST(ImportApart, AFileThatCrashesTheLibraryIsRefused) {
-  const std::string gltf =
-      with(gltf_scene(true).json, R"("sparse":{"count":1,"indices")", R"("sparse":{"count":1,"x")");
-  EXPECT_THAT(refusal("a.gltf", gltf), HasSubstr("a.gltf: "));
-  EXPECT_THAT(refusal("a.gltf", gltf), HasSubstr("the file is damaged, or made to do harm"));
+  const std::string gltf = mesh_with(gltf_scene(true).json, R"("sparse":{"count":1,"indices")",
+                                     R"("sparse":{"count":1,"x")");
+  EXPECT_THAT(refusal_apart("a.gltf", gltf), HasSubstr("a.gltf: "));
+  EXPECT_THAT(refusal_apart("a.gltf", gltf), HasSubstr("the file is damaged, or made to do harm"));
   const GltfScene scene = gltf_scene(false);
-  const std::string glb =
-      glb_file(with(scene.json, R"("sparse":{"count":1,"indices")", R"("sparse":{"count":1,"x")"),
-               scene.buffer);
-  EXPECT_THAT(refusal("a.glb", glb), HasSubstr("the file is damaged, or made to do harm"));
+  const std::string glb = glb_file(
+      mesh_with(scene.json, R"("sparse":{"count":1,"indices")", R"("sparse":{"count":1,"x")"),
+      scene.buffer);
+  EXPECT_THAT(refusal_apart("a.glb", glb), HasSubstr("the file is damaged, or made to do harm"));
 }
 
 // Each node is twice the child of the one before: 2^39 of them from 1.2 kB.
@@ -72,11 +72,11 @@ TEST(ImportApart, AFileThatAsksForGigabytesIsRefused) {
   std::string nodes;
   for (int i = 1; i < 40; ++i)
     nodes += R"({"children":[)" + std::to_string(i) + "," + std::to_string(i) + "]},";
-  const std::string gltf = with(gltf_scene(true).json, R"("nodes":[0,3])", R"("nodes":[0])");
+  const std::string gltf = mesh_with(gltf_scene(true).json, R"("nodes":[0,3])", R"("nodes":[0])");
   const std::size_t begin = gltf.find(R"("nodes":[{)"), end = gltf.find(R"("materials")");
   const std::string deep =
       gltf.substr(0, begin) + R"("nodes":[)" + nodes + R"({"mesh":0}],)" + gltf.substr(end);
-  const std::string message = refusal("a.gltf", deep);
+  const std::string message = refusal_apart("a.gltf", deep);
   EXPECT_THAT(message, HasSubstr("the file is damaged, or made to do harm"));
 #if !defined(__SANITIZE_ADDRESS__)  // which ends the process itself
   EXPECT_THAT(message, HasSubstr("MB of memory"));
@@ -87,8 +87,8 @@ TEST(ImportApart, AFileThatAsksForGigabytesIsRefused) {
 TEST(ImportApart, NoOtherReaderTriesAFile) {
   const GltfScene scene = gltf_scene(false);
   std::string glb = glb_file(scene.json, scene.buffer);
-  glb = with(glb, R"("componentType":5123,"count":12)", R"("componentType":512":12)");
-  EXPECT_THAT(refusal("a.glb", glb), ::testing::Not(HasSubstr("memory")));
+  glb = mesh_with(glb, R"("componentType":5123,"count":12)", R"("componentType":512":12)");
+  EXPECT_THAT(refusal_apart("a.glb", glb), ::testing::Not(HasSubstr("memory")));
 }
 
 TEST(ImportApart, LimitsGrowWithTheFile) {
@@ -145,7 +145,7 @@ TEST(ImportApart, SeveralAtOnce) {
   for (std::size_t& count : triangles)
     threads.emplace_back([&count, &bytes] {
       for (int i = 0; i < 5; ++i) {
-        const auto mesh = read("a.glb", bytes);
+        const auto mesh = read_apart("a.glb", bytes);
         count += mesh.ok() ? mesh->triangle.size() : 0;
       }
     });

@@ -17,8 +17,8 @@ namespace irsig {
 namespace {
 
 // A steel sheet in front of what `inside` says, eight hours behind Greenwich.
-schema::ResolvedSweep sweep(const std::string& inside, const std::string& times,
-                            const std::string& more = "") {
+schema::ResolvedSweep inside_sweep(const std::string& inside, const std::string& times,
+                                   const std::string& more = "") {
   const auto out = resolved_text("time = " + times + R"(
 [model]
 generate = "box"
@@ -105,7 +105,7 @@ std::vector<double> temperatures(const schema::ResolvedSweep& sweep) {
 }
 
 TEST(InsideSchedule, IsResolvedToUtc) {
-  const schema::ResolvedSweep s = sweep(kSteps, R"(["12:00-08:00"])");
+  const schema::ResolvedSweep s = inside_sweep(kSteps, R"(["12:00-08:00"])");
   const auto& schedule = s.sweep().build_up(0).inside_schedule();
   ASSERT_EQ(schedule.size(), 2);
   EXPECT_EQ(schedule[0].time(), "02:40:00Z");
@@ -118,7 +118,7 @@ TEST(InsideSchedule, IsResolvedToUtc) {
 // way between is not.
 TEST(InsideSchedule, IsPartOfTheKeysOfItsJobs) {
   const std::string noon = R"(["12:00-08:00"])";
-  const auto key = [&](const std::string& inside) { return keys_of(sweep(inside, noon)); };
+  const auto key = [&](const std::string& inside) { return keys_of(inside_sweep(inside, noon)); };
   const auto changed = [](std::string text, const std::string& from, const std::string& to) {
     EXPECT_NE(text.find(from), std::string::npos);
     return text.replace(text.find(from), from.size(), to);
@@ -141,7 +141,7 @@ inside_schedule = [
 // Rationale: what happens between two positions of the sun is not to be missed.
 // Expected: the schedule's times are knots, at which both computations stop.
 TEST(InsideSchedule, ItsTimesAreKnots) {
-  const schema::ResolvedSweep s = sweep(kSteps, R"(["12:00-08:00"])");
+  const schema::ResolvedSweep s = inside_sweep(kSteps, R"(["12:00-08:00"])");
   const auto knots = heat_weather(s.sweep(), s.heat(0));
   ASSERT_TRUE(knots.ok()) << knots.status();
   int found = 0;
@@ -159,13 +159,13 @@ TEST(InsideSchedule, ItsTimesAreKnots) {
 // Expected: a sheet of 1 mm has the temperature behind it, to 0.1 K: the face loses at most
 // 1 kW/m2, through 1 mm of steel 0.02 K. Steps also a minute before and after.
 TEST(InsideSchedule, AThinSheetIsAsWarmAsWhatIsBehindIt) {
-  const auto steps = temperatures(sweep(
+  const auto steps = temperatures(inside_sweep(
       kSteps, R"(["00:00-08:00", "05:18-08:00", "05:22-08:00", "18:38-08:00", "18:42-08:00"])"));
   ASSERT_EQ(steps.size(), 5U);
   const double expected[] = {290, 290, 340, 340, 290};
   for (std::size_t t = 0; t < 5; ++t) EXPECT_NEAR(steps[t], expected[t], 0.1) << t;
   const auto linear = temperatures(
-      sweep(kLinear, R"(["02:00-08:00", "05:00-08:00", "08:30-08:00", "20:00-08:00"])"));
+      inside_sweep(kLinear, R"(["02:00-08:00", "05:00-08:00", "08:30-08:00", "20:00-08:00"])"));
   ASSERT_EQ(linear.size(), 4U);
   // From 11 h to 5 h in 18 h: 20 h is half of the way, 2 h five sixths.
   const double between[] = {305, 300, 317.5, 315};
@@ -176,15 +176,15 @@ TEST(InsideSchedule, AThinSheetIsAsWarmAsWhatIsBehindIt) {
 // always, by night as with none.
 TEST(InsideSchedule, MachineryIsOnByDay) {
   const std::string times = R"(["01:00-08:00", "12:00-08:00"])";
-  const auto by_day = temperatures(sweep(R"(inside = "heat_flux"
+  const auto by_day = temperatures(inside_sweep(R"(inside = "heat_flux"
 inside_between = "steps"
 inside_schedule = [
   { time = "06:00-08:00", heat_flux_w_m2 = 200 }, { time = "18:00-08:00", heat_flux_w_m2 = 0 },
 ])",
-                                         times)),
-             always =
-                 temperatures(sweep("inside = \"heat_flux\"\ninside_heat_flux_w_m2 = 200", times)),
-             never = temperatures(sweep("inside = \"adiabatic\"", times));
+                                                times)),
+             always = temperatures(
+                 inside_sweep("inside = \"heat_flux\"\ninside_heat_flux_w_m2 = 200", times)),
+             never = temperatures(inside_sweep("inside = \"adiabatic\"", times));
   ASSERT_EQ(by_day.size(), 2U);
   EXPECT_NEAR(by_day[0], never[0], 0.03);
   EXPECT_NEAR(by_day[1], always[1], 0.03);
@@ -193,7 +193,7 @@ inside_schedule = [
 
 TEST(InsideSchedule, MovesAsAWholeWithItsUncertainty) {
   const schema::ResolvedSweep s =
-      sweep(kSteps, R"(["12:00-08:00"])", "[uncertainty]\ninside_temperature_k = 3\n");
+      inside_sweep(kSteps, R"(["12:00-08:00"])", "[uncertainty]\ninside_temperature_k = 3\n");
   ASSERT_EQ(s.heat_size(), 2) << "the temperatures, and what the input changes of them";
   const MovedSweep moved = moved_sweep(s, {"inside_temperature_k", 3}, 1);
   EXPECT_EQ(moved.values, 2);

@@ -15,14 +15,14 @@ using ::testing::DoubleNear;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::size_t count(const std::string& text, const std::string& what) {
+std::size_t count_hours(const std::string& text, const std::string& what) {
   std::size_t n = 0;
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
   return n;
 }
 
 // Each curve is drawn with the two edges of its band.
-std::size_t curves(const std::string& svg) { return count(svg, "<polyline") / 3; }
+std::size_t curves(const std::string& svg) { return count_hours(svg, "<polyline") / 3; }
 
 std::string utc(const std::string& date, int hour) {
   return date + (hour < 10 ? "T0" : "T") + std::to_string(hour) + ":00:00Z";
@@ -38,7 +38,10 @@ FakeStoreReader day_of_hours(bool placed = true) {
     for (int h = 0; h < 24; h += 3) sweep.season.push_back({season, utc(date, h), 1 + 0.01 * h});
   FakeStoreReader db = fake_database(sweep);
   schema::ResolvedSweep resolved;
-  if (placed) resolved.mutable_sweep()->mutable_place()->set_longitude_deg(135);
+  if (placed) {
+    resolved.mutable_sweep()->mutable_place()->set_latitude_deg(35);
+    resolved.mutable_sweep()->mutable_place()->set_longitude_deg(135);
+  }
   db.sweeps["box ship"] = {resolved, {}, {}};
   return db;
 }
@@ -68,7 +71,7 @@ TEST(PlotHours, HoursAreThoseOfTheSunAtThePlace) {
                     HasSubstr("lwir (8\u201312 \u00b5m)"), HasSubstr("In-band intensity in kW/sr"),
                     HasSubstr(">winter<"), Not(HasSubstr("nan"))));
   EXPECT_EQ(curves(svg), 1U);
-  EXPECT_EQ(count(svg, "<circle"), 8U);
+  EXPECT_EQ(count_hours(svg, "<circle"), 8U);
 }
 
 TEST(PlotHours, WithoutAPlaceTheyAreOfUtc) {
@@ -194,7 +197,7 @@ TEST(PlotHours, TheTableHasTheNumbersOfTheRows) {
                       "contrast_numerical_error_w_sr"),
             HasSubstr("box ship,winter,winter,2025-01-29T00:00:00Z,9,hull,290,285,301,0.2,"),
             HasSubstr("box ship,winter,winter,2025-01-29T21:00:00Z,30,,,,,,lwir,90,10,2000,")));
-  EXPECT_EQ(count(csv.str(), "\n"), 1U + 16U + 8U);
+  EXPECT_EQ(count_hours(csv.str(), "\n"), 1U + 16U + 8U);
 }
 
 TEST(PlotHours, RefusesOneTimeAndSeveralViewpoints) {

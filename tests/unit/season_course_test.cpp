@@ -18,12 +18,12 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 std::string shipped() {
-  return text_of(std::filesystem::path(IRSIG_SOURCE_DIR) /
+  return irsig::text_of(std::filesystem::path(IRSIG_SOURCE_DIR) /
                  "jobs/examples/weather/san_francisco.epw");
 }
 
 // A sweep that nothing is wrong with; tests replace one piece.
-struct Pieces {
+struct CoursePieces {
   std::string time = "time = [\"12:00-08:00\", \"18:30-08:00\"]\n";
   std::string heat = "[heat]\n";
   std::string place = "[place]\nlatitude_deg = 37.6\nlongitude_deg = -122.4\nheading_deg = 90\n";
@@ -39,7 +39,7 @@ constexpr const char* kWall =
     "[[build_up]]\nname = \"wall\"\nlayer = [{ solid = \"steel\", thickness_m = 0.01 }]\n"
     "inside = \"adiabatic\"\n";
 
-std::string text_of(const Pieces& p) {
+std::string course_text_of(const CoursePieces& p) {
   return p.time + "[model]\ngenerate = \"sphere\"\ntriangles = 100\n" + p.heat + p.place + p.parts +
          p.season + p.more + (p.parts.find("build_up") == std::string::npos ? "" : kWall) +
          "[[material]]\nname = \"paint\"\nkind = \"lambert\"\nemissivity = 0.9\nsolar_absorptance "
@@ -49,17 +49,17 @@ std::string text_of(const Pieces& p) {
          p.surroundings + "[air]\n" + p.air + "[transport]\nsun = true\n";
 }
 
-absl::StatusOr<schema::ResolvedSweep> resolve(const Pieces& pieces,
-                                              const std::string& content = shipped()) {
-  absl::StatusOr<SweepFile> file = parse_sweep(text_of(pieces), "s.toml");
+absl::StatusOr<schema::ResolvedSweep> resolve_course(const CoursePieces& pieces,
+                                                     const std::string& content = shipped()) {
+  absl::StatusOr<SweepFile> file = parse_sweep(course_text_of(pieces), "s.toml");
   if (!file.ok()) return file.status();
   const auto read = [&](const std::string&) -> absl::StatusOr<std::string> { return content; };
   if (const absl::Status status = read_weather_files(*file, read); !status.ok()) return status;
   return resolve_sweep(*file, "");
 }
 
-std::string error_of(const Pieces& pieces, const std::string& content = shipped()) {
-  const auto sweep = resolve(pieces, content);
+std::string course_error_of(const CoursePieces& pieces, const std::string& content = shipped()) {
+  const auto sweep = resolve_course(pieces, content);
   return sweep.ok() ? "" : std::string(sweep.status().message());
 }
 
@@ -73,10 +73,10 @@ const std::string kConstant =
 
 // Expected: each time's own weather, as the file's lines 12 and between 18 and 19 have it.
 TEST(SeasonCourse, EachTimeHasItsOwnWeather) {
-  Pieces p;
+  CoursePieces p;
   p.heat = "";
   p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\ntemperature_k = 290\n";
-  const auto sweep = resolve(p);
+  const auto sweep = resolve_course(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   EXPECT_THAT(sweep->heat(), IsEmpty());
   const schema::Weather& noon = sweep->condition(0).weather();
@@ -92,7 +92,7 @@ TEST(SeasonCourse, EachTimeHasItsOwnWeather) {
 }
 
 TEST(SeasonCourse, ARunForAllTimesOfASeason) {
-  const auto sweep = resolve({});
+  const auto sweep = resolve_course({});
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   ASSERT_THAT(sweep->heat(), SizeIs(1));
   const schema::HeatRun& run = sweep->heat(0);
@@ -118,10 +118,10 @@ TEST(SeasonCourse, ARunForAllTimesOfASeason) {
 
 // Rationale: an instant is one in whatever time zone it is written.
 TEST(SeasonCourse, TimeZonesChangeNothing) {
-  Pieces west, east;
+  CoursePieces west, east;
   west.time = "time = [\"05:00-08:00\"]\n";
   east.time = "time = [\"22:00+09:00\"]\n";
-  const auto a = resolve(west), b = resolve(east);
+  const auto a = resolve_course(west), b = resolve_course(east);
   ASSERT_TRUE(a.ok() && b.ok()) << a.status() << b.status();
   EXPECT_EQ(a->heat(0).SerializeAsString(), b->heat(0).SerializeAsString());
   EXPECT_EQ(a->condition(0).weather().SerializeAsString(),
@@ -129,12 +129,12 @@ TEST(SeasonCourse, TimeZonesChangeNothing) {
 }
 
 TEST(SeasonCourse, HoursOfATableShareTheirRun) {
-  Pieces p;
+  CoursePieces p;
   p.time = "";
   p.more =
       "[[condition]]\ntime = \"18:00-08:00\"\n[[condition]]\ntime = \"12:00-08:00\"\n"
       "[[condition]]\nname = \"hazy\"\ntime = \"12:00-08:00\"\nvisibility_m = 5000\n";
-  const auto sweep = resolve(p);
+  const auto sweep = resolve_course(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   ASSERT_THAT(sweep->heat(), SizeIs(2));
   EXPECT_THAT(sweep->heat(0).time_utc(),
@@ -145,10 +145,10 @@ TEST(SeasonCourse, HoursOfATableShareTheirRun) {
 }
 
 TEST(SeasonCourse, DaysOfHistoryBeginBefore) {
-  Pieces p;
+  CoursePieces p;
   p.heat = "[heat]\nhistory = \"days\"\nhistory_days = 1.5\n";
   p.season = absl::StrReplaceAll(p.season, {{"07-21", "07-22"}});
-  const auto sweep = resolve(p);
+  const auto sweep = resolve_course(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   const schema::WeatherCourse& course = sweep->heat(0).course();
   EXPECT_FALSE(course.periodic());
@@ -156,15 +156,16 @@ TEST(SeasonCourse, DaysOfHistoryBeginBefore) {
   EXPECT_EQ(format_rfc3339_utc(utc_time(course.record(course.record_size() - 1).unix_s())),
             "2025-07-23T03:00:00Z");
   p.heat = "[heat]\nhistory = \"days\"\n";  // three
-  EXPECT_THAT(error_of(p), HasSubstr("no record of month 7, day 19, hour"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("no record of month 7, day 19, hour"));
   p.season = kDay;
-  EXPECT_THAT(error_of(p), HasSubstr("heat.history = \"days\", but season[0] has no weather_file"));
+  EXPECT_THAT(course_error_of(p),
+              HasSubstr("heat.history = \"days\", but season[0] has no weather_file"));
 }
 
 TEST(SeasonCourse, AStatedDayAndAConstantOne) {
-  Pieces p;
+  CoursePieces p;
   p.season = kDay;
-  const auto day = resolve(p);
+  const auto day = resolve_course(p);
   ASSERT_TRUE(day.ok()) << day.status();
   EXPECT_EQ(day->heat(0).course().record_size(), 73);
   EXPECT_EQ(day->heat(0).course().record(0).wind_from_deg(), 290);
@@ -174,7 +175,7 @@ TEST(SeasonCourse, AStatedDayAndAConstantOne) {
   EXPECT_LT(noon_k, 293);
   EXPECT_GT(day->condition(1).weather().relative_humidity_percent(), 50);
   p.season = kConstant;
-  const auto constant = resolve(p);
+  const auto constant = resolve_course(p);
   ASSERT_TRUE(constant.ok()) << constant.status();
   EXPECT_EQ(constant->heat(0).course().record(30).air_temperature_k(), 290);
   EXPECT_EQ(constant->condition(1).weather().relative_humidity_percent(), 70);
@@ -182,13 +183,13 @@ TEST(SeasonCourse, AStatedDayAndAConstantOne) {
 }
 
 TEST(SeasonCourse, PartsThatAreStatedStayStated) {
-  Pieces p;
+  CoursePieces p;
   p.parts =
       "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\nbuild_up = \"wall\"\n"
       "[[part]]\nname = \"exhaust\"\nmaterial = \"paint\"\ntemperature_k = 500\n"
       "[[part]]\nname = \"deck\"\nmaterial = \"paint\"\nbuild_up = \"wall\"\n";
   p.season += "part_temperature_k = { deck = 300 }\n";
-  const auto sweep = resolve(p);
+  const auto sweep = resolve_course(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   EXPECT_THAT(sweep->heat(0).part_temperature_k(), ElementsAre(0, 500, 300));
   EXPECT_THAT(sweep->condition(1).temperature_field().part(), ElementsAre(0));
@@ -199,93 +200,99 @@ TEST(SeasonCourse, PartsThatAreStatedStayStated) {
 }
 
 TEST(SeasonCourse, WhatIsWrongWithHeat) {
-  Pieces p;
+  CoursePieces p;
   p.heat = "";
-  EXPECT_THAT(error_of(p), HasSubstr("part[0].build_up = \"wall\", but [heat] is missing"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("part[0].build_up = \"wall\", but [heat] is missing"));
   p = {};
   p.place = "";
-  EXPECT_THAT(error_of(p), HasSubstr("[heat] needs [place]"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("[heat] needs [place]"));
   p = {};
   p.place += "speed_m_s = 8\n";
-  EXPECT_EQ(error_of(p), "");
+  EXPECT_EQ(course_error_of(p), "");
   p.heat = "";
-  EXPECT_THAT(error_of(p),
+  EXPECT_THAT(course_error_of(p),
               HasSubstr("place.speed_m_s does not apply without [heat] or a funnel's [plume]"));
   p = {};
   p.air = "model = \"vacuum\"\n";
-  EXPECT_THAT(error_of(p), AllOf(HasSubstr("[heat] needs air.model = \"atmosphere\""),
-                                 HasSubstr("season[0].weather_file does not apply to air.model")));
+  EXPECT_THAT(course_error_of(p),
+              AllOf(HasSubstr("[heat] needs air.model = \"atmosphere\""),
+                    HasSubstr("season[0].weather_file does not apply to air.model")));
   p = {};
   p.heat = "[heat]\nhistory = \"weeks\"\nhistory_days = 4\n";
-  EXPECT_THAT(error_of(p), AllOf(HasSubstr("heat.history = \"weeks\""),
-                                 HasSubstr("heat.history_days does not apply")));
+  EXPECT_THAT(course_error_of(p), AllOf(HasSubstr("heat.history = \"weeks\""),
+                                        HasSubstr("heat.history_days does not apply")));
   p = {};
   p.parts += "[[part]]\nname = \"deck\"\nmaterial = \"paint\"\n";
-  EXPECT_THAT(error_of(p), HasSubstr("or build_up here: then it is computed"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("or build_up here: then it is computed"));
   p.parts = "[[part]]\nname = \"sphere\"\nmaterial = \"paint\"\ntemperature_k = 290\n";
-  EXPECT_THAT(error_of(p), HasSubstr("[heat], but the temperatures of all parts are stated"));
+  EXPECT_THAT(course_error_of(p),
+              HasSubstr("[heat], but the temperatures of all parts are stated"));
   p = {};
   p.surroundings = "kind = \"ground\"\nground_temperature_k = 290\nground_emissivity = 0.95\n";
-  EXPECT_THAT(error_of(p), HasSubstr("surroundings.solar_albedo is missing"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("surroundings.solar_albedo is missing"));
   p.surroundings += "solar_albedo = 0.2\n";
-  EXPECT_EQ(error_of(p), "");
+  EXPECT_EQ(course_error_of(p), "");
   p = {};
   p.season = "[[season]]\nname = \"summer\"\ndate = 2025-07-21\nair_temperature_k = 290\n";
-  EXPECT_THAT(error_of(p),
+  EXPECT_THAT(course_error_of(p),
               AllOf(HasSubstr("season[0].wind_speed_m_s is missing, expected it, a weather_file"),
                     HasSubstr("season[0].relative_humidity_percent is missing")));
   p.season = absl::StrReplaceAll(kConstant, {{"wind_from_deg = 290\n", ""}});
-  EXPECT_THAT(error_of(p), HasSubstr("season[0].wind_from_deg is missing"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("season[0].wind_from_deg is missing"));
 }
 
 TEST(SeasonCourse, WhatIsWrongWithADay) {
-  Pieces p;
+  CoursePieces p;
   p.season = absl::StrReplaceAll(kDay, {{"dew_point_k = 283", "dew_point_k = 286"}});
-  EXPECT_THAT(error_of(p),
+  EXPECT_THAT(course_error_of(p),
               HasSubstr("season[0].day.dew_point_k = 286 is above air_temperature_min_k = 285"));
   p.season = absl::StrReplaceAll(kDay, {{"max_k = 293", "max_k = 280"}});
-  EXPECT_THAT(error_of(p), HasSubstr("air_temperature_max_k = 280 is below"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("air_temperature_max_k = 280 is below"));
   p.season = absl::StrReplaceAll(kDay, {{"pressure_pa = 101300\n", ""}});
-  EXPECT_THAT(error_of(p), HasSubstr("season[0].pressure_pa is missing, expected it beside the"));
+  EXPECT_THAT(course_error_of(p),
+              HasSubstr("season[0].pressure_pa is missing, expected it beside the"));
   p.season = kDay + "weather_file = \"sf.epw\"\n";
-  EXPECT_THAT(error_of(p), HasSubstr("is one too many"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("is one too many"));
   p.season = kDay + "air_temperature_k = 291\n";
-  EXPECT_THAT(error_of(p),
+  EXPECT_THAT(course_error_of(p),
               HasSubstr("season[0].air_temperature_k = 291, but season[0].day has 29"));
   p.season = absl::StrReplaceAll(
       kDay, {{"warm", "warm"}, {"dew_point_k = 283", "dew_point_k = 283, warmest_hour = 25"}});
-  EXPECT_THAT(error_of(p), HasSubstr("season[0].day.warmest_hour = 25"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("season[0].day.warmest_hour = 25"));
 }
 
 TEST(SeasonCourse, WhatIsWrongWithAFile) {
-  Pieces p;
+  CoursePieces p;
   p.season += "air_temperature_k = 300\n";
-  EXPECT_THAT(error_of(p), HasSubstr("s.toml:18:1: season[0].air_temperature_k = 300, but "
-                                     "season[0].weather_file has 290.25 at 2025-07-21T20:00:00Z"));
+  EXPECT_THAT(course_error_of(p),
+              HasSubstr("s.toml:18:1: season[0].air_temperature_k = 300, but "
+                        "season[0].weather_file has 290.25 at 2025-07-21T20:00:00Z"));
   p = {};
   p.season += "wind_from_deg = 20\ncloud_cover = 0.5\n";
-  EXPECT_THAT(error_of(p), AllOf(HasSubstr("season[0].wind_from_deg does not apply: the weather"),
-                                 HasSubstr("season[0].cloud_cover does not apply")));
+  EXPECT_THAT(course_error_of(p),
+              AllOf(HasSubstr("season[0].wind_from_deg does not apply: the weather"),
+                    HasSubstr("season[0].cloud_cover does not apply")));
   p = {};
   p.place = absl::StrReplaceAll(p.place, {{"37.6", "35.6"}});
-  EXPECT_THAT(error_of(p),
+  EXPECT_THAT(course_error_of(p),
               HasSubstr("sf.epw:1:1: season[0].weather_file: the file is of latitude"));
   p = {};
   p.season = absl::StrReplaceAll(p.season, {{"2025-07-21", "2024-02-29"}, {"summer", "x"}});
-  EXPECT_THAT(error_of(p), HasSubstr("typical years have no 29 February"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("typical years have no 29 February"));
   p = {};
-  EXPECT_THAT(error_of(p, absl::StrReplaceAll(shipped(), {{"-122.40,-8.0", "-122.40,4"}})),
+  EXPECT_THAT(course_error_of(p, absl::StrReplaceAll(shipped(), {{"-122.40,-8.0", "-122.40,4"}})),
               HasSubstr("below the horizon at the sweep's place"));
-  EXPECT_THAT(error_of(p, "nonsense"), HasSubstr("sf.epw:1:1: there is no line DATA PERIODS"));
+  EXPECT_THAT(course_error_of(p, "nonsense"),
+              HasSubstr("sf.epw:1:1: there is no line DATA PERIODS"));
   p.heat = "";
   p.season += "cloud_cover = 0.5\n";
-  EXPECT_THAT(error_of(p), HasSubstr("season[0].cloud_cover does not apply without [heat]"));
+  EXPECT_THAT(course_error_of(p), HasSubstr("season[0].cloud_cover does not apply without [heat]"));
 }
 
 TEST(SeasonCourse, AnHourOfAnotherDayIsSaid) {
-  Pieces p;
+  CoursePieces p;
   p.time = "time = [\"02:00Z\"]\n";
-  const auto sweep = resolve(p);
+  const auto sweep = resolve_course(p);
   ASSERT_TRUE(sweep.ok()) << sweep.status();
   EXPECT_THAT(sweep->condition(0).warning(),
               ElementsAre(HasSubstr("2025-07-21T02:00:00Z is not within 2025-07-21 at the place")));

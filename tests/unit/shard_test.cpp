@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-schema::ResolvedSweep example(const char* name) {
+schema::ResolvedSweep shard_example(const char* name) {
   const auto sweep =
       resolved_file(std::filesystem::path(IRSIG_SOURCE_DIR) / "jobs/examples" / name);
   EXPECT_TRUE(sweep.ok()) << sweep.status();
@@ -34,7 +34,7 @@ std::map<std::string, std::string> jobs_by_key(const schema::ResolvedSweep& swee
 }
 
 TEST(Shard, TogetherHaveTheJobsOfTheWholeEachOnce) {
-  const schema::ResolvedSweep whole = example("quickstart.toml");
+  const schema::ResolvedSweep whole = shard_example("quickstart.toml");
   const auto all = jobs_by_key(whole);
   for (const int of : {2, 5, 24}) {
     std::map<std::string, std::string> together;
@@ -56,7 +56,7 @@ TEST(Shard, TogetherHaveTheJobsOfTheWholeEachOnce) {
 }
 
 TEST(Shard, EachNeedsTheTemperaturesOfTheWhole) {
-  const schema::ResolvedSweep whole = example("frigate_day.toml");
+  const schema::ResolvedSweep whole = shard_example("frigate_day.toml");
   ASSERT_GT(whole.heat_size(), 0);
   schema::ResolvedSweep sweep = whole;
   ASSERT_TRUE(take_shard("2/2", sweep).ok());
@@ -67,7 +67,7 @@ TEST(Shard, EachNeedsTheTemperaturesOfTheWhole) {
 }
 
 TEST(Shard, OneOfOneIsTheWhole) {
-  schema::ResolvedSweep sweep = example("quickstart.toml");
+  schema::ResolvedSweep sweep = shard_example("quickstart.toml");
   ASSERT_TRUE(take_shard("1/1", sweep).ok());
   EXPECT_FALSE(sweep.has_shard());
 }
@@ -75,13 +75,13 @@ TEST(Shard, OneOfOneIsTheWhole) {
 TEST(Shard, RefusesWhatIsNone) {
   for (const char* text : {"0/3", "4/3", "a/b", "1", "", "/", "1/", "/3", "1/3/5", "-1/3", "+1/3",
                            " 1/3", "1/3 ", "1.0/3", "1/4294967296", "0/0"}) {
-    schema::ResolvedSweep sweep = example("quickstart.toml");
+    schema::ResolvedSweep sweep = shard_example("quickstart.toml");
     const absl::Status status = take_shard(text, sweep);
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << text;
     EXPECT_THAT(std::string(status.message()), HasSubstr("expected K/N")) << text;
     EXPECT_FALSE(sweep.has_shard());
   }
-  schema::ResolvedSweep sweep = example("quickstart.toml");
+  schema::ResolvedSweep sweep = shard_example("quickstart.toml");
   EXPECT_THAT(std::string(take_shard("1/25", sweep).message()), HasSubstr("has 24 viewpoints"));
   sweep.mutable_sweep()->mutable_accuracy()->clear_relative_error();
   sweep.mutable_sweep()->mutable_accuracy()->set_time_budget_s(10);
@@ -89,7 +89,7 @@ TEST(Shard, RefusesWhatIsNone) {
 }
 
 TEST(Shard, IsCheckedWhereItIsSubmitted) {
-  schema::ResolvedSweep good = example("quickstart.toml");
+  schema::ResolvedSweep good = shard_example("quickstart.toml");
   ASSERT_TRUE(take_shard("2/3", good).ok());
   const auto error = [](const schema::ResolvedSweep& sweep) {
     return std::string(check_resolved(sweep).message());
@@ -108,7 +108,7 @@ TEST(Shard, IsCheckedWhereItIsSubmitted) {
 // As a stored sweep may say it.
 TEST(Shard, OfAnImpossibleNumberIsNone) {
   for (const auto& [number, of] : {std::pair{0, 0}, {1, 0}, {0, 3}, {4, 3}}) {
-    schema::ResolvedSweep sweep = example("quickstart.toml");
+    schema::ResolvedSweep sweep = shard_example("quickstart.toml");
     sweep.mutable_shard()->set_number(static_cast<std::uint32_t>(number));
     sweep.mutable_shard()->set_of(static_cast<std::uint32_t>(of));
     EXPECT_EQ(shard_size(sweep), 24U);
@@ -118,7 +118,7 @@ TEST(Shard, OfAnImpossibleNumberIsNone) {
 }
 
 TEST(Shard, TakesNoOthersPlace) {
-  const schema::ResolvedSweep whole = example("quickstart.toml");
+  const schema::ResolvedSweep whole = shard_example("quickstart.toml");
   schema::ResolvedSweep first = whole, second = whole, half = whole, slice = whole;
   ASSERT_TRUE(take_shard("1/3", first).ok());
   ASSERT_TRUE(take_shard("2/3", second).ok());

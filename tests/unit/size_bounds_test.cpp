@@ -18,22 +18,22 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using ::testing::HasSubstr;
 
-void collect(const Descriptor& message, std::map<std::string, const FieldDescriptor*>& lists,
-             std::set<std::string>& texts) {
+void collect_sizes(const Descriptor& message, std::map<std::string, const FieldDescriptor*>& lists,
+                   std::set<std::string>& texts) {
   for (int i = 0; i < message.field_count(); ++i) {
     const FieldDescriptor& field = *message.field(i);
     const std::string key = absl::StrCat(message.name(), ".", field.name());
     if (field.is_repeated() && !lists.emplace(key, &field).second) continue;
     if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING) texts.insert(key);
     if (!field.is_map() && field.message_type() != nullptr)
-      collect(*field.message_type(), lists, texts);
+      collect_sizes(*field.message_type(), lists, texts);
   }
 }
 
 TEST(SizeBounds, EveryListHasARowAndEveryRowAListOrAText) {
   std::map<std::string, const FieldDescriptor*> lists;
   std::set<std::string> texts, rows;
-  collect(*schema::ResolvedSweep::descriptor(), lists, texts);
+  collect_sizes(*schema::ResolvedSweep::descriptor(), lists, texts);
   for (const SizeBound& row : size_bounds()) {
     EXPECT_TRUE(rows.insert(std::string(row.key)).second) << row.key << " twice";
     EXPECT_TRUE(lists.contains(std::string(row.key)) || texts.contains(std::string(row.key)))

@@ -25,7 +25,7 @@ using ::testing::UnorderedElementsAre;
 
 namespace fs = std::filesystem;
 
-std::string bytes_of(const std::string& path) {
+std::string file_bytes(const std::string& path) {
   std::ostringstream out;
   out << std::ifstream(path, std::ios::binary).rdbuf();
   return out.str();
@@ -180,12 +180,12 @@ TEST_F(StoreWholeFile, WhatIsDamagedOrWrittenIsNotAccepted) {
                         "PRAGMA journal_mode = WAL; DELETE FROM spectrum WHERE signature_id "
                         "= 3; SELECT 'damaged'"),
             "damaged");
-  const std::string before = bytes_of(path_);
+  const std::string before = file_bytes(path_);
   const auto accepted = accept_file(path_, 1);
   ASSERT_OK(accepted.status());
   EXPECT_TRUE(accepted->damaged);
   EXPECT_FALSE(accepted->made_plain);
-  EXPECT_EQ(bytes_of(path_), before);
+  EXPECT_EQ(file_bytes(path_), before);
   fs::remove(path_);
   auto writer = StoreWriter::open(path_).value();
   EXPECT_TRUE(absl::IsFailedPrecondition(accept_file(path_, 1).status()));
@@ -327,7 +327,7 @@ TEST_F(StoreWholeFile, WhatTheLockFileSaysIsBelievedOfThisFileAlone) {
   {
     const auto writer = StoreWriter::open(path_);
     ASSERT_OK(writer.status());
-    EXPECT_EQ(bytes_of(path_ + "-lock"), "") << "there is a commit in the journal";
+    EXPECT_EQ(file_bytes(path_ + "-lock"), "") << "there is a commit in the journal";
     ASSERT_OK((*writer)->finish());
   }
   EXPECT_EQ(folder_.names(), std::vector<std::string>{"a.sigdb"});

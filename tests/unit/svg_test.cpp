@@ -62,7 +62,7 @@ double area(const std::vector<Point>& loop) {
   return std::abs(twice) / 2;
 }
 
-ValueGrid sampled(std::size_t n, double (*value)(double, double)) {
+ValueGrid svg_samples(std::size_t n, double (*value)(double, double)) {
   ValueGrid grid{n, n, {0, 0}, 1.0 / static_cast<double>(n - 1), {}};
   for (std::size_t y = 0; y < n; ++y) {
     for (std::size_t x = 0; x < n; ++x) {
@@ -77,23 +77,23 @@ ValueGrid sampled(std::size_t n, double (*value)(double, double)) {
 // O(h^2).
 TEST(Contour, OutlineOfADisk) {
   const ValueGrid grid =
-      sampled(101, [](double x, double y) { return -std::hypot(x - 0.5, y - 0.5); });
+      svg_samples(101, [](double x, double y) { return -std::hypot(x - 0.5, y - 0.5); });
   const auto loops = outlines(grid, -0.3);
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_NEAR(area(loops[0]), std::numbers::pi * 0.09, 1e-4);
 }
 
 TEST(Contour, RegionsAreClosedByTheEdge) {
-  const ValueGrid everywhere = sampled(11, [](double, double) { return 1.0; });
+  const ValueGrid everywhere = svg_samples(11, [](double, double) { return 1.0; });
   ASSERT_EQ(outlines(everywhere, 0.5).size(), 1U);
   EXPECT_NEAR(area(outlines(everywhere, 0.5)[0]), 1, 0.01);  // corners are cut
   EXPECT_TRUE(outlines(everywhere, 2).empty());
-  const ValueGrid ramp = sampled(11, [](double x, double) { return x; });
+  const ValueGrid ramp = svg_samples(11, [](double x, double) { return x; });
   EXPECT_NEAR(area(outlines(ramp, 0.25)[0]), 0.75, 0.01);
 }
 
 TEST(Contour, HolesAndSaddles) {
-  const ValueGrid ring = sampled(
+  const ValueGrid ring = svg_samples(
       101, [](double x, double y) { return -std::abs(std::hypot(x - 0.5, y - 0.5) - 0.3); });
   const auto loops = outlines(ring, -0.1);
   ASSERT_EQ(loops.size(), 2U);

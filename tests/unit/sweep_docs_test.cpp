@@ -86,19 +86,20 @@ bool is_table(const FieldDescriptor& field) {
 }
 
 // Every table that a sweep file can have, by its path.
-void collect(const Descriptor& message, const std::string& path,
-             std::map<std::string, const Descriptor*>& out) {
+void collect_documented(const Descriptor& message, const std::string& path,
+                        std::map<std::string, const Descriptor*>& out) {
   out[path] = &message;
   for (int i = 0; i < message.field_count(); ++i) {
     const FieldDescriptor& field = *message.field(i);
     if (is_table(field))
-      collect(*field.message_type(), path.empty() ? field.name() : path + "." + field.name(), out);
+      collect_documented(*field.message_type(),
+                         path.empty() ? field.name() : path + "." + field.name(), out);
   }
 }
 
 TEST(SweepDocs, HaveEveryKeyOfTheGrammarAndNoOther) {
   std::map<std::string, const Descriptor*> tables;
-  collect(*schema::Sweep::descriptor(), "", tables);
+  collect_documented(*schema::Sweep::descriptor(), "", tables);
   const Page page = read_page();
   std::set<std::string> expected, documented;
   for (const auto& [path, message] : tables) {

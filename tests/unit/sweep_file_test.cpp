@@ -18,7 +18,7 @@ SweepFile parsed(std::string_view text) {
   return file.ok() ? *file : SweepFile{};
 }
 
-std::string error_of(std::string_view text) {
+std::string file_error_of(std::string_view text) {
   const absl::StatusOr<SweepFile> file = parse_sweep(text, "s.toml");
   EXPECT_EQ(file.status().code(), absl::StatusCode::kInvalidArgument);
   return std::string(file.status().message());
@@ -93,14 +93,14 @@ TEST(ParseSweep, PlacesAnAbsentKeyAtItsTable) {
 }
 
 TEST(ParseSweep, ReportsASyntaxErrorAlone) {
-  const std::string error = error_of("nane = 1\n[model\nseed = \"x\"\n");
+  const std::string error = file_error_of("nane = 1\n[model\nseed = \"x\"\n");
   EXPECT_THAT(error, StartsWith("s.toml:2:7: "));
   EXPECT_EQ(error.find('\n'), std::string::npos);
-  EXPECT_THAT(error_of("seed = 1\nseed = 2\n"), StartsWith("s.toml:2:"));
+  EXPECT_THAT(file_error_of("seed = 1\nseed = 2\n"), StartsWith("s.toml:2:"));
 }
 
 TEST(ParseSweep, ReportsAllOtherErrorsInTheOrderOfTheFile) {
-  EXPECT_EQ(error_of("seed = -1\nnane = 1\n[air]\npressure_pa = nan\n[model]\nfile = 3\n"),
+  EXPECT_EQ(file_error_of("seed = -1\nnane = 1\n[air]\npressure_pa = nan\n[model]\nfile = 3\n"),
             "s.toml:1:1: seed = -1, expected a whole number from 0 to 18446744073709551615\n"
             "s.toml:2:1: unknown key \"nane\", did you mean \"name\"?\n"
             "s.toml:4:1: air.pressure_pa is nan, expected a finite number\n"
@@ -109,26 +109,28 @@ TEST(ParseSweep, ReportsAllOtherErrorsInTheOrderOfTheFile) {
 
 TEST(ParseSweep, RefusesWhatIsNoWholeNumber) {
   for (const char* seed : {"-1", "1.5", "-0.5", "nan", "inf", "1e300", "\"1\"", "true"}) {
-    EXPECT_THAT(error_of(std::string("seed = ") + seed), HasSubstr("whole number")) << seed;
+    EXPECT_THAT(file_error_of(std::string("seed = ") + seed), HasSubstr("whole number")) << seed;
   }
-  EXPECT_THAT(error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4096"));
+  EXPECT_THAT(file_error_of("[output]\nthumbnail_px = 4294967296"), HasSubstr("from 0 to 4096"));
 }
 
 // They came out as uninitialised memory.
 TEST(ParseSweep, RefusesWholeNumbersThatADoubleDoesNotHold) {
   for (const char* number : {"9007199254740993", "10000000000000000", "9223372036854775807",
                              "-9007199254740993", "0x7fffffffffffffff"}) {
-    EXPECT_THAT(error_of(std::string("[place]\nlatitude_deg = ") + number),
+    EXPECT_THAT(file_error_of(std::string("[place]\nlatitude_deg = ") + number),
                 StartsWith("s.toml:2:1: place.latitude_deg = "))
         << number;
-    EXPECT_THAT(error_of(std::string("[viewpoints]\nazimuth_deg = [0, ") + number + "]"),
+    EXPECT_THAT(file_error_of(std::string("[viewpoints]\nazimuth_deg = [0, ") + number + "]"),
                 HasSubstr("s.toml:2:19: viewpoints.azimuth_deg[1] = "))
         << number;
   }
   // An integer that does not fit into 64 bits, and numbers that are none.
-  EXPECT_THAT(error_of("[place]\nlatitude_deg = 9223372036854775808"), StartsWith("s.toml:2:"));
+  EXPECT_THAT(file_error_of("[place]\nlatitude_deg = 9223372036854775808"),
+              StartsWith("s.toml:2:"));
   for (const char* number : {"1e999", "-1e999", "nan", "inf"})
-    EXPECT_THAT(error_of(std::string("[place]\nlatitude_deg = ") + number), StartsWith("s.toml:2:"))
+    EXPECT_THAT(file_error_of(std::string("[place]\nlatitude_deg = ") + number),
+                StartsWith("s.toml:2:"))
         << number;
   EXPECT_EQ(parsed("[air]\nvisibility_m = 9007199254740992\n").sweep.air().visibility_m(), 0x1p53);
   EXPECT_EQ(parsed("[air]\nvisibility_m = -9007199254740992\n").sweep.air().visibility_m(),
@@ -137,11 +139,11 @@ TEST(ParseSweep, RefusesWholeNumbersThatADoubleDoesNotHold) {
 }
 
 TEST(ParseSweep, KeepsEachErrorOnOneLine) {
-  EXPECT_EQ(error_of("\"a\\nb\" = 1").find('\n'), std::string::npos);
+  EXPECT_EQ(file_error_of("\"a\\nb\" = 1").find('\n'), std::string::npos);
 }
 
 TEST(ParseSweep, TakesADateWithoutQuotesForADateOnly) {
-  EXPECT_THAT(error_of("name = 2025-12-21"), HasSubstr("name is a date, expected a string"));
+  EXPECT_THAT(file_error_of("name = 2025-12-21"), HasSubstr("name is a date, expected a string"));
 }
 
 TEST(Suggestion, NamesTheNearestOrAll) {

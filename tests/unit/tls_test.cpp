@@ -25,7 +25,7 @@ namespace {
 
 using testing::HasSubstr;
 
-double now_s() {
+double tls_now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
@@ -91,8 +91,8 @@ class Tls : public testing::Test {
     auto server = FarmServer::start({absl::StrCat(folder_, "/", ++databases_, ".sigdb"),
                                      listen,
                                      {1, 60, 5},
-                                     now_s,
-                                     now_s,
+                                     tls_now_s,
+                                     tls_now_s,
                                      [](const absl::Status& status) { ADD_FAILURE() << status; }});
     EXPECT_TRUE(server.ok()) << server.status();
     return server.ok() ? *std::move(server) : nullptr;

@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr WeatherPlace kBay{37.62, -122.4, 2};
+constexpr WeatherPlace kFileBay{37.62, -122.4, 2};
 
 std::string shipped() {
   std::ifstream in(IRSIG_SOURCE_DIR "/jobs/examples/weather/san_francisco.epw");
@@ -32,7 +32,7 @@ CourseWanted day(const char* date) {
   CourseWanted wanted;
   wanted.from_unix_s = unix_of(absl::StrCat(date, "T01:00:00-08:00").c_str());
   wanted.to_unix_s = wanted.from_unix_s + 82800;
-  wanted.place = kBay;
+  wanted.place = kFileBay;
   wanted.radiation = true;
   return wanted;
 }
@@ -99,7 +99,7 @@ TEST(Epw, ADayRepeatsAndDaysBeforeAreThere) {
   ASSERT_TRUE(days.ok()) << days.status();
   EXPECT_EQ(days->course.record.front().unix_s, wanted.from_unix_s);
   EXPECT_EQ(days->course.record.back().unix_s, unix_of("2024-07-22T11:00:00-08:00"));
-  EXPECT_TRUE(CourseRadiation::make(days->course, kBay, {}).ok());
+  EXPECT_TRUE(CourseRadiation::make(days->course, kFileBay, {}).ok());
 }
 
 TEST(Epw, WhatIsWrongIsSaidWithItsPlace) {
@@ -118,7 +118,7 @@ TEST(Epw, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(error(good, wanted), HasSubstr("f.epw:1:1: the file is of latitude 37.62"));
   wanted.place = {37.62, -122.4, 800};
   EXPECT_THAT(error(good, wanted), HasSubstr("f.epw:1:1: the file is of 2 m of height"));
-  wanted.place = kBay;
+  wanted.place = kFileBay;
   // East and west, or UTC: the sun shines at night.
   EXPECT_THAT(error(with("-122.40,-8.0", "-122.40,0"), wanted), HasSubstr("below the horizon"));
   EXPECT_THAT(error(with("-122.40,-8.0", "-122.40,-6"), wanted),
@@ -298,7 +298,7 @@ TEST(WeatherCsv, TwoKindsOfSunlightGiveTheThird) {
         diffuse ? "diffuse_horizontal_w_m2" : "global_horizontal_w_m2", "\n");
   };
   CourseWanted wanted;
-  wanted.place = kBay;
+  wanted.place = kFileBay;
   wanted.radiation = true;
   wanted.wind_from_deg = 10;
   wanted.from_unix_s = unix_of("2026-01-28T20:00:00Z");
@@ -422,8 +422,8 @@ TEST(ShippedDays, ModelsAreNearTheFile) {
     for (WeatherRecord& r : none.record)
       r.direct_normal_w_m2 = r.diffuse_horizontal_w_m2 = r.sky_w_m2 = std::nullopt;
     const SkyAerosol air{0.19, 0.13, 0.3, 0.15};
-    const auto a = CourseRadiation::make(stated->course, kBay, air),
-               b = CourseRadiation::make(none, kBay, air);
+    const auto a = CourseRadiation::make(stated->course, kFileBay, air),
+               b = CourseRadiation::make(none, kFileBay, air);
     ASSERT_TRUE(a.ok() && b.ok());
     double direct_a = 0, direct_b = 0, diffuse_a = 0, diffuse_b = 0;
     for (int i = 0; i < 144; ++i) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kQuanta = 15, kV3 = 5, kJ = 170;
 constexpr double kHighestCm1 = 12000;
-constexpr double kFundamentalStrength = 9.13e-17, kReferenceK = 296;
+constexpr double kFundamentalStrength = 9.13e-17, kCo2ReferenceK = 296;
 // Square of the moment of the bending band over that of the fundamental: what makes the Planck mean
 // at 300 K HITEMP2010's.
 constexpr double kBend = 0.16;
@@ -192,11 +192,11 @@ double strength_scale() {
     const double b = 0.390219;
     const double per_state =
         of.abundance * 2 /
-        (vibrational_sum(of, kReferenceK) * (kReferenceK / (kC2CmK * b) + 1.0 / 3));
+        (vibrational_sum(of, kCo2ReferenceK) * (kCo2ReferenceK / (kC2CmK * b) + 1.0 / 3));
     double sum = 0;
     for (int j = 0; j < kJ; j += 2) {
       const double e = b * j * (j + 1) - 1.3334e-7 * std::pow(j * (j + 1), 2);
-      sum += (2 * j + 1) * std::exp(-kC2CmK * e / kReferenceK);
+      sum += (2 * j + 1) * std::exp(-kC2CmK * e / kCo2ReferenceK);
     }
     return kFundamentalStrength / (sum * per_state);
   }();

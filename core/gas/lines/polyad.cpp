@@ -15,8 +15,8 @@ constexpr double kX11 = -3.10, kX12 = -5.37, kX13 = -19.27, kX22 = 1.59, kX23 = 
 constexpr double kFermi = 51.23, kFermiV3 = -0.27;
 // Rotation: B = kB - 0.0012 v1 + 0.00072 v2 - 0.003076 v3, D, and the splitting of pairs with l
 // = 1.
-constexpr double kB = 0.390219, kBv1 = -0.0012, kBv2 = 0.00072, kBv3 = -0.003076;
-constexpr double kD = 1.3334e-7, kDv3 = -0.003e-7, kPair = 6.16e-4;
+constexpr double kPolyadB = 0.390219, kBv1 = -0.0012, kBv2 = 0.00072, kBv3 = -0.003076;
+constexpr double kPolyadD = 1.3334e-7, kDv3 = -0.003e-7, kPair = 6.16e-4;
 
 double vibration_cm1(const Co2Isotopologue& of, int v1, int v2, int l, int v3) {
   const double a = v1 + 0.5, b = v2 + 1, c = v3 + 0.5;
@@ -74,9 +74,9 @@ Polyad co2_polyad(const Co2Isotopologue& of, int quanta, int l, int v3, int j, b
     const auto i = static_cast<std::size_t>(v1);
     const int v2 = quanta - 2 * v1;
     const double pair = l == 1 ? (upper ? 0.5 : -0.5) * kPair * (v2 + 1) / 2 : 0;
-    const double b = (kB + kBv1 * v1 + kBv2 * v2 + kBv3 * v3 + pair) * of.rotation;
+    const double b = (kPolyadB + kBv1 * v1 + kBv2 * v2 + kBv3 * v3 + pair) * of.rotation;
     m[i][i] = vibration_cm1(of, v1, v2, l, v3) - vibration_cm1(of, 0, 0, 0, 0) + b * x -
-              (kD + kDv3 * v3) * of.rotation * of.rotation * x * x;
+              (kPolyadD + kDv3 * v3) * of.rotation * of.rotation * x * x;
     if (v1 > 0) {
       m[i][i - 1] = m[i - 1][i] =
           0.5 * (kFermi + kFermiV3 * v3) * std::sqrt(v1 * ((v2 + 2.0) * (v2 + 2.0) - l * l));

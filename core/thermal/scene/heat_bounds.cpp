@@ -19,14 +19,14 @@ constexpr double kArrivesWM2 = 1e-3;
 // Bounds by face from the one that holds for all, so often: each costs what arrives at all knots.
 constexpr int kRounds = 3;
 
-double power4(double t) { return t * t * t * t; }
+double fourth_power(double t) { return t * t * t * t; }
 
 // sigma ((T + m)^4 - T^4), and what emission falls by if T falls by m.
 double rises_w_m2(double t, double m) {
-  return kStefanBoltzmannWM2K4 * (power4(t + m) - power4(t));
+  return kStefanBoltzmannWM2K4 * (fourth_power(t + m) - fourth_power(t));
 }
 double falls_w_m2(double t, double m) {
-  return kStefanBoltzmannWM2K4 * (power4(t) - power4(std::max(0.0, t - m)));
+  return kStefanBoltzmannWM2K4 * (fourth_power(t) - fourth_power(std::max(0.0, t - m)));
 }
 
 class Bounds {
