@@ -226,18 +226,18 @@ absl::Status plan_refinement(const PlanAsked& asked) {
           "{} {} {} has {} viewpoints, others have {}: the sweep is not complete",
           f.signature.front().season, f.signature.front().time_utc, f.signature.front().band,
           f.signature.size(), fields.front().signature.size()));
-  const bool is_signed = columns_of(*quantity).is_signed();
+  const FieldKind kind = kind_of(*quantity);
   if (const std::string& file = asked.refine_left_out; !file.empty()) {
     if (!file.ends_with(".csv"))
       return absl::InvalidArgumentError(
           fmt::format("--left-out {}: expected a name that ends in .csv", file));
     const auto written = replace_file(file, [&](const std::string& name) {
       std::ofstream out(name, std::ios::binary);
-      return write_left_out(fields, is_signed, "csv", out);
+      return write_left_out(fields, kind, "csv", out);
     });
     if (!written.ok()) return written;
   }
-  const auto found = refine(fields, is_signed, error, asked.refine_most);
+  const auto found = refine(fields, kind, error, asked.refine_most);
   if (!found.ok()) return found.status();
   for (const std::string& note : notes_on(*found, fields, *quantity, error))
     print_note("irsig: note: {}\n", note);

@@ -33,7 +33,7 @@ absl::StatusOr<SignatureField> field_of(const PageSources& sources, const Questi
 absl::StatusOr<PageReply> answer_left_out(const PageSources& sources, const Question& q) {
   const auto field = field_of(sources, q);
   if (!field.ok()) return field.status();
-  const auto left_out = leave_one_out(*field, columns_of(q.quantity).is_signed());
+  const auto left_out = leave_one_out(*field, kind_of(q.quantity));
   if (!left_out.ok()) return left_out.status();
   if (left_out->empty())
     return absl::FailedPreconditionError("no viewpoint is surrounded by others");
@@ -58,9 +58,7 @@ absl::StatusOr<std::string> left_out_csv(const PageSources& sources, const Quest
   const auto field = field_of(sources, q);
   if (!field.ok()) return field.status();
   std::ostringstream out;
-  if (auto s = write_left_out({&*field, 1}, columns_of(q.quantity).is_signed(), "csv", out);
-      !s.ok())
-    return s;
+  if (auto s = write_left_out({&*field, 1}, kind_of(q.quantity), "csv", out); !s.ok()) return s;
   return out.str();
 }
 

@@ -20,12 +20,25 @@ constexpr std::size_t kKernelSamples = 150;
 constexpr std::size_t kResiduals = 12;
 // Those around a direction: what kinks near it shows in some of them only.
 constexpr std::size_t kNearResiduals = 6;
+// Of facets: what the scatter shows counts by this much beside what bounds leave open. Calibrated:
+// 0.3 to 0.5 keep every family of convex bodies in docs/stability.md between 0.5 and 1.3 errors
+// rms.
+constexpr double kRoughOfFacets = 0.4, kRoughOfSignedFacets = 0.5;
+// The bounds of what facets can hide count as three standard errors from their middle: the rms of
+// an even distribution between them is 1 / sqrt(3) of half their distance, and this is a third of
+// it.
+constexpr double kHiddenOfBounds = 1 / std::numbers::sqrt3;
 // How far from the nearest viewpoint the edge of a set may be: the lowest zone of a Fibonacci
 // hemisphere has directions at 1.16 spacings.
 constexpr double kEdgeSpacings = 1.25;
+// How far beyond the elevations of the viewpoints: the lowest zone of a Fibonacci set is less than
+// this above its limit.
+constexpr double kBeyondSpacings = 0.1;
+constexpr double kRoundingDeg = 1e-3;
 // The covering radius of 24 viewpoints on a hemisphere is 26 deg; fewer say nothing of what is
 // between them.
 constexpr double kFurthestDeg = 30;
+constexpr double kSamePlace = 1e-7;  // 0.5 mm at 5 km
 
 double to_deg(double rad) { return rad * 180 / std::numbers::pi; }
 
@@ -127,10 +140,25 @@ std::string uncovered(const SphereSamples& samples, Vec<Body> where) {
       [](Vec<Body> a, Vec<Body> b) { return elevation_deg(a) < elevation_deg(b); });
   const double elevation = elevation_deg(where);
   const double low_deg = elevation_deg(*low), high_deg = elevation_deg(*high);
-  if (elevation < low_deg - 0.1 * spacing_deg || elevation > high_deg + 0.1 * spacing_deg) {
+  // Beyond its viewpoints' elevations a set shows how the field changes only as far as the set is
+  // wide: a raft is dark at elevation 0 and bright beside it. Viewpoints that see no light show
+  // nothing.
+  const bool is_dark = std::all_of(around.begin(), around.end(),
+                                   [&](std::size_t i) { return samples.value[i] == 0; });
+  const double beyond_deg =
+      is_dark ? 0 : kBeyondSpacings * std::min(spacing_deg, high_deg - low_deg);
+  if (elevation < low_deg - std::max(beyond_deg, kRoundingDeg) ||
+      elevation > high_deg + std::max(beyond_deg, kRoundingDeg)) {
+    if (high_deg - low_deg < kRoundingDeg) {
+      return fmt::format(
+          "elevation {:.2f} deg is beside a single ring of viewpoints (elevation {:.2f} deg), "
+          "which "
+          "shows nothing of other elevations; add viewpoints above and below",
+          elevation, low_deg);
+    }
     return fmt::format(
-        "elevation {:.2f} deg is outside the viewpoints' elevations ({:.2f} to {:.2f} deg)",
-        elevation, low_deg, high_deg);
+        "elevation {:.2f} deg is outside the viewpoints' elevations ({:.2f} to {:.2f} deg){}",
+        elevation, low_deg, high_deg, is_dark ? ", and the viewpoints near it are all 0" : "");
   }
   if (closest_deg > kEdgeSpacings * spacing_deg) {
     return fmt::format(
@@ -201,6 +229,13 @@ absl::StatusOr<SphereFit> SphereFit::at(const SphereSamples& samples, Vec<Body> 
   }
   fit.variance_factor_ = std::max(0.0, fit.variance_factor_);
 
+  // A sample is not between samples.
+  if (chord(local.direction.front(), where) > kSamePlace) {
+    std::vector<std::size_t> all(n);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    fit.bounds_.emplace(local.direction, all, where);
+  }
+
   fit.projector_ = factored->c.inverse();
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
@@ -209,22 +244,33 @@ absl::StatusOr<SphereFit> SphereFit::at(const SphereSamples& samples, Vec<Body> 
 }
 
 SphereEstimate SphereFit::estimate(const std::vector<double>& value,
-                                   const std::vector<double>& value_stderr) const {
-  const std::size_t n = used_.size();
-  SphereEstimate out{0, 0, 0};
+                                   const std::vector<double>& value_stderr, FieldKind kind) const {
+  SphereEstimate out{};
   double noise = 0;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < used_.size(); ++i) {
     out.value += weight_[i] * value[i];
     noise += weight_[i] * weight_[i] * value_stderr[i] * value_stderr[i];
   }
   out.value_stderr = std::sqrt(noise);
+  out.rough_error = rough_error(value);
+  if (kind != FieldKind::kSmooth && bounds_) {
+    const Hidden hidden = hidden_at(out.value, value, value_stderr, kind);
+    out.hidden_error = kHiddenOfBounds * hidden.distance;
+    if (hidden.is_bounded)
+      out.rough_error *= kind == FieldKind::kFacets ? kRoughOfFacets : kRoughOfSignedFacets;
+  }
+  out.interpolation_error = std::hypot(out.rough_error, out.hidden_error);
+  return out;
+}
 
+double SphereFit::rough_error(const std::vector<double>& value) const {
+  const std::size_t n = used_.size();
   std::vector<double> projected(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) projected[i] += projector_[i * n + j] * value[j];
   }
   const double variance = std::max(0.0, inner(projected, value)) / static_cast<double>(n - 1);
-  if (variance == 0) return out;
+  if (variance == 0) return 0;
   // Leave-one-out residual of sample j: projected_j / Q_jj, with standard deviation s / sqrt(Q_jj).
   double mean_square = 0, worst_near = 0;
   const std::size_t residuals = std::min(n, kResiduals);
@@ -233,8 +279,38 @@ SphereEstimate SphereFit::estimate(const std::vector<double>& value,
     mean_square += square / static_cast<double>(residuals);
     if (j < kNearResiduals) worst_near = std::max(worst_near, square);
   }
-  out.interpolation_error =
-      std::sqrt(variance * variance_factor_ * std::max({1.0, mean_square, worst_near}));
+  return std::sqrt(variance * variance_factor_ * std::max({1.0, mean_square, worst_near}));
+}
+
+// A field that is everywhere as bright as the brightest sample around here hides so much.
+double SphereFit::distance_of_even_field(const std::vector<double>& value) const {
+  const std::vector<double> ones(value.size(), 1.0), exact(value.size(), 0.0);
+  const std::size_t near = std::min(value.size(), kResiduals);
+  double brightest = 0;
+  for (std::size_t i = 0; i < near; ++i) brightest = std::max(brightest, std::abs(value[i]));
+  return brightest * rms_distance(1, bounds_->of(ones, exact)).value_or(1);
+}
+
+SphereFit::Hidden SphereFit::hidden_at(double estimate, const std::vector<double>& value,
+                                       const std::vector<double>& value_stderr,
+                                       FieldKind kind) const {
+  ConvexBounds::Interval in = bounds_->of(value, value_stderr);
+  if (kind == FieldKind::kFacets) {
+    if (std::all_of(value.begin(), value.end(), [](double v) { return v >= 0; }))
+      in.low = std::max(0.0, in.low.value_or(0));
+    const auto distance = rms_distance(estimate, in);
+    return {distance ? *distance : distance_of_even_field(value), distance.has_value()};
+  }
+  // Facets of either sign may cancel at the samples. A target that is darker than its background
+  // everywhere has the bounds of its negative.
+  Hidden out{distance_of_even_field(value), false};
+  std::vector<double> negative = value;
+  for (double& v : negative) v = -v;
+  for (const auto& distance :
+       {rms_distance(estimate, in), rms_distance(-estimate, bounds_->of(negative, value_stderr))}) {
+    if (!distance) continue;
+    out = {std::max(out.distance, *distance), true};
+  }
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/geo/frames.h"
+#include "view/convex_bounds.h"
 
 namespace irsig {
 
@@ -24,10 +25,19 @@ struct SphereKernel {
   double length;  // chord on the unit sphere
 };
 
+// How a field may vary between its samples.
+enum class FieldKind {
+  kFacets,        // facets of a body add to it, none takes away: intensity, area, a part, a cause
+  kSignedFacets,  // some facets take away: contrast
+  kSmooth,        // no facets: radiance of the background, transmittance
+};
+
 struct SphereEstimate {
   double value;
   double value_stderr;         // of the samples, propagated through the weights
-  double interpolation_error;  // one sigma; 0 at a sample
+  double interpolation_error;  // one sigma, of both below; 0 at a sample
+  double rough_error;          // what the samples' own scatter shows
+  double hidden_error;         // what facets hide between samples, whatever the scatter is
 };
 
 // Interpolation at one direction, by ordinary kriging on the nearest samples: the weights depend on
@@ -39,14 +49,15 @@ struct SphereEstimate {
 //
 // with C = K + diag(stderr^2) / s^2 and s from the samples' own scatter; the error is multiplied by
 // the rms of the standardized leave-one-out residuals of the 12 nearest samples, or by the largest
-// of the 6 nearest, where that exceeds 1.
+// of the 6 nearest, where that exceeds 1. Of a field that facets make, 0.4 of this error and the
+// bounds of convex_bounds.h, which count as three standard errors, are the stated error; or all of
+// it and the bounds of an even field where the samples contradict a convex body. Samples at equal
+// steps can meet all facets of a regular body alike, and their scatter is then 0.
 //
-// Accuracy (tests/unit/interpolate_test.cpp: 400 directions, 8 fields with 24 to 800 viewpoints on
-// a hemisphere): the error covers the true difference in 81-100 % of the directions at one sigma,
-// in 98-100 % at two; held-out viewpoints of a box-like ship: 97 % at two. Its intensity at 191
-// viewpoints: 0.5 % rms. Limits: features narrower than the spacing (glints) are seen neither by
-// the value nor by its error; at a cusp (a cylinder seen along its axis) the difference is some
-// errors.
+// Accuracy: calibrated on closed forms of convex bodies, on rings, grids, Fibonacci and clustered
+// sets (tests/honesty/between_viewpoints_test.cpp; table in docs/stability.md).
+// Limits: features narrower than the spacing that are not facets of a convex body (glints, gaps)
+// are seen neither by the value nor by its error.
 class SphereFit {
  public:
   // The kernel of greatest restricted likelihood (of at most 150 samples, taken evenly). At least 6
@@ -63,20 +74,33 @@ class SphereFit {
   [[nodiscard]] const std::vector<std::size_t>& used() const { return used_; }
   [[nodiscard]] const std::vector<double>& weight() const { return weight_; }
 
-  // interpolation_error^2 = s^2 x this: of directions, kernel and standard errors alone.
+  // rough_error^2 is proportional to this, which depends on directions, kernel and standard errors
+  // alone.
   [[nodiscard]] double variance_factor() const { return variance_factor_; }
   [[nodiscard]] const SphereKernel& kernel() const { return kernel_; }
 
   // Value and error of a quantity; both vectors are in the order of used().
   [[nodiscard]] SphereEstimate estimate(const std::vector<double>& value,
-                                        const std::vector<double>& value_stderr) const;
+                                        const std::vector<double>& value_stderr,
+                                        FieldKind kind) const;
 
  private:
+  // Rms distance of an estimate from what facets leave open, and whether bounds tell so.
+  struct Hidden {
+    double distance;
+    bool is_bounded;
+  };
+  [[nodiscard]] double rough_error(const std::vector<double>& value) const;
+  [[nodiscard]] double distance_of_even_field(const std::vector<double>& value) const;
+  [[nodiscard]] Hidden hidden_at(double estimate, const std::vector<double>& value,
+                                 const std::vector<double>& value_stderr, FieldKind kind) const;
+
   std::vector<std::size_t> used_;
   std::vector<double> weight_;
   std::vector<double> projector_;  // Q = C^-1 - C^-1 1 1' C^-1 / (1' C^-1 1), row-major
   double variance_factor_ = 0;
   SphereKernel kernel_{};
+  std::optional<ConvexBounds> bounds_;  // indices into used_
 };
 
 // The value alone, at many directions of one set of samples: one solve for all of them (pictures).
@@ -94,7 +118,8 @@ class SphereSurface {
 
 // Why `where` cannot be interpolated from the samples, or an empty string. It can if samples
 // surround it, or if it lies at the edge: within 1.25 spacings of a sample and inside the
-// elevations that are covered (give or take a tenth of the spacing); and never further than 30 deg
+// elevations that are covered (give or take a tenth of the spacing, or of the range of elevations
+// where that is less; none where all samples nearby are 0); and never further than 30 deg
 // from the nearest sample.
 [[nodiscard]] std::string uncovered(const SphereSamples& samples, Vec<Body> where);
 

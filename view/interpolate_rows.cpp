@@ -67,9 +67,9 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   Interpolation made{std::move(*fit), {}, 0};
   for (std::size_t i : made.fit.used()) made.from.push_back(field.signature[i]);
 
-  const auto at = [&](Getter value, Getter value_stderr) {
+  const auto at = [&](Getter value, Getter value_stderr, FieldKind kind = FieldKind::kFacets) {
     const auto [values, stderrs] = picked(made.from, value, value_stderr);
-    return nonnegative_estimate(made.fit, values, stderrs);
+    return estimate_of(kind, made.fit, values, stderrs);
   };
   using S = StoredSignature;
   S out = made.from.front();
@@ -89,8 +89,7 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
   for (const auto quantity :
        {SignatureQuantity::kApparentIntensity, SignatureQuantity::kContrastIntensity}) {
     const QuantityColumns& q = columns_of(quantity);
-    const auto [values, stderrs] = picked(made.from, q.value, q.value_stderr);
-    const SphereEstimate e = estimate_of(q, made.fit, values, stderrs);
+    const SphereEstimate e = at(q.value, q.value_stderr, kind_of(quantity));
     out.*q.value = e.value;
     out.*q.value_stderr = e.value_stderr;
     out.*q.numerical_error = interpolated_error(e, q, made.fit, made.from);
@@ -101,7 +100,7 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
         &S::contrast_input_uncertainty_w_sr})
     out.*error = propagated_model_error(made.fit, made.from, error);
   for (const Getter value : {&S::path_transmittance, &S::path_radiance_w_m2_sr})
-    out.*value = at(value, nullptr).value;
+    out.*value = at(value, nullptr, FieldKind::kSmooth).value;
 
   const auto set = [&](Getter value, Getter value_stderr) {
     const SphereEstimate e = at(value, value_stderr);
@@ -121,9 +120,23 @@ absl::StatusOr<QueryRow> interpolate_field(const SignatureField& field,
 
 }  // namespace
 
-SphereEstimate nonnegative_estimate(const SphereFit& fit, const std::vector<double>& value,
-                                    const std::vector<double>& value_stderr) {
-  SphereEstimate out = fit.estimate(value, value_stderr);
+FieldKind kind_of(SignatureQuantity quantity) {
+  switch (quantity) {
+    case SignatureQuantity::kIntensity:
+    case SignatureQuantity::kApparentIntensity:
+      return FieldKind::kFacets;
+    case SignatureQuantity::kContrastIntensity:
+      return FieldKind::kSignedFacets;
+    case SignatureQuantity::kBackgroundRadiance:
+      break;
+  }
+  return FieldKind::kSmooth;
+}
+
+SphereEstimate estimate_of(FieldKind kind, const SphereFit& fit, const std::vector<double>& value,
+                           const std::vector<double>& value_stderr) {
+  SphereEstimate out = fit.estimate(value, value_stderr, kind);
+  if (kind == FieldKind::kSignedFacets) return out;
   const bool samples_negative =
       std::any_of(value.begin(), value.end(), [](double v) { return v < 0; });
   if (out.value < 0 && !samples_negative) {
@@ -131,13 +144,6 @@ SphereEstimate nonnegative_estimate(const SphereFit& fit, const std::vector<doub
     out.value = 0;
   }
   return out;
-}
-
-SphereEstimate estimate_of(const QuantityColumns& quantity, const SphereFit& fit,
-                           const std::vector<double>& value,
-                           const std::vector<double>& value_stderr) {
-  return quantity.is_signed() ? fit.estimate(value, value_stderr)
-                              : nonnegative_estimate(fit, value, value_stderr);
 }
 
 std::vector<SignatureField> fields_of(const std::vector<StoredSignature>& signatures,

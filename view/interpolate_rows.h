@@ -22,13 +22,12 @@ struct SignatureField {
 [[nodiscard]] absl::StatusOr<std::vector<QueryRow>> interpolate_rows(
     const std::vector<StoredSignature>& signatures, SignatureFilter::Direction aspect);
 
+[[nodiscard]] FieldKind kind_of(SignatureQuantity quantity);
+
 // A quantity at a fit: never negative where no sample is (what is cut off is added to the error),
-// unless it is signed.
-[[nodiscard]] SphereEstimate estimate_of(const QuantityColumns& quantity, const SphereFit& fit,
+// unless the field is signed.
+[[nodiscard]] SphereEstimate estimate_of(FieldKind kind, const SphereFit& fit,
                                          const std::vector<double>& value,
                                          const std::vector<double>& value_stderr);
-[[nodiscard]] SphereEstimate nonnegative_estimate(const SphereFit& fit,
-                                                  const std::vector<double>& value,
-                                                  const std::vector<double>& value_stderr);
 
 }  // namespace irsig

@@ -17,7 +17,7 @@ constexpr std::size_t kFewestOnRing = 8;
 constexpr double kOnRingDeg = 0.01;
 constexpr int kAzimuthStepDeg = 2;
 // Directions closer than this are one viewpoint: 1e-7 rad is 0.5 mm at 5 km.
-constexpr double kSameDirection = 1e-7;
+constexpr double kSameCutDirection = 1e-7;
 // The 48 nearest of evenly spread samples lie within 4 spacings; those outside of so many are not
 // looked at, unless one of the 48 turns out to be as far away.
 constexpr double kBeltSpacings = 5;
@@ -46,8 +46,8 @@ std::vector<StoredValue> distinct(std::span<const StoredValue> values) {
   for (std::size_t i = 0; i < order.size(); ++i)
     for (std::size_t j = i + 1; j < order.size(); ++j) {
       const std::size_t a = order[i], b = order[j];
-      if (direction[b].x - direction[a].x >= kSameDirection) break;
-      if (length(direction[b] - direction[a]) < kSameDirection) again[std::max(a, b)] = true;
+      if (direction[b].x - direction[a].x >= kSameCutDirection) break;
+      if (length(direction[b] - direction[a]) < kSameCutDirection) again[std::max(a, b)] = true;
     }
   std::vector<StoredValue> out;
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -122,7 +122,7 @@ class Belt {
       value.push_back(samples.value[i]);
       value_stderr.push_back(samples.value_stderr[i]);
     }
-    return estimate_of(quantity, fit, value, value_stderr);
+    return estimate_of(kind_of(quantity.quantity), fit, value, value_stderr);
   }
 
   const SphereSamples& all_;

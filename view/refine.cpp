@@ -63,21 +63,27 @@ std::pair<std::vector<double>, std::vector<double>> values_of(const SphereFit& f
   return out;
 }
 
-SphereEstimate estimate(const SphereFit& fit, const SphereSamples& samples, bool is_signed) {
+SphereEstimate estimate(const SphereFit& fit, const SphereSamples& samples, FieldKind kind) {
   const auto [value, value_stderr] = values_of(fit, samples);
-  return is_signed ? fit.estimate(value, value_stderr)
-                   : nonnegative_estimate(fit, value, value_stderr);
+  return estimate_of(kind, fit, value, value_stderr);
 }
 
-// Of one direction and field: what interpolation states of it before viewpoints are added. More of
-// them change the geometry; how rough the field is stays what the real ones say.
+// Of one direction and field: what interpolation states before viewpoints are added. More of them
+// change the geometry; how rough the field is remains what the real ones show. What facets could
+// hide is found anew, as if the added viewpoints had the interpolated values.
 struct Before {
-  double value, relative_error, variance_factor;
+  double value, scale;  // errors are relative to the scale
+  double error, rough_error, hidden_error;
+  double variance_factor;
   SphereKernel kernel;
 };
 
 // A viewpoint that is no farther away is this direction's own.
 constexpr double kOfItsOwn = 1e-3;
+
+double relative_to(FieldKind kind, double value, double scale) {
+  return kind == FieldKind::kSignedFacets ? scale : std::max(std::abs(value), 1e-6 * scale);
+}
 
 double nearest_chord(const SphereSamples& samples, Vec<Body> where) {
   double out = 2;
@@ -94,7 +100,7 @@ double median(std::vector<double> values) {
 }  // namespace
 
 absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(const SignatureField& field,
-                                                            bool is_signed) {
+                                                            FieldKind kind) {
   const SphereSamples& all = field.samples;
   const double scale = rms(all.value);
   std::vector<LeftOutViewpoint> out;
@@ -107,8 +113,8 @@ absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(const SignatureField
     const auto fit = SphereFit::at(others, all.direction[i]);
     if (absl::IsOutOfRange(fit.status())) continue;
     if (!fit.ok()) return fit.status();
-    const SphereEstimate e = estimate(*fit, others, is_signed);
-    const double of = is_signed ? scale : std::max(std::abs(all.value[i]), 1e-6 * scale);
+    const SphereEstimate e = estimate(*fit, others, kind);
+    const double of = relative_to(kind, all.value[i], scale);
     out.push_back({i, all.value[i], e.value,
                    std::hypot(e.interpolation_error, e.value_stderr, all.value_stderr[i]),
                    of > 0 ? std::abs(e.value - all.value[i]) / of : 0});
@@ -116,7 +122,7 @@ absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(const SignatureField
   return out;
 }
 
-absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool is_signed,
+absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, FieldKind kind,
                                   double relative_error, std::size_t most) {
   std::vector<SphereSamples> samples;
   for (const SignatureField& f : fields) samples.push_back(f.samples);
@@ -131,10 +137,9 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool i
     for (std::size_t d = 0; d < where.size(); ++d) {
       const auto fit = SphereFit::at(samples[f], where[d]);
       if (!fit.ok()) return absl::FailedPreconditionError(fit.status().message());
-      const SphereEstimate e = estimate(*fit, samples[f], is_signed);
-      const double of = is_signed ? scale : std::max(std::abs(e.value), 1e-6 * scale);
-      before[d].push_back({e.value, of > 0 ? e.interpolation_error / of : 0, fit->variance_factor(),
-                           fit->kernel()});
+      const SphereEstimate e = estimate(*fit, samples[f], kind);
+      before[d].push_back({e.value, relative_to(kind, e.value, scale), e.interpolation_error,
+                           e.rough_error, e.hidden_error, fit->variance_factor(), fit->kernel()});
     }
   }
   struct Worst {
@@ -152,11 +157,16 @@ absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields, bool i
                         nearest_chord(samples.front(), where[d]) > kOfItsOwn;
       for (std::size_t f = 0; f < samples.size(); ++f) {
         const Before& b = before[d][f];
-        double now = b.relative_error;
-        if (round > 0 && !lost && b.variance_factor > 0) {
+        double now = b.scale > 0 ? b.error / b.scale : 0;
+        if (round > 0 && !lost && now > 0) {
           const auto fit = SphereFit::at(samples[f], where[d], b.kernel);
           if (!fit.ok()) return fit.status();
-          now *= std::sqrt(std::min(1.0, fit->variance_factor() / b.variance_factor));
+          const double rough =
+              b.variance_factor > 0 ? std::min(1.0, fit->variance_factor() / b.variance_factor) : 0;
+          const double hidden = estimate(*fit, samples[f], kind).hidden_error;
+          now = std::min(
+              now, std::hypot(b.rough_error * std::sqrt(rough), std::min(hidden, b.hidden_error)) /
+                       b.scale);
         }
         if (now > w.relative_error) w = {now, f, d};
       }

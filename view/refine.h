@@ -25,7 +25,7 @@ struct LeftOutViewpoint {
 };
 // Viewpoints that the others surround; the outermost are left out of it.
 [[nodiscard]] absl::StatusOr<std::vector<LeftOutViewpoint>> leave_one_out(
-    const SignatureField& field, bool is_signed);
+    const SignatureField& field, FieldKind kind);
 
 struct ProposedViewpoint {
   double azimuth_deg, elevation_deg;  // to 0.01 deg
@@ -42,9 +42,11 @@ struct Refinement {
 // viewpoints (not beyond them), in all fields, or `most` are found: the worst directions first,
 // those that lie apart at once, and then anew as if they were known. fields: of one quantity, with
 // the same viewpoints. Standard errors of the viewpoints' own are no part of it: more viewpoints
-// are not for them. FAILED_PRECONDITION: too few viewpoints to interpolate at all.
+// are not for them. Directions are looked at in a golden-angle order, so that what is proposed for
+// a ring does not share the ring's phase. FAILED_PRECONDITION: too few viewpoints to interpolate at
+// all.
 [[nodiscard]] absl::StatusOr<Refinement> refine(std::span<const SignatureField> fields,
-                                                bool is_signed, double relative_error,
+                                                FieldKind kind, double relative_error,
                                                 std::size_t most);
 
 }  // namespace irsig

@@ -60,7 +60,7 @@ absl::Status write_proposed(const Refinement& found, std::span<const SignatureFi
   return (*writer)->finish();
 }
 
-absl::Status write_left_out(std::span<const SignatureField> fields, bool is_signed,
+absl::Status write_left_out(std::span<const SignatureField> fields, FieldKind kind,
                             std::string_view format, std::ostream& out) {
   auto writer = make_table_writer(format,
                                   {{"season"},
@@ -75,7 +75,7 @@ absl::Status write_left_out(std::span<const SignatureField> fields, bool is_sign
                                   out);
   if (!writer.ok()) return writer.status();
   for (const SignatureField& field : fields) {
-    const auto left_out = leave_one_out(field, is_signed);
+    const auto left_out = leave_one_out(field, kind);
     if (!left_out.ok()) return left_out.status();
     for (const LeftOutViewpoint& l : *left_out) {
       const StoredSignature& s = field.signature[l.sample];

@@ -22,7 +22,7 @@ namespace irsig {
                                           std::string_view format, std::ostream& out);
 
 // Each viewpoint as the others of its field have it.
-[[nodiscard]] absl::Status write_left_out(std::span<const SignatureField> fields, bool is_signed,
+[[nodiscard]] absl::Status write_left_out(std::span<const SignatureField> fields, FieldKind kind,
                                           std::string_view format, std::ostream& out);
 
 }  // namespace irsig

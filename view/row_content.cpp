@@ -21,7 +21,7 @@ bool all_have(const std::vector<schema::Spectrum>& from,
 void interpolate_array(const SphereFit& fit, const std::vector<schema::Spectrum>& from,
                        const Values& (schema::Spectrum::*value)() const,
                        const Values& (schema::Spectrum::*value_stderr)() const, Values* out,
-                       Values* out_stderr, std::vector<double>* error, bool is_signed) {
+                       Values* out_stderr, std::vector<double>* error, FieldKind kind) {
   if (!all_have(from, value)) return;
   const int n = (from.front().*value)().size();
   std::vector<double> values(from.size()), stderrs(from.size());
@@ -30,8 +30,7 @@ void interpolate_array(const SphereFit& fit, const std::vector<schema::Spectrum>
       values[i] = (from[i].*value)().Get(k);
       stderrs[i] = value_stderr ? (from[i].*value_stderr)().Get(k) : 0.0;
     }
-    const SphereEstimate e =
-        is_signed ? fit.estimate(values, stderrs) : nonnegative_estimate(fit, values, stderrs);
+    const SphereEstimate e = estimate_of(kind, fit, values, stderrs);
     out->Add(static_cast<float>(e.value));
     if (out_stderr) out_stderr->Add(static_cast<float>(e.value_stderr));
     if (error) error->push_back(e.interpolation_error);
@@ -70,7 +69,7 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
   interpolate_array(fit, from, &schema::Spectrum::name##_w_sr_um, \
                     &schema::Spectrum::name##_stderr_w_sr_um,     \
                     out.spectrum.mutable_##name##_w_sr_um(),      \
-                    out.spectrum.mutable_##name##_stderr_w_sr_um(), error, false)
+                    out.spectrum.mutable_##name##_stderr_w_sr_um(), error, FieldKind::kFacets)
   IRSIG_INTERPOLATE(spectral_intensity, &out.spectral_interpolation_error_w_sr_um);
   IRSIG_INTERPOLATE(emitted, nullptr);
   IRSIG_INTERPOLATE(sun_reflected, nullptr);
@@ -84,15 +83,16 @@ absl::StatusOr<RowSpectrum> spectrum_of(StoreReader& reader, const QueryRow& row
   interpolate_array(fit, from, &Sp::contrast_spectral_intensity_w_sr_um,
                     &Sp::contrast_spectral_intensity_stderr_w_sr_um,
                     s.mutable_contrast_spectral_intensity_w_sr_um(),
-                    s.mutable_contrast_spectral_intensity_stderr_w_sr_um(), nullptr, true);
+                    s.mutable_contrast_spectral_intensity_stderr_w_sr_um(), nullptr,
+                    FieldKind::kSignedFacets);
   interpolate_array(fit, from, &Sp::background_radiance_w_m2_sr_um,
                     &Sp::background_radiance_stderr_w_m2_sr_um,
                     s.mutable_background_radiance_w_m2_sr_um(),
-                    s.mutable_background_radiance_stderr_w_m2_sr_um(), nullptr, false);
+                    s.mutable_background_radiance_stderr_w_m2_sr_um(), nullptr, FieldKind::kSmooth);
   interpolate_array(fit, from, &Sp::path_transmittance, nullptr, s.mutable_path_transmittance(),
-                    nullptr, nullptr, false);
+                    nullptr, nullptr, FieldKind::kSmooth);
   interpolate_array(fit, from, &Sp::path_radiance_w_m2_sr_um, nullptr,
-                    s.mutable_path_radiance_w_m2_sr_um(), nullptr, nullptr, false);
+                    s.mutable_path_radiance_w_m2_sr_um(), nullptr, nullptr, FieldKind::kSmooth);
   return out;
 }
 
@@ -122,7 +122,8 @@ absl::StatusOr<std::vector<RowPart>> parts_of(StoreReader& reader, const QueryRo
       values.push_back(same->intensity_w_sr);
       stderrs.push_back(same->intensity_stderr_w_sr);
     }
-    const SphereEstimate e = nonnegative_estimate(row.interpolation->fit, values, stderrs);
+    const SphereEstimate e =
+        estimate_of(FieldKind::kFacets, row.interpolation->fit, values, stderrs);
     out.push_back({{part.part, e.value, e.value_stderr}, e.interpolation_error});
   }
   return out;

@@ -220,7 +220,7 @@ TEST(PolarCut, ABeltOfManyViewpointsGivesWhatAllOfThemGive) {
         v.push_back(field.samples.value[i]);
         e.push_back(field.samples.value_stderr[i]);
       }
-      EXPECT_NEAR(cut->point[k].value / fit->estimate(v, e).value, 1, 1e-12);
+      EXPECT_NEAR(cut->point[k].value / fit->estimate(v, e, FieldKind::kFacets).value, 1, 1e-12);
     }
   }
 }
