@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/hot_gas/gas_model_error.h"
 #include "core/spectral/planck.h"
 
 namespace irsig {
@@ -99,6 +100,14 @@ absl::StatusOr<HotColumn> HotColumn::make(const GasColumn& column,
     out.coarse_ = *std::move(coarse);
   }
   const double temperature_k = emission_temperature_k(column);
+  const BandLight alone = light(out.fine_, nullptr);
+  out.relative_error_.assign(kGasBandCount, 0.0);
+  for (const GasBands& range : wavelengths.ranges())
+    for (std::size_t b = range.first; b < range.last; ++b)
+      if (alone.absorbed[b] > 0)
+        out.relative_error_[b] =
+            absorptance_error(alone.absorbed[b], gas_band_centre_cm1(b), column, temperature_k) /
+            alone.absorbed[b];
   for (std::size_t i = 0; i < wavelengths.um().size(); ++i)
     out.shape_.push_back(
         planck_radiance_w_m2_sr_um(wavelengths.um()[i], temperature_k) /
@@ -143,7 +152,8 @@ ColumnLight HotColumn::light(const AirBeforeColumns* air) const {
     out.emitted_w_m2_sr_um.push_back(shape * (fine.emitted[band] + step));
     out.step_w_m2_sr_um.push_back(shape * step);
     out.absorbed.push_back(fine.absorbed[band]);
-    out.model_error_w_m2_sr_um.push_back(shape * fine.error[band]);
+    out.model_error_w_m2_sr_um.push_back(
+        shape * std::hypot(fine.error[band], relative_error_[band] * fine.emitted[band]));
   }
   return out;
 }

@@ -36,8 +36,8 @@ struct ColumnLight {
   // What of the emission is extrapolated: from the column's steps, and steps twice as large, to
   // none.
   std::vector<double> step_w_m2_sr_um;
-  // One sigma of the emission, since lines of water are not known where hot and cold gas share
-  // them.
+  // One sigma of the emission: of the bands (gas_model_error.h), and since lines of water are not
+  // known where hot and cold gas share them.
   std::vector<double> model_error_w_m2_sr_um;
 };
 
@@ -83,6 +83,7 @@ class HotColumn {
   const GasWavelengths* wavelengths_ = nullptr;
   std::vector<GasPath> fine_, coarse_;  // [range of wavelengths]; none: a column of one step
   std::vector<double> shape_;           // [wavelength] of emission inside its band
+  std::vector<double> relative_error_;  // [band] one sigma of what it absorbs and sends
 };
 
 }  // namespace irsig

@@ -150,4 +150,15 @@ std::vector<double> column_weights(const std::vector<std::vector<double>>& colum
   return weight;
 }
 
+std::vector<double> column_misfit(const std::vector<std::vector<double>>& columns,
+                                  std::span<const double> weight, std::span<const double> sums) {
+  std::vector<double> out;
+  for (std::size_t t = 0; t < sums.size(); ++t) {
+    double sum = 0;
+    for (std::size_t c = 0; c < columns.size(); ++c) sum += weight[c] * columns[c][t];
+    out.push_back(std::abs(sum - sums[t]));
+  }
+  return out;
+}
+
 }  // namespace irsig

@@ -44,4 +44,9 @@ class ColumnTests {
                                                  std::span<const double> sums, double tolerance,
                                                  std::size_t most);
 
+// By how much weights of columns miss the sums. [test]
+[[nodiscard]] std::vector<double> column_misfit(const std::vector<std::vector<double>>& columns,
+                                                std::span<const double> weight,
+                                                std::span<const double> sums);
+
 }  // namespace irsig

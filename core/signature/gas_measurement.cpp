@@ -18,7 +18,7 @@ constexpr std::uint64_t kGasStage = 0x6a5, kHullStage = 0x6b5;
 constexpr double kShareOfGoal = 0.5;
 // Columns that stand for all: so near to what the tests of all rays are, and at most so many; and
 // classes of gas, so many, or until every column is so nearly a sum of them.
-constexpr double kTolerance = 1e-3, kAlike = 1e-3;
+constexpr double kTolerance = 1e-3, kToleranceOfGoal = 0.1, kAlike = 1e-3;
 constexpr std::size_t kNodes = 24, kClasses = 6;
 // Reflected rays of each first vertex, where those alone count that meet gas.
 constexpr std::uint32_t kSplit = 4;
@@ -230,8 +230,10 @@ std::vector<double> GasMeasurement::reflected(std::size_t group) const {
 
 void GasMeasurement::keep(std::vector<PathWeights> weights) {
   weights_ = std::move(weights);
-  for (Nodes& nodes : nodes_)
+  for (Nodes& nodes : nodes_) {
     nodes.weight.assign(nodes.tests.size(), std::vector<double>(scene_.axis.nodes(), 0.0));
+    nodes.misfit.assign(ColumnTests::kCount, 0.0);
+  }
   reflected_.clear();
   for (std::size_t g = 0; g < groups(); ++g) {
     const std::vector<double> sums = sum_of(weights_, g, 1);
@@ -239,6 +241,8 @@ void GasMeasurement::keep(std::vector<PathWeights> weights) {
     if (!std::any_of(sums.begin(), sums.end(), [](double s) { return s > 0; })) continue;
     for (Nodes& nodes : nodes_) {
       const std::vector<double> weight = column_weights(nodes.tests, sums, 0, nodes.tests.size());
+      const std::vector<double> misfit = column_misfit(nodes.tests, weight, sums);
+      for (std::size_t t = 0; t < misfit.size(); ++t) nodes.misfit[t] += misfit[t];
       for (std::size_t m = 0; m < weight.size(); ++m)
         for (std::size_t i = 0; i < reflected_[g].size(); ++i)
           nodes.weight[m][i] += weight[m] * reflected_[g][i];
@@ -303,7 +307,10 @@ absl::Status GasMeasurement::choose_nodes(const std::vector<GasColumn>& columns,
       of_set.push_back(tested[c]);
       place.push_back(c);
     }
-    const std::vector<double> weight = column_weights(of_set, sums, kTolerance, kNodes);
+    const double asked = request_.accuracy.relative_error,
+                 tolerance =
+                     asked > 0 ? std::min(kTolerance, kToleranceOfGoal * asked) : kTolerance;
+    const std::vector<double> weight = column_weights(of_set, sums, tolerance, kNodes);
     for (std::size_t c = 0; c < weight.size(); ++c) {
       if (!(weight[c] > 0)) continue;
       chosen.push_back(columns[place[c]]);

@@ -48,6 +48,7 @@ class GasMeasurement {
     std::vector<std::vector<double>> tests;
     std::vector<ColumnLight> here;            // at the target
     std::vector<std::vector<double>> weight;  // [node][wavelength] [m2]
+    std::vector<double> misfit;               // [test] of what the rays' tests add up to
   };
 
   // Gas behind the air of a condition.
@@ -105,6 +106,8 @@ class GasMeasurement {
   // What a band's emission is of the tests, by the nodes: as weights of tests.
   [[nodiscard]] std::vector<double> as_tests(std::size_t band) const;
 
+  // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
+  [[nodiscard]] double misfit_relative(std::size_t which_band) const;
   // Of each replicate what is sent in a band, in the tests' terms.
   [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const;

@@ -16,7 +16,7 @@ namespace {
 using Change = GasRow::Change;
 
 // Of what a pilot knows of what is left out.
-constexpr double kSigmas = 4;
+constexpr double kGasSigmas = 4;
 
 void add(const Estimate& more, Estimate& to) {
   to.value += more.value;
@@ -44,6 +44,7 @@ void add_on_hull(const GasRow& more, GasRow& to) {
   add(more.on_hull, to.on_hull);
   add(more.apparent_on_hull, to.apparent_on_hull);
   to.lines_w_sr += more.lines_w_sr;
+  to.source_model_error_w_sr += more.source_model_error_w_sr;
   to.model_error_w_sr += more.model_error_w_sr;
   // As much of what is reflected as of what is seen.
   if (to.emitted_w_sr > 0) to.voxel_error_w_sr *= 1 + more.emitted_w_sr / to.emitted_w_sr;
@@ -61,7 +62,7 @@ void add(const RowBounds::Bound& more, RowBounds::Bound& to) {
 // What leaving a measured row out can change: with few rays as with many.
 RowBounds::Bound limit_of(const GasRow& row) {
   const auto most = [](const Change& c) {
-    return std::abs(c.in_band.value) + kSigmas * c.in_band.stderr_ + c.bound_w_sr;
+    return std::abs(c.in_band.value) + kGasSigmas * c.in_band.stderr_ + c.bound_w_sr;
   };
   return {false, most(row.source), most(row.apparent), most(row.contrast)};
 }

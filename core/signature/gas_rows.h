@@ -32,7 +32,8 @@ struct GasRow {
   // Effects of hot gas (core/effects), and what of them is left out.
   std::vector<LedgerEntry> ledger;
   RowBounds::Bound omitted;
-  double model_error_w_sr = 0;  // one sigma, of `apparent` and `contrast`
+  double source_model_error_w_sr = 0;  // one sigma, of `source`
+  double model_error_w_sr = 0;         // of `apparent` and `contrast`
   // One sigma of what the gas's lattice cannot say: of the source; at the sensor.
   double voxel_error_w_sr = 0, apparent_voxel_error_w_sr = 0;
   Estimate area_m2;  // where it is thick (ViewRequest::plume_area_optical_depth)

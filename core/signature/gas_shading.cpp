@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/ordered_dot.h"
 #include "core/signature/gas_measurement.h"
 
 namespace irsig {
@@ -37,8 +38,10 @@ absl::StatusOr<std::vector<GasRow>> GasMeasurement::rows(std::size_t which) cons
         continue;
       }
       out.push_back(here[m]);  // no air, or a grey one
-      for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
-        out.back().emitted_w_m2_sr_um[i] *= environment.transmittance[i];
+      for (std::vector<double>* of :
+           {&out.back().emitted_w_m2_sr_um, &out.back().model_error_w_m2_sr_um})
+        for (std::size_t i = 0; i < environment.transmittance.size(); ++i)
+          (*of)[i] *= environment.transmittance[i];
     }
     return out;
   };
@@ -99,6 +102,15 @@ GasMeasurement::Sent GasMeasurement::sent_by(
   return out;
 }
 
+double GasMeasurement::misfit_relative(std::size_t which_band) const {
+  const std::vector<double> tests = as_tests(which_band), sums = sum_of(weights_);
+  double missed = 0;
+  for (const Nodes& nodes : nodes_)
+    missed += 0.5 * ordered_dot(tests.data(), nodes.misfit.data(), tests.size());
+  const double all = ordered_dot(tests.data(), sums.data(), tests.size());
+  return all > 0 ? missed / all : 0;
+}
+
 GasMeasurement::Taken GasMeasurement::taken_by(const std::vector<ColumnLight>& gas,
                                                const std::vector<std::vector<double>>& stored,
                                                std::size_t first, std::size_t spectrum,
@@ -149,6 +161,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   const Sent here = sent_by({&nodes_[0].here, &nodes_[1].here}, band),
              joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
              product = sent_by({sensor.product.data(), sensor.product.data() + 1}, band);
+  // Two sets of columns that agree may both miss what the rays' tests add up to.
+  const double misfit = misfit_relative(which_band);
   const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
   const Sent& seen = without_lines ? product : joined;
   constexpr std::size_t kTotal = 0, kApparent = 1 + kCauses, kContrast = 2 + kCauses;
@@ -198,7 +212,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
       c.spectral.stderr_.push_back(s.estimate(1 + bin).stderr_);
     }
     c.spectral.modes = leading_modes(deviations(spectra), stored_modes(bins));
-    c.bound_w_sr = sent.bound + class_error_[which_band] * lost_w_sr;
+    c.bound_w_sr =
+        sent.bound + misfit * std::abs(sent.in_band) + class_error_[which_band] * lost_w_sr;
     return c;
   };
   GasRow out;
@@ -232,9 +247,13 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
   }
   // One model errs one way everywhere: its errors add up over columns and wavelengths.
   for (std::size_t set = 0; set < nodes_.size(); ++set)
-    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m)
+    for (std::size_t m = 0; m < nodes_[set].column.size(); ++m) {
+      const std::vector<double>& weight = nodes_[set].weight[m];
+      out.source_model_error_w_sr +=
+          0.5 * weighted(weight, nodes_[set].here[m].model_error_w_m2_sr_um, band);
       out.model_error_w_sr +=
-          0.5 * weighted(nodes_[set].weight[m], sensor.nodes[set][m].model_error_w_m2_sr_um, band);
+          0.5 * weighted(weight, sensor.nodes[set][m].model_error_w_m2_sr_um, band);
+    }
   return out;
 }
 

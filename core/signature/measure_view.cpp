@@ -133,11 +133,11 @@ void estimate_times(const PathCounts& counts, double reflected_share, bool atmos
   }
 }
 
-void add(const Estimate& more, Estimate& to) {
+void add_gas(const Estimate& more, Estimate& to) {
   to.value += more.value;
   to.stderr_ = std::hypot(to.stderr_, more.stderr_);
 }
-void add(const SpectralEstimate& more, SpectralEstimate& to) {
+void add_gas(const SpectralEstimate& more, SpectralEstimate& to) {
   for (std::size_t k = 0; k < to.value.size(); ++k) {
     to.value[k] += more.value[k];
     to.stderr_[k] = std::hypot(to.stderr_[k], more.stderr_[k]);
@@ -145,7 +145,7 @@ void add(const SpectralEstimate& more, SpectralEstimate& to) {
   to.modes.insert(to.modes.end(), more.modes.begin(), more.modes.end());
   to.modes = leading_modes(to.modes, stored_modes(to.value.size()));
 }
-void add(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
+void add_gas(const GasRow::Change& change, double omitted_w_sr, Measured& to) {
   to.value += change.in_band.value;
   to.stderr_ = std::hypot(to.stderr_, change.in_band.stderr_);
   to.of(BoundOf::kPlume) += change.bound_w_sr;
@@ -172,13 +172,14 @@ void add_gas(const GasRow& gas, SignatureResult& r) {
   r.plume_spectral = gas.source.spectral;
   r.apparent_plume_spectral = gas.apparent.spectral;
   r.contrast_plume_spectral = gas.contrast.spectral;
-  add(gas.source.in_band, r.intensity_w_sr);
-  add(gas.apparent.in_band, r.apparent_intensity_w_sr);
-  add(gas.contrast.in_band, r.contrast_intensity_w_sr);
-  add(gas.source.spectral, r.spectral);
-  add(gas.apparent.spectral, r.apparent_spectral);
-  add(gas.contrast.spectral, r.contrast_spectral);
-  r.model_error_w_sr = std::hypot(r.model_error_w_sr, gas.voxel_error_w_sr);
+  add_gas(gas.source.in_band, r.intensity_w_sr);
+  add_gas(gas.apparent.in_band, r.apparent_intensity_w_sr);
+  add_gas(gas.contrast.in_band, r.contrast_intensity_w_sr);
+  add_gas(gas.source.spectral, r.spectral);
+  add_gas(gas.apparent.spectral, r.apparent_spectral);
+  add_gas(gas.contrast.spectral, r.contrast_spectral);
+  r.model_error_w_sr =
+      std::hypot(r.model_error_w_sr, gas.source_model_error_w_sr, gas.voxel_error_w_sr);
   for (double* model : {&r.apparent_model_error_w_sr, &r.contrast_model_error_w_sr})
     *model = std::hypot(*model, gas.model_error_w_sr, gas.apparent_voxel_error_w_sr);
   for (std::size_t k = 0; k < r.replicate_w_sr.size(); ++k) {
@@ -224,9 +225,9 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
 
   auto [source, apparent, contrast] = pass.measured(row);
   if (gas != nullptr) {
-    add(gas->source, gas->omitted.source, source);
-    add(gas->apparent, gas->omitted.apparent, apparent);
-    add(gas->contrast, gas->omitted.contrast, contrast);
+    add_gas(gas->source, gas->omitted.source, source);
+    add_gas(gas->apparent, gas->omitted.apparent, apparent);
+    add_gas(gas->contrast, gas->omitted.contrast, contrast);
   }
   r.depth_bound_w_sr = contrast.of(BoundOf::kDepth);
   r.truncation_bound_w_sr = source.of(BoundOf::kTruncation);
@@ -252,7 +253,8 @@ SignatureResult row_of(const Pass& pass, std::size_t row, const PreparedScene& s
   r.backface_share = pass.backface_share();
   if (request.accuracy.relative_error <= 0)
     r.stop_reason = StopReason::kFixedSamples;
-  else if (r.numerical_error_w_sr <= request.accuracy.relative_error * std::abs(source.value))
+  else if (r.numerical_error_w_sr <= request.accuracy.relative_error * std::abs(source.value) ||
+           (source.value == 0 && r.numerical_error_w_sr <= pass.goal_w_sr(row)))
     r.stop_reason = StopReason::kTargetReached;
   else if (r.numerical_error_w_sr <= pass.goal_w_sr(row))
     r.stop_reason = StopReason::kFloorReached;
