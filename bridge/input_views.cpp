@@ -37,6 +37,18 @@ bool same_materials(const schema::Sweep& a, const schema::Sweep& b) {
                     });
 }
 
+// A material decides how much is reflected of all there is; sky, sea and air what comes of them; a
+// temperature what parts send to each other.
+void add_moved_effects(bool materials, bool air, std::vector<Effect>& out) {
+  std::vector<Effect> moved{Effect::kInterReflection, Effect::kHotPartsReflected};
+  if (materials || air)
+    moved.insert(moved.end(), {Effect::kDirectSun, Effect::kDiffuseSun, Effect::kMirroredSun,
+                               Effect::kSkyReflected, Effect::kLowerReflected});
+  if (air) moved.insert(moved.end(), {Effect::kPathSun, Effect::kBackgroundSun});
+  for (const Effect e : moved)
+    if (std::find(out.begin(), out.end(), e) == out.end()) out.push_back(e);
+}
+
 // By how much a move changes the temperatures of facets, as the heat jobs have left it.
 class FacetChanges {
  public:
@@ -119,11 +131,11 @@ absl::StatusOr<SweepTemperatures> moved_temperatures(const SweepTemperatures& no
   return out;
 }
 
-absl::Status at(const UncertainInput& input, const absl::Status& status) {
+absl::Status input_error(const UncertainInput& input, const absl::Status& status) {
   return at_key(absl::StrCat("uncertainty.", input.name), status);
 }
 
-void set(schema::Estimate* out, const Estimate& e) {
+void set_change(schema::Estimate* out, const Estimate& e) {
   out->set_value(e.value);
   out->set_stderr(e.stderr_);
 }
@@ -157,22 +169,24 @@ absl::StatusOr<InputViews> InputViews::make(const schema::ResolvedSweep& sweep,
       Move& m = out.move_.emplace_back(
           Move{i, move, moved_sweep(sweep, input, move).sweep, environment, {}, nullptr});
       auto moved = moved_temperatures(temperatures, m.sweep, changes, input.name, move);
-      if (!moved.ok()) return at(input, moved.status());
+      if (!moved.ok()) return input_error(input, moved.status());
       m.temperatures = *std::move(moved);
       if (!same_air(sweep, m.sweep)) {
         auto air = environment_from_sweep(m.sweep, simulator.band_grids());
-        if (!air.ok()) return at(input, air.status());
+        if (!air.ok()) return input_error(input, air.status());
         m.environment = *std::move(air);
       }
-      if (same_materials(sweep.sweep(), m.sweep.sweep())) continue;
+      const bool materials = !same_materials(sweep.sweep(), m.sweep.sweep());
+      add_moved_effects(materials, !same_air(sweep, m.sweep), out.moved_effects_);
+      if (!materials) continue;
       SceneSpec other = scene;
       for (int k = 0; k < m.sweep.sweep().material_size(); ++k) {
         auto material = material_from_message(m.sweep.sweep().material(k));
-        if (!material.ok()) return at(input, material.status());
+        if (!material.ok()) return input_error(input, material.status());
         other.material[static_cast<std::size_t>(k)] = *std::move(material);
       }
       auto prepared = PreparedScene::make(other);
-      if (!prepared.ok()) return at(input, prepared.status());
+      if (!prepared.ok()) return input_error(input, prepared.status());
       m.scene = std::make_shared<const PreparedScene>(*std::move(prepared));
     }
   return out;
@@ -182,7 +196,7 @@ absl::StatusOr<std::vector<MovedView>> InputViews::views(const schema::ViewJob& 
   std::vector<MovedView> out;
   for (const Move& m : move_) {
     auto request = request_from_job(m.sweep, job, m.environment, m.temperatures, {});
-    if (!request.ok()) return at(input_[m.input], request.status());
+    if (!request.ok()) return input_error(input_[m.input], request.status());
     out.push_back({*std::move(request), m.scene});
   }
   return out;
@@ -205,9 +219,9 @@ void InputViews::write(std::span<const std::vector<RowChange>> change,
                  c = of(&RowChange::contrast);
       schema::InputContribution& to = *row.add_input();
       to.set_input(input_[i].name);
-      set(to.mutable_contribution_w_sr(), s.up);
-      set(to.mutable_apparent_contribution_w_sr(), a.up);
-      set(to.mutable_contrast_contribution_w_sr(), c.up);
+      set_change(to.mutable_contribution_w_sr(), s.up);
+      set_change(to.mutable_apparent_contribution_w_sr(), a.up);
+      set_change(to.mutable_contrast_contribution_w_sr(), c.up);
       if (higher != nullptr && lower != nullptr) {
         to.set_curvature_w_sr(s.curvature);
         to.set_apparent_curvature_w_sr(a.curvature);

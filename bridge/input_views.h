@@ -29,6 +29,9 @@ class InputViews {
   // Of one job's view, in the order of the moves.
   [[nodiscard]] absl::StatusOr<std::vector<MovedView>> views(const schema::ViewJob& job) const;
 
+  // What the moves can make more or less of: no plan of a view leaves it out.
+  [[nodiscard]] const std::vector<Effect>& moved_effects() const { return moved_effects_; }
+
   // What the moves changed, as contributions of the inputs to each row and their sum.
   // change: [move][row]
   void write(std::span<const std::vector<RowChange>> change, schema::ViewJobResult& result) const;
@@ -44,6 +47,7 @@ class InputViews {
   };
   std::vector<UncertainInput> input_;
   std::vector<Move> move_;
+  std::vector<Effect> moved_effects_;
 };
 
 // How many environments of a sweep's size its moved inputs keep in memory.

@@ -108,10 +108,15 @@ class CoreJobRunner final : public JobRunner {
   absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
     auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
     if (!request.ok()) return request.status();
+    for (const auto& [what, asked] :
+         {std::pair{"condition", &request->selected_condition}, {"band", &request->selected_band}})
+      if (asked->empty())
+        return absl::InvalidArgumentError(absl::StrCat("a job asks for no ", what));
     request->accepted_backface_share = accepted_backface_share();
     if (request->thumbnail_px > 0 && !encoder_)
       return absl::FailedPreconditionError(
           "output.thumbnail_px asks for thumbnails, and this program has no encoder for them");
+    if (inputs_) request->effects.kept = inputs_->moved_effects();
     auto planned = simulator_->prepare(*request);
     if (!planned.ok()) return planned.status();
     const schema::Accuracy& accuracy = sweep_.sweep().accuracy();

@@ -86,9 +86,15 @@ struct EffectChoice {
   Mode mode = Mode::kAll;
   std::vector<Effect> only;  // kOnly: of the switchable effects these are on, all others off
   std::vector<Effect> without_plume = {};  // of hot gas, in any mode: these are off
+  // kAuto: never left out. An uncertain input moves what they bring, and a bound for the stated
+  // value says nothing of the moved one.
+  std::vector<Effect> kept = {};
 
   [[nodiscard]] bool without(Effect of_plume) const {
     return std::find(without_plume.begin(), without_plume.end(), of_plume) != without_plume.end();
+  }
+  [[nodiscard]] bool keeps(Effect effect) const {
+    return std::find(kept.begin(), kept.end(), effect) != kept.end();
   }
 };
 
@@ -106,7 +112,7 @@ enum class EffectReason : std::uint8_t {
   kNoGoal,       // on: no relative error is asked for, so that nothing says what is small
   kNotWorth,     // on: so little else could be left out that it would not pay for finding out
   kUnbounded,    // on: no finite bound is known
-  kForced,       // the user's word
+  kForced,       // the user's word: also on, because an uncertain input moves it
   kNotAsked,     // on: left out only by the user's word
 };
 [[nodiscard]] std::string_view name_of(EffectState state);

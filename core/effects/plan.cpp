@@ -88,7 +88,8 @@ void EffectPlanner::decide() {
     });
     return;
   }
-  bool none_reflected = true;
+  bool none_reflected = std::none_of(kReflectionEffects.begin(), kReflectionEffects.end(),
+                                     [&](Effect e) { return choice_.keeps(e); });
   for (std::size_t row = 0; row < rows_.size(); ++row)
     none_reflected = none_reflected && has_goal(row) && fits(all_reflected(row), room_[row]);
   if (none_reflected) {
@@ -103,7 +104,7 @@ void EffectPlanner::decide() {
     for (const Effect e : {Effect::kDiffuseSun, Effect::kMirroredSun, Effect::kDirectSun,
                            Effect::kPathSun, Effect::kBackgroundSun}) {
       bool& off = off_[c][index_of(e)];
-      if (off) continue;
+      if (off || choice_.keeps(e)) continue;
       // The sun in the waves is the same light: paths to it need the sun.
       if (e == Effect::kDirectSun && !off_[c][index_of(Effect::kMirroredSun)] &&
           !rows_[c * bands_].effect[index_of(Effect::kMirroredSun)].absent)
@@ -125,6 +126,8 @@ void EffectPlanner::decide() {
 // What is reflected of sky and sea, the sunlight that they scatter included, where the target's own
 // light alone is worth following.
 void EffectPlanner::leave_out_surroundings() {
+  for (const Effect e : {Effect::kSkyReflected, Effect::kLowerReflected, Effect::kDiffuseSun})
+    if (choice_.keeps(e)) return;
   std::vector<RowBounds::Bound> bounds;
   for (const RowBounds& row : rows_) {
     RowBounds::Bound sum = around(row);
@@ -235,6 +238,8 @@ std::vector<std::vector<LedgerEntry>> EffectPlanner::ledger() const {
           entry.reason = EffectReason::kUnbounded;
         else if (!fits(b, whole))
           entry.reason = EffectReason::kAboveShare;
+        else if (choice_.keeps(e.effect))
+          entry.reason = EffectReason::kForced;
         else
           entry.reason = decided_ ? EffectReason::kOtherRow : EffectReason::kNotWorth;
       }

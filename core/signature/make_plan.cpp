@@ -466,7 +466,8 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
       plan.samples_per_replicate = kFirstPilotSamples;
       return MadePlan{std::move(plan), std::move(view)};
     }
-    if (automatic && plan.effects.parts) leave_out_late_reflections(pilot, planner, plan);
+    if (automatic && plan.effects.parts && !request.effects.keeps(Effect::kInterReflection))
+      leave_out_late_reflections(pilot, planner, plan);
     wanted = for_goal(scene, request, plan, *view, pilot, all, kFirstPilotSamples, plan.pilot_rays);
   }
   if (automatic) plan.room = planner.room();

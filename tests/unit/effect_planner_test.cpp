@@ -69,6 +69,23 @@ TEST(EffectPlanner, LeavesOutAllReflectionsWhereTheyFitTogether) {
   EXPECT_TRUE(std::isnan(entry(planner, 0, Effect::kSelfEmission).bound_w_sr));
 }
 
+TEST(EffectPlanner, WhatAnUncertainInputMovesStays) {
+  const RowBounds row = row_with(0.1 * kRoomOfOne, 0.1 * kRoomOfOne, 0.1 * kRoomOfOne, 0);
+  EffectChoice choice = kAutomatic;
+  choice.kept = {Effect::kSkyReflected};
+  EffectPlanner planner({row}, 1, choice);
+  planner.decide();
+  EXPECT_TRUE(planner.reflections());
+  EXPECT_TRUE(planner.on(Effect::kSkyReflected, 0));
+  EXPECT_EQ(entry(planner, 0, Effect::kSkyReflected).reason, EffectReason::kForced);
+  EXPECT_FALSE(planner.on(Effect::kDirectSun, 0));  // no input moves it, and it fits
+  choice.kept = {Effect::kDirectSun};
+  EffectPlanner lit({row}, 1, choice);
+  lit.decide();
+  EXPECT_TRUE(lit.on(Effect::kDirectSun, 0));
+  EXPECT_FALSE(lit.on(Effect::kSkyReflected, 0));
+}
+
 TEST(EffectPlanner, TheSurroundingsGoWhereOnlyTheTargetsOwnLightMatters) {
   RowBounds row = row_with(50, 9, 0.1 * kRoomOfOne, 9);  // lit by its own parts
   for (const Effect e : {Effect::kSkyReflected, Effect::kLowerReflected})
