@@ -295,6 +295,7 @@ constexpr auto kBounds = std::to_array<NumberBounds>({
     {"Weather.wind_speed_m_s", 0, 150, "more than any storm"},
     {"Weather.wind_speed_24h_m_s", 0, 150, "more than any storm"},
     {"Weather.above_surface_m", 0, 100e3, kAbove},
+    {"Weather.cloud_cover", 0, 1, kFraction},
     {"Weather.co2_ppmv", 0, 10000, "the absorption tables' volume mixing ratios"},
 
     {"Goniometer.seed", 0, 18446744073709551615.0, kSeed},

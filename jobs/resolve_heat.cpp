@@ -135,6 +135,7 @@ void resolve_heat(const std::vector<SeasonGroup>& groups, schema::ResolvedSweep&
     *run.mutable_weather() = first.weather();
     run.mutable_weather()->clear_modtran_text();
     run.mutable_weather()->clear_modtran_file_name();
+    run.mutable_weather()->clear_cloud_cover();  // the course has it
     *run.mutable_part_temperature_k() = first.part_temperature_k();
     for (const int p : parts) run.set_part_temperature_k(p, 0);
     const std::string bytes = bytes_of(run);

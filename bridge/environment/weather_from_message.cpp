@@ -127,6 +127,7 @@ absl::StatusOr<WeatherSpec> weather_from_message(const schema::Weather& weather,
   spec.air.co2_ppmv = weather.co2_ppmv();
   spec.refraction = weather.refraction();
   spec.above_surface_m = weather.above_surface_m();
+  spec.cloud_cover = weather.cloud_cover();
   auto lower = lower_from_message(surroundings, weather.wind_speed_m_s());
   if (!lower.ok()) return lower.status();
   spec.lower = *lower;

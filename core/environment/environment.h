@@ -44,6 +44,9 @@ struct WeatherSpec {
   // Height of the target's reference point above sea or ground; it then stands for the target, from
   // kLowestAirPointM on. 0: the target stands on the surface (Environment::make). [m]
   double above_surface_m = 0;
+  // [0, 1] Of the weather, which the sky here does not show: it is clear. The models' errors of sky
+  // and sun have what clouds would change.
+  double cloud_cover = 0;
 };
 
 // The air, sky and sea of one condition of a sweep.

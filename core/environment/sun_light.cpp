@@ -165,7 +165,7 @@ SunLight::Sky SunLight::make_sky() const {
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
       const double part = weight[n / azimuths_] / azimuths_ * out.node[n][b];
       mean[b] += part;
-      error[b] += kAerosolRelativeError * part;
+      error[b] += std::max(kAerosolRelativeError, weather_.cloud_cover()) * part;
     }
   }
   out.model_relative = mean_relative(error, mean);

@@ -15,8 +15,6 @@
 namespace irsig {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 // Sines of the elevation at which the mean reflectance of a rough sea is tabulated, for light that
 // meets the sea twice.
 constexpr std::array kGrazing = {0.002, 0.03, 0.07, 0.13, 0.22, 0.35, 0.55, 1.0};
@@ -96,8 +94,10 @@ double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
   double above = 90, below = 180;  // zenith angles of rays that pass and that meet the surface
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (above + below);
-    (look(air, height_m, middle, kInfinity, refraction).end == PathEnd::kSurface ? below : above) =
-        middle;
+    (look(air, height_m, middle, std::numeric_limits<double>::infinity(), refraction).end ==
+             PathEnd::kSurface
+         ? below
+         : above) = middle;
   }
   return -std::cos(below * kRadPerDeg);
 }
@@ -110,12 +110,20 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
       nodes_(nodes),
       bands_(bands),
       refraction_(spec.refraction),
+      cloud_cover_(spec.cloud_cover),
       in_the_air_(spec.above_surface_m > 0) {
   surface_planck = AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (chosen(bands, b)) {
       surface_planck[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), spec_.temperature_k);
     }
+  }
+  for (const double base_m : {300.0, 2500.0}) {
+    if (cloud_cover_ == 0 || base_m <= height_m_) continue;
+    const double kelvin = air_at(atmosphere_.profile(), base_m).temperature_k;
+    AirSpectrum& black = cloud_base_.emplace_back(kAirBandCount, 0.0);
+    for (std::size_t b = 0; b < kAirBandCount; ++b)
+      if (chosen(bands, b)) black[b] = planck_radiance_w_m2_sr_um(air_band_lambda_um(b), kelvin);
   }
   std::vector<double> lambda_um;
   for (std::size_t b = 0; b < kAirBandCount; ++b) lambda_um.push_back(air_band_lambda_um(b));
@@ -201,9 +209,16 @@ AirSpectrum WeatherLight::model_error_of(const SkyRing& ring) const {
   const PathLayers& path = ring.layers;
   AirSpectrum scattered = path.surroundings_share;
   for (std::size_t b = 0; b < kAirBandCount; ++b) scattered[b] *= surroundings[b];
-  return model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(), bands_,
-                     &surroundings)
-      .radiance_w_m2_sr_um;
+  AirSpectrum out = model_error(path.amounts(), path.transmittance, scattered, path.warmest_k(),
+                                bands_, &surroundings)
+                        .radiance_w_m2_sr_um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) {
+    double change = 0;
+    for (const AirSpectrum& black : cloud_base_)
+      change = std::max(change, std::abs(black[b] - ring.total[b]));
+    if (change > 0) out[b] = std::hypot(out[b], cloud_cover_ * change);
+  }
+  return out;
 }
 
 const std::vector<SkyRing>& WeatherLight::limb() const {
@@ -213,8 +228,8 @@ const std::vector<SkyRing>& WeatherLight::limb() const {
     for (const double share : kLimb) {
       // The bisected dip may lie on either side of the ray that touches.
       double fall = share * dip;
-      while (look(atmosphere_.profile(), height_m_, zenith_deg_of(-std::sin(fall)), kInfinity,
-                  refraction_)
+      while (look(atmosphere_.profile(), height_m_, zenith_deg_of(-std::sin(fall)),
+                  std::numeric_limits<double>::infinity(), refraction_)
                  .end == PathEnd::kSurface) {
         fall -= 1e-7;
       }
@@ -227,14 +242,14 @@ const std::vector<SkyRing>& WeatherLight::limb() const {
 }
 
 SkyRing WeatherLight::make_sky(double sin_elevation) const {
-  const LightPath path =
-      look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation), kInfinity, refraction_);
+  const LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(sin_elevation),
+                              std::numeric_limits<double>::infinity(), refraction_);
   return {sin_elevation, PathLayers(atmosphere_, path, bands_), {}};
 }
 
 LowerRing WeatherLight::make_lower(double sin_elevation) const {
-  LightPath path =
-      look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation), kInfinity, refraction_);
+  LightPath path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-sin_elevation),
+                        std::numeric_limits<double>::infinity(), refraction_);
   if (in_the_air_ && path.end != PathEnd::kSurface) {
     const AirSpectrum dark(kAirBandCount, 0.0);
     return {sin_elevation,
@@ -252,7 +267,8 @@ LowerRing WeatherLight::make_lower(double sin_elevation) const {
   for (double steeper = sin_elevation; path.end != PathEnd::kSurface;) {
     IRSIG_CHECK(steeper < 1);
     steeper = std::min(1.0, steeper + 2e-4);
-    path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-steeper), kInfinity, refraction_);
+    path = look(atmosphere_.profile(), height_m_, zenith_deg_of(-steeper),
+                std::numeric_limits<double>::infinity(), refraction_);
   }
   const double cos_zenith =
       path.node.empty()
@@ -294,7 +310,7 @@ void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const
     mean_sine += f.share * up;
   }
   const std::uint32_t azimuths = nodes_.azimuths();
-  double nearest = kInfinity;
+  double nearest = std::numeric_limits<double>::infinity();
   for (std::uint32_t r = 0; r < ring.from_ring.size(); ++r) {
     const double away = std::abs(nodes_.sin_elevation(r * azimuths) - mean_sine);
     if (away < nearest) ring.mirrored_ring = r;

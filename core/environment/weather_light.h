@@ -67,9 +67,13 @@ class WeatherLight {
   // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.
   [[nodiscard]] const std::vector<SkyRing>& limb() const;
 
+  // WeatherSpec::cloud_cover: one sigma of sunlight, of which clouds may let nothing pass.
+  [[nodiscard]] double cloud_cover() const { return cloud_cover_; }
+
   // surface_model_relative() of what is below the horizon.
   [[nodiscard]] double surface_relative(double sine) const;
-  // One sigma of the model's radiance of a sky's ring.
+  // One sigma of the model's radiance of a sky's ring; with clouds in the weather also what a black
+  // base of them changes, at 0.3 or 2.5 km, whichever is more.
   [[nodiscard]] AirSpectrum model_error_of(const SkyRing& ring) const;
 
   // Radiance of the sky's ring through so much air in front, over its own.
@@ -98,6 +102,8 @@ class WeatherLight {
   const DirectionNodes& nodes_;
   const BandChoice& bands_;
   bool refraction_;
+  double cloud_cover_;
+  std::vector<AirSpectrum> cloud_base_;         // Planck's radiance of black ones above the target
   bool in_the_air_;                             // WeatherSpec::above_surface_m > 0
   WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
