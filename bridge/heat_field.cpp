@@ -168,10 +168,12 @@ std::string dark_warning(const schema::Sweep& sweep, const Target& target,
     first = f;
   }
   if (count == 0) return "";
-  return absl::StrCat("heat: ", count, " of ", target.facet.size(),
-                      " facets stand inside other bodies (the first: facet ", first, " of part \"",
-                      sweep.part(static_cast<int>(target.facet[first].part)).name(),
-                      "\"): no ray from outside reaches them, and they are left out");
+  return absl::StrCat(
+      "heat: ", count, " of ", target.facet.size(),
+      " facets stand inside other bodies (the first: facet ", first, " of part \"",
+      sweep.part(static_cast<int>(target.facet[first].part)).name(),
+      "\"): no ray from outside reaches them, and they are taken for as warm as the rest of "
+      "their part");
 }
 
 // What is asked of one run, and at which of its outputs each time wanted stands.
@@ -275,12 +277,11 @@ absl::Status check_temperatures(const schema::Sweep& sweep, const schema::HeatRu
       const float kelvin = by_time.kelvin[o][f];
       if (std::isnan(kelvin) || (kelvin > 0 && static_cast<double>(kelvin) <= kHottestK)) continue;
       const schema::Part& part = sweep.part(static_cast<int>(target.facet[f].part));
-      return problem_status(
-          {{"", absl::StrCat("part[", target.facet[f].part, "].build_up"),
-            absl::StrCat("part \"", part.name(), "\" would be at ", kelvin, " K at ",
-                         heat.time_utc(static_cast<int>(o)),
-                         ": no weather makes up for what build_up \"", part.build_up(),
-                         "\" says of its inside")}});
+      return problem_status({{"", absl::StrCat("part[", target.facet[f].part, "].build_up"),
+                              absl::StrCat("part \"", part.name(), "\" would be at ", kelvin,
+                                           " K at ", heat.time_utc(static_cast<int>(o)),
+                                           ": no weather makes up for what build_up \"",
+                                           part.build_up(), "\" says of its inside")}});
     }
   return absl::OkStatus();
 }

@@ -164,34 +164,63 @@ absl::Status check_above_surface(const schema::ResolvedSweep& sweep, const Mesh&
                         ", where nothing is seen, expected something that rises above it"));
 }
 
-absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh) {
-  const schema::Model& model = sweep.sweep().model();
-  if (model.offset_m_size() != 3) return absl::OkStatus();
+namespace {
+
+// By how much model.offset_m moves the target away from its reference point; 0: it does not, or by
+// less than the target is large. [m]
+struct FarOffset {
+  double offset_m = 0, size_m = 0;
+  std::string remedy;
+};
+FarOffset far_offset(const schema::Model& model, const Mesh& mesh) {
+  if (model.offset_m_size() != 3) return {};
   const Vec<Body> offset{model.offset_m(0), model.offset_m(1), -model.offset_m(2)};
   const Box box = box_of(mesh);
   const Vec<Body> middle = 0.5 * (box.low + box.high);
   const double size_m = length(box.high - box.low), away_m = length(middle);
   // An offset that brings a far model to its reference point is what it is for.
-  if (!(length(offset) > size_m && away_m > size_m && away_m > length(middle - offset)))
-    return absl::OkStatus();
-  std::string remedy;
-  if (-offset.z > 0.5 * length(offset))
-    remedy = absl::StrFormat(
-        "leave offset_m out and put the target into the air: above_surface_m = %.9g in [place]",
-        -offset.z);
-  else
-    remedy = "leave offset_m out: viewpoints are where the sensor is, seen from the target";
-  return keyed_problem(
-      "model.offset_m",
-      absl::StrFormat("moves the target by %.6g m (its size is %.4g m), away from the reference "
-                      "point from which range_m and aspects of viewpoints count; %s",
-                      length(offset), size_m, remedy));
+  if (!(length(offset) > size_m && away_m > size_m && away_m > length(middle - offset))) return {};
+  const bool up = -offset.z > 0.5 * length(offset);
+  return {length(offset), size_m,
+          up ? absl::StrFormat("leave offset_m out and put the target into the air: "
+                               "above_surface_m = %.9g in [place]",
+                               -offset.z)
+             : "leave offset_m out: viewpoints are where the sensor is, seen from the target"};
+}
+
+// Of the shortest range: what an offset changes of an intensity is at most twice that.
+constexpr double kOffsetOfRange = 0.01;
+
+std::string offset_text(const FarOffset& far) {
+  return absl::StrFormat(
+      "moves the target by %.6g m (its size is %.4g m), away from the reference point from which "
+      "range_m and aspects of viewpoints count",
+      far.offset_m, far.size_m);
+}
+
+double shortest_range_m(const schema::ResolvedSweep& sweep) {
+  double out = INFINITY;
+  for (const schema::Viewpoint& v : sweep.viewpoint()) out = std::min(out, v.range_m());
+  return out;
+}
+
+}  // namespace
+
+absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh) {
+  const FarOffset far = far_offset(sweep.sweep().model(), mesh);
+  if (far.offset_m <= kOffsetOfRange * shortest_range_m(sweep)) return absl::OkStatus();
+  return keyed_problem("model.offset_m", absl::StrCat(offset_text(far), "; ", far.remedy));
 }
 
 std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const SceneSpec& scene) {
   std::vector<Problem> out;
   see_near_sensors(sweep, scene.mesh, out);
   const schema::Model& model = sweep.sweep().model();
+  if (const FarOffset far = far_offset(model, scene.mesh); far.offset_m > 0)
+    out.push_back(
+        noted("model.offset_m",
+              absl::StrFormat("%s: intensities differ by up to %.2g %%; %s", offset_text(far),
+                              200 * far.offset_m / shortest_range_m(sweep), far.remedy)));
   if (!model.has_file()) return out;
   if (!model.has_accepted_backface_share()) see_open_parts(scene, out);
   // What floats in the air stands on nothing.

@@ -35,13 +35,14 @@ struct PlacementNote {
                                                const Mesh& mesh);
 
 // INVALID_ARGUMENT: model.offset_m moves the target away from its reference point, farther than it
-// is large.
+// is large and than 1 % of the shortest range; between the two it is a warning.
 [[nodiscard]] absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh);
 
 // What is odd about a model from a file, for people, each at the key that may be wrong. One-sided parts with
 // facets of open shells (not where the sweep states model.accepted_backface_share); a size that
 // suggests another unit; axes that suggest others; over a sea or ground, where it floats or stands;
-// sensors nearer than the target reaches (of generated models too).
+// sensors nearer than the target reaches, an offset farther than the target is large (of generated
+// models too).
 [[nodiscard]] std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep,
                                                   const SceneSpec& scene);
 

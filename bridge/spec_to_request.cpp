@@ -219,8 +219,6 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   for (const auto& [what, asked, count] :
        {std::tuple{"condition", &request.selected_condition, resolved.condition_size()},
         {"band", &request.selected_band, sweep.band_size()}}) {
-    if (asked->empty())
-      return absl::InvalidArgumentError(absl::StrCat("a job asks for no ", what));
     for (const std::uint32_t i : *asked)
       if (i >= static_cast<std::uint32_t>(count))
         return absl::InvalidArgumentError(
@@ -237,8 +235,7 @@ absl::StatusOr<ViewRequest> request_from_job(const schema::ResolvedSweep& resolv
   if (request.accuracy.relative_error <= 0 && request.accuracy.target_paths <= 0 &&
       request.accuracy.samples_per_replicate == 0)
     return keyed_problem(
-        "accuracy",
-        "a time budget must be turned into samples_per_replicate before jobs are run");
+        "accuracy", "a time budget must be turned into samples_per_replicate before jobs are run");
   request.accuracy.replicates = accuracy.replicates();
   request.accuracy.max_samples_per_replicate = accuracy.max_samples_per_replicate();
   auto effects = effects_of(sweep.effects());

@@ -120,6 +120,7 @@ class FacetReader {
     std::memcpy(error_k.data(), field.error_k().data() + row * bytes, bytes);
     const std::vector<bool> by_field = parts_of(sweep_, from);
     std::vector<double> sum_k(by_field.size(), 0.0), count(by_field.size(), 0.0);
+    std::vector<double> coldest_k(by_field.size(), INFINITY), hottest_k(by_field.size(), 0.0);
     for (std::size_t f = 0; f < facets; ++f) {
       const std::uint32_t part = part_of_facet_[f];
       if (!by_field[part]) continue;
@@ -130,15 +131,26 @@ class FacetReader {
       }
       at.kelvin[f] = kelvin[f];
       at.error_k[f] = error_k[f];
-      sum_k[part] += static_cast<double>(kelvin[f]);
+      const auto here_k = static_cast<double>(kelvin[f]), off_k = static_cast<double>(error_k[f]);
+      sum_k[part] += here_k;
       ++count[part];
+      coldest_k[part] = std::min(coldest_k[part], here_k - off_k);
+      hottest_k[part] = std::max(hottest_k[part], here_k + off_k);
     }
     const double air_k = c.air_temperature_k() > 0 ? c.air_temperature_k() : kStandInK;
-    for (const auto& [f, text] : unknown) {
+    // Of a facet inside other bodies a view may see a sliver: it is as warm as the rest of its
+    // part, within what that differs by.
+    std::erase_if(unknown, [&](const auto& of) {
+      const auto& [f, text] = of;
       const std::uint32_t part = part_of_facet_[f];
-      at.kelvin[f] = static_cast<float>(count[part] > 0 ? sum_k[part] / count[part] : air_k);
-      at.error_k[f] = std::numeric_limits<float>::infinity();
-    }
+      const double mean_k = count[part] > 0 ? sum_k[part] / count[part] : air_k;
+      const bool known = text.empty() && count[part] > 0;
+      at.kelvin[f] = static_cast<float>(mean_k);
+      at.error_k[f] =
+          known ? static_cast<float>(std::max(hottest_k[part] - mean_k, mean_k - coldest_k[part]))
+                : std::numeric_limits<float>::infinity();
+      return known;
+    });
     return absl::OkStatus();
   }
 

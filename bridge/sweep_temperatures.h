@@ -26,7 +26,7 @@ struct SweepTemperatures {
   std::vector<std::shared_ptr<const EmitterTemperatures>> condition;
   std::vector<std::vector<double>> part_k, part_mean_k;
   // [condition] What was computed of facets that nobody can say the temperature of, as text, by
-  // facet: "286 K +- 295 K"; empty: no ray from outside reaches it.
+  // facet: "286 K +- 295 K"; empty: no ray from outside reaches it, nor any facet of its part.
   std::vector<std::map<std::size_t, std::string>> unknown;
 };
 

@@ -125,7 +125,8 @@ void print_errors(std::ostream& out, const std::vector<StoredSignature>& rows,
                accuracy.absolute_error_k());
 }
 
-// What each bound brings to the square of the numerical error of the source intensity.
+// What samples and bounds bring to the square of the numerical error of the source intensity:
+// together 1.
 struct ErrorShare {
   std::string what;
   double mean = 0, largest = 0;
@@ -133,10 +134,8 @@ struct ErrorShare {
 
 // Empty: no row has an error.
 std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
-  // At the target itself neither depth nor another range counts.
-  constexpr std::size_t kAtTarget = static_cast<std::size_t>(BoundOf::kDepth);
   std::vector<ErrorShare> shares{{"statistical"}, {"unseen hits"}};
-  for (std::size_t i = 0; i < kAtTarget; ++i)
+  for (std::size_t i = 0; i < kBounds; ++i)
     shares.push_back({std::string(info_of(static_cast<BoundOf>(i)).name)});
   double counted = 0;
   for (const StoredSignature& row : rows) {
@@ -149,11 +148,13 @@ std::vector<ErrorShare> error_shares(const std::vector<StoredSignature>& rows) {
     };
     add(shares[0], source.sampled_share());
     add(shares[1], source.unseen_share());
-    for (std::size_t i = 0; i < kAtTarget; ++i)
+    for (std::size_t i = 0; i < kBounds; ++i)
       add(shares[i + 2], source.share(static_cast<BoundOf>(i)));
   }
   if (counted == 0) return {};
   for (ErrorShare& share : shares) share.mean /= counted;
+  // At the target itself neither depth nor another range counts, and few rows have hot gas.
+  std::erase_if(shares, [](const ErrorShare& share) { return share.largest == 0; });
   return shares;
 }
 

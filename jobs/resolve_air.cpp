@@ -64,7 +64,7 @@ void check_atmosphere(const schema::Sweep& sweep, const SectionCheck& check) {
 }
 
 // Of air at `temperature_k`; bisection, since it is for a message.
-double dew_point_k(double temperature_k, double humidity_percent) {
+double dew_point_at(double temperature_k, double humidity_percent) {
   const double vapour_pa = humidity_percent / 100 * saturation_pressure_pa(temperature_k);
   double low_k = 150, high_k = 400;
   for (int i = 0; i < 60; ++i) {
@@ -119,8 +119,8 @@ void check_surface_weather(const schema::Season& season, bool heat, const std::s
   if (season.relative_humidity_percent() > 100 && season.has_air_temperature_k()) {
     check.error("relative_humidity_percent",
                 absl::StrCat("= ", season.relative_humidity_percent(), " puts the dew point at ",
-                             absl::SixDigits(dew_point_k(season.air_temperature_k(),
-                                                         season.relative_humidity_percent())),
+                             absl::SixDigits(dew_point_at(season.air_temperature_k(),
+                                                          season.relative_humidity_percent())),
                              " K, above air_temperature_k = ", season.air_temperature_k(),
                              ", expected a number from 0 to 100"));
   } else {

@@ -290,7 +290,10 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
   verdict.family = scene.family;
   const auto program = compute(scene);
   if (!program.ok()) {
-    verdict.status = program.status();
+    // Behind the horizon a target may be out of sight: there is no row to judge.
+    const bool hidden =
+        scene.family == SceneFamily::kHorizon && absl::IsInvalidArgument(program.status());
+    if (!hidden) verdict.status = program.status();
     return verdict;
   }
   verdict.program_rays = program->rays;

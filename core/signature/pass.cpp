@@ -451,7 +451,9 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
 
 double Pass::find_brightest_w_m2_sr(std::size_t row, const ViewRequest& request) const {
   const ConditionSources& light = this->light(row);
-  double sum = brightest_thermal_[row];
+  // What leaves a convex body does not meet it again.
+  double sum = scene_.target.convex ? light.brightest_around_w_m2_sr(axis_band(row))
+                                    : brightest_thermal_[row];
   for (const LitSun& sun : light.suns())
     sum += in_band(sun.irradiance, axis_band(row)) *
                unseen_->of(sources_.geometry().sun[sun.index]).brightest_per_sr +
@@ -496,7 +498,14 @@ double Pass::relative_goal_w_sr(std::size_t row) const {
 }
 
 double Pass::goal_w_sr(std::size_t row) const {
-  return std::max(relative_goal_w_sr(row), absolute_floor_w_sr(row));
+  // Nothing is an answer, too: of a plate seen edge on, against what it would send broadside.
+  constexpr double kNothing = 1e-9;
+  const double of_nothing =
+      statistics_[row].estimate(0).value == 0
+          ? kNothing * std::numbers::pi * scene_.target.radius_m * scene_.target.radius_m *
+                brightest_thermal_[row]
+          : 0;
+  return std::max({relative_goal_w_sr(row), absolute_floor_w_sr(row), of_nothing});
 }
 
 double Pass::backface_share() const {

@@ -26,7 +26,8 @@ struct ProfileSpec {
 };
 
 // Mean radiance over the footprint, in-band: of the target where the sensor sees it, of the sky or
-// what lies below the horizon behind it.                                            [W/(m2 sr)]
+// what lies below the horizon behind it. Standard errors allow for what no sample met.
+//                                                                                   [W/(m2 sr)]
 struct ProfileRow {
   std::uint32_t point = 0, condition = 0, band = 0, reflections = 0;
   Estimate radiance_w_m2_sr;           // at the target: no air

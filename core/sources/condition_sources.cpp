@@ -216,12 +216,17 @@ double ConditionSources::part_w_m2_sr(std::uint32_t part, const BandOnAxis& band
   return in_band(emitted_[blackbody_[part]], band);
 }
 
-double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const {
+double ConditionSources::brightest_around_w_m2_sr(const BandOnAxis& band) const {
   double thermal = 0;
   const auto& around = environment_->around;
   for (const double node :
        around.integrals(band.first_node, band.grid.band_weight, nullptr, 1).source)
     thermal = std::max(thermal, node);
+  return thermal;
+}
+
+double ConditionSources::brightest_thermal_w_m2_sr(const BandOnAxis& band) const {
+  double thermal = brightest_around_w_m2_sr(band);
   for (std::uint32_t p = 0; p < parts_; ++p) thermal = std::max(thermal, part_w_m2_sr(p, band));
   return thermal;
 }

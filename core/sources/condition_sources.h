@@ -92,6 +92,8 @@ class ConditionSources {
 
   // The largest in-band radiance of a part. [W/(m2 sr)]
   [[nodiscard]] double part_w_m2_sr(std::uint32_t part, const BandOnAxis& band) const;
+  // The largest in-band radiance of sky and what is below the horizon. [W/(m2 sr)]
+  [[nodiscard]] double brightest_around_w_m2_sr(const BandOnAxis& band) const;
   // The largest in-band radiance of anything but the sun. [W/(m2 sr)]
   [[nodiscard]] double brightest_thermal_w_m2_sr(const BandOnAxis& band) const;
   // The largest in-band radiance of any source, a sunlit white surface included: what a lost path

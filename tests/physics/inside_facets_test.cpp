@@ -202,7 +202,7 @@ TEST(InsideFacets, SharedVerticesDecideNothing) {
       apart.vertex.push_back(shared.vertex[v]);
       v = static_cast<std::uint32_t>(apart.vertex.size() - 1);
     }
-  SceneHeatRequest r = clear_day(1200);
+  SceneHeatRequest r = clear_day(900);
   r.part[1] = {0.6, 0.9, std::nullopt, 295};
   const std::vector<PartSpec> parts = {part("floor"), part("wall", true)};
   const auto a = solve_scene_heat(target_of(shared, parts), r),

@@ -88,7 +88,9 @@ TEST(SilhouetteTest, ASphereIsWithinItsError) {
     const double tilt = std::asin(sine);
     const double middle = elevation * std::numbers::pi / 180;
     EXPECT_NEAR(s.least_z(), std::sin(middle - tilt), 1e-3);
-    if (elevation == 0) EXPECT_NEAR(s.most_z(), std::sin(middle + tilt), 1e-3);
+    if (elevation == 0) {
+      EXPECT_NEAR(s.most_z(), std::sin(middle + tilt), 1e-3);
+    }
   }
 }
 

@@ -142,8 +142,19 @@ SceneExposure::SceneExposure(const Target& target, const ThermalFaces& faces,
   if (b.water)
     in_water_w_m2_k_ =
         plate_in_flow_w_m2_k(sea_water(b.temperature_k), b.flow_m_s, 2 * target_.radius_m);
+  dark_.resize(faces_.fronts);
+  for (std::uint32_t f = 0; f < faces_.fronts; ++f) {
+    const std::uint32_t back = faces_.back_of_facet[f];
+    dark_[f] =
+        factors_->exposed[f] <= 0 && (back == ThermalFaces::kNone || factors_->exposed[back] <= 0);
+  }
   light();
   respond_to_sky();
+}
+
+void SceneExposure::share_dark(SceneExposure& a, SceneExposure& b) {
+  for (std::size_t f = 0; f < a.dark_.size(); ++f)
+    a.dark_[f] = b.dark_[f] = a.dark_[f] || b.dark_[f];
 }
 
 // Long-wave radiation is linear in what the sky sends, so that a jump of it is known at both sides

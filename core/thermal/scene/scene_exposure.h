@@ -47,11 +47,10 @@ class SceneExposure {
   [[nodiscard]] FaceProperties properties(std::uint32_t face) const;
   // Whether nothing from outside reaches a facet, on neither side: it stands inside other bodies,
   // nobody sees it, and it is left out.
-  [[nodiscard]] bool dark(std::uint32_t facet) const {
-    const std::uint32_t back = faces_.back_of_facet[facet];
-    return factors_->exposed[facet] <= 0 &&
-           (back == ThermalFaces::kNone || factors_->exposed[back] <= 0);
-  }
+  [[nodiscard]] bool dark(std::uint32_t facet) const { return dark_[facet]; }
+  // Leaves out what either of two computations with rays of their own finds dark, so that both have
+  // the same walls.
+  static void share_dark(SceneExposure& a, SceneExposure& b);
   // Whether faces send anything to each other.
   [[nodiscard]] bool exchanges() const { return request_.exchange && can_exchange(); }
   [[nodiscard]] bool can_exchange() const { return !factors_->to.empty(); }
@@ -142,6 +141,7 @@ class SceneExposure {
   std::vector<double> windward_w_m2_k_, leeward_w_m2_k_;  // [knot]
   double in_water_w_m2_k_ = 0;
   std::vector<bool> covered_;       // [face] under water or ground
+  std::vector<bool> dark_;          // [facet]
   std::vector<double> emissivity_;  // [face]
   std::shared_ptr<const ExchangeFactors> factors_;
   Radiosity long_wave_;

@@ -209,6 +209,7 @@ absl::StatusOr<SceneHeatResult> solve_scene_heat(const Target& target,
   for (std::size_t k = 0; k < request.knot_s.size(); ++k) all.of_request.push_back(k);
   SceneExposure fine_exposure(target, faces, request, std::move(all)),
       coarse_exposure(target, faces, request, every_second_knot(request));
+  SceneExposure::share_dark(fine_exposure, coarse_exposure);
   // One grid for both, so that the one goes on from where the other's day begins.
   const double shortest_s =
       std::min(shortest_step_s(fine_exposure, request), shortest_step_s(coarse_exposure, request));
