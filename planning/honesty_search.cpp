@@ -46,7 +46,8 @@ struct Computed {
   std::uint64_t rays = 0;
 };
 
-absl::StatusOr<Computed> compute(const RandomScene& scene) {
+// The sweep of a scene, its temperatures and its view, before any row.
+absl::StatusOr<Computed> resolved_scene(const RandomScene& scene) {
   Computed out;
   out.model = model_obj(scene);
   const auto file = parse_sweep(sweep_toml(scene, "model.obj"), "scene.toml");
@@ -58,17 +59,30 @@ absl::StatusOr<Computed> compute(const RandomScene& scene) {
   auto heat = heat_outputs(out.sweep, model);
   if (!heat.ok()) return heat.status();
   out.heat = *std::move(heat);
-  const auto runner = JobRunner::create(out.sweep, model, out.heat);
+  for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version()))
+    if (job.has_view()) out.job = job.view();
+  return out;
+}
+
+absl::Status compute_rows(Computed& program) {
+  const auto runner =
+      JobRunner::create(program.sweep, model_alone(program.sweep, program.model), program.heat);
   if (!runner.ok()) return runner.status();
-  for (const schema::JobSpec& job : expand_jobs(out.sweep, physics_version())) {
+  for (const schema::JobSpec& job : expand_jobs(program.sweep, physics_version())) {
     if (!job.has_view()) continue;  // its temperatures are known
     const auto result = (*runner)->run(job);
     if (!result.ok()) return result.status();
-    out.job = job.view();
-    out.rays += result->rays();
-    out.row.insert(out.row.end(), result->view().row().begin(), result->view().row().end());
+    program.rays += result->rays();
+    program.row.insert(program.row.end(), result->view().row().begin(), result->view().row().end());
   }
-  return out;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Computed> compute(const RandomScene& scene) {
+  auto program = resolved_scene(scene);
+  if (!program.ok()) return program;
+  if (const absl::Status status = compute_rows(*program); !status.ok()) return status;
+  return program;
 }
 
 struct Named {
@@ -96,15 +110,31 @@ JudgedValue judged(const schema::SignatureRow& row, const Named& q, const std::s
   return out;
 }
 
-absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
-                          SceneVerdict& verdict) {
+absl::StatusOr<ReferenceView> reference_of(const Computed& program) {
   const auto scene =
       scene_from_sweep(program.sweep, model_alone(program.sweep, program.model), program.heat);
   if (!scene.ok()) return scene.status();
   const auto request =
       request_from_job(program.sweep, program.job, nullptr, scene->temperatures, {});
   if (!request.ok()) return request.status();
-  const auto reference = ReferenceView::make(*scene, *request, 0);
+  return ReferenceView::make(*scene, *request, 0);
+}
+
+// Whether the reference, too, has nothing of the target in sight: then it is right that no row is
+// computed.
+bool sees_nothing(const Computed& program, std::uint64_t seed, SceneVerdict& verdict) {
+  const auto reference = reference_of(program);
+  if (!reference.ok()) return false;
+  const ReferenceView::Result truth = reference->run(8 * kPilotSamples, 3 * seed);
+  verdict.reference_rays += truth.rays;
+  return std::all_of(truth.row.begin(), truth.row.end(), [](const ReferenceView::Row& row) {
+    return row.projected_area_m2.value == 0;
+  });
+}
+
+absl::Status by_reference(const Computed& program, const SearchOptions& options, std::uint64_t seed,
+                          SceneVerdict& verdict) {
+  const auto reference = reference_of(program);
   if (!reference.ok()) return reference.status();
   const auto estimates = [](const ReferenceView::Row& row) {
     return std::array{row.total, row.apparent, row.contrast};
@@ -288,12 +318,15 @@ SceneVerdict judge(const RandomScene& scene, const SearchOptions& options) {
   SceneVerdict verdict;
   verdict.seed = scene.seed;
   verdict.family = scene.family;
-  const auto program = compute(scene);
+  auto program = resolved_scene(scene);
   if (!program.ok()) {
-    // Behind the horizon a target may be out of sight: there is no row to judge.
-    const bool hidden =
-        scene.family == SceneFamily::kHorizon && absl::IsInvalidArgument(program.status());
-    if (!hidden) verdict.status = program.status();
+    verdict.status = program.status();
+    return verdict;
+  }
+  if (const absl::Status status = compute_rows(*program); !status.ok()) {
+    const bool right = absl::IsInvalidArgument(status) && !scene.atmosphere &&
+                       sees_nothing(*program, scene.seed, verdict);
+    if (!right) verdict.status = status;
     return verdict;
   }
   verdict.program_rays = program->rays;
