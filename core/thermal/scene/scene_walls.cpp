@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "absl/strings/str_cat.h"
+#include "core/base/check.h"
 #include "core/base/constants.h"
 
 namespace irsig {
@@ -403,7 +404,9 @@ void SceneWalls::refine() {
 void SceneWalls::start_from(const SceneWalls& coarse) {
   level_ = coarse.level_;
   falls_ = coarse.falls_;
+  IRSIG_CHECK(wall_.size() == coarse.wall_.size());
   for (std::size_t w = 0; w < wall_.size(); ++w) {
+    IRSIG_CHECK(wall_[w].face == coarse.wall_[w].face);  // SceneExposure::share_dark()
     wall_[w].begin_k = coarse.wall_[w].begin_k;
     wall_[w].response = coarse.wall_[w].response;
   }
