@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <unordered_map>
 
 #include "core/accuracy/replicates.h"
+#include "core/base/next_large.h"
 #include "core/base/sobol.h"
 
 namespace irsig {
@@ -428,28 +430,30 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
   if (sun == nullptr) return out;
   struct Thrower {
     const Patch* patch;
-    double to_anyone, thrown, most_thrown;  // the last: of it and all behind it
+    double to_anyone, thrown;
   };
   std::vector<Thrower> thrower;
   for_each_lit(*sun, patch_, [&](const Patch& p, const Lit& lit) {
     const std::size_t k = at[static_cast<std::size_t>(&p - patch_.data())];
     if (k != SIZE_MAX) out[k].first = std::max(out[k].first, lit.first);
-    if (lit.thrown > 0) thrower.push_back({&p, lit.to_anyone, lit.thrown, 0});
+    if (lit.thrown > 0) thrower.push_back({&p, lit.to_anyone, lit.thrown});
   });
   std::stable_sort(thrower.begin(), thrower.end(),
                    [](const Thrower& a, const Thrower& b) { return a.to_anyone > b.to_anyone; });
-  double most = 0;
-  for (auto t = thrower.rbegin(); t != thrower.rend(); ++t)
-    t->most_thrown = most = std::max(most, t->thrown);
+  std::vector<double> thrown;
+  for (const Thrower& t : thrower) thrown.push_back(t.thrown);
+  const NextLarge strong(thrown);
   constexpr int kMostTried = 64;  // then the next is taken to be seen
   for (std::size_t i = 0; i < patch_.size(); ++i) {
     if (at[i] == SIZE_MAX) continue;
     const Patch& p = patch_[i];
     const double shown = shown_per_sr(materials_[p.material], p.shows);
     int tried = 0;
-    for (const Thrower& t : thrower) {
-      if (t.most_thrown * shown < least_m2_per_sr) break;
-      if (t.thrown * shown < least_m2_per_sr || t.patch == &p) continue;
+    const auto enough = [&](double of) { return !(of * shown < least_m2_per_sr); };
+    for (std::size_t k = strong.next(0, enough); k < thrower.size();
+         k = strong.next(k + 1, enough)) {
+      const Thrower& t = thrower[k];
+      if (t.patch == &p) continue;
       const Vec<Body> between = t.patch->middle - p.middle;
       const double up = dot(p.normal, between), reach = t.patch->reach_m + p.reach_m;
       const bool faces = p.two_sided || up > -1e-6 * reach,

@@ -1,6 +1,7 @@
 // core/base: checks that say what they compared, and table look-up with stated bounds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -9,6 +10,8 @@
 
 #include "core/base/check.h"
 #include "core/base/file_errors.h"
+#include "core/base/next_large.h"
+#include "core/base/sobol.h"
 #include "core/base/table.h"
 
 namespace irsig {
@@ -106,6 +109,26 @@ TEST(FileErrors, ALineForEachWhateverItQuotes) {
   errors.add(1, 2, "\"a\nb\x1b[31m\" is wrong");
   errors.add(3, 4, "so is this");
   EXPECT_EQ(errors.status().message(), "f:1:2: \"a?b?[31m\" is wrong\nf:3:4: so is this");
+}
+
+// Expected: what walking the list finds, for lists of any length, from any place.
+TEST(NextLarge, IsTheOneThatWalkingFinds) {
+  std::uint64_t state = 1;
+  for (const std::size_t size : {0u, 1u, 2u, 3u, 7u, 8u, 9u, 100u, 1000u}) {
+    std::vector<double> value;
+    for (std::size_t i = 0; i < size; ++i)
+      value.push_back(static_cast<double>((state = mix64(state)) % 50));
+    const NextLarge list(value);
+    for (const double least : {-1.0, 0.0, 7.0, 45.0, 49.0, 50.0}) {
+      const auto enough = [&](double x) { return x >= least; };
+      for (std::size_t from = 0; from <= size; from += 1 + size / 40) {
+        const auto walked =
+            std::find_if(value.begin() + static_cast<std::ptrdiff_t>(from), value.end(), enough);
+        EXPECT_EQ(list.next(from, enough), static_cast<std::size_t>(walked - value.begin()))
+            << size << " from " << from << ", " << least;
+      }
+    }
+  }
 }
 
 }  // namespace
