@@ -26,6 +26,29 @@ std::vector<GasLayer> layers_of(const GasColumn& column) {
   return out;
 }
 
+// Two layers in the place of a segment whose temperature changes.
+std::vector<GasSegment> split(const GasSegment& s) {
+  const TemperatureCourse course = course_of(s);
+  if (course.is_flat) return {s};
+  const double first = course.first, step_k = course.half_step_k,
+               left_k = std::sqrt(std::max(0.0, s.temperature_spread_k * s.temperature_spread_k -
+                                                    first * (1 - first) * step_k * step_k)),
+               middle_m = s.start_m + first * s.length_m();
+  const auto part = [&](double share, double temperature_k, double from_m, double to_m) {
+    GasSegment out = s;
+    out.start_m = from_m;
+    out.end_m = to_m;
+    out.weight *= share;
+    for (double& amount : out.amount) amount *= share;
+    out.temperature_k = temperature_k;
+    out.temperature_change_k = 0;
+    out.temperature_spread_k = left_k;
+    return out;
+  };
+  return {part(first, s.temperature_k - (1 - first) * step_k, s.start_m, middle_m),
+          part(1 - first, s.temperature_k + first * step_k, middle_m, s.end_m)};
+}
+
 double emission_temperature_k(const GasColumn& column) {
   double sum = 0, weight = 0;
   for (const GasSegment& s : column) {
@@ -89,13 +112,25 @@ absl::StatusOr<HotColumn> HotColumn::make(const GasColumn& column,
                                           const GasWavelengths& wavelengths) {
   HotColumn out;
   out.wavelengths_ = &wavelengths;
-  absl::StatusOr<std::vector<GasPath>> fine = paths_of(column, wavelengths);
+  // Steps of two sizes: a segment against two merged, or against its own parts where it is alone.
+  GasColumn small, large;
+  auto next = column.begin();
+  for (const CoarseStep& step : coarser(column)) {
+    if (step.count == 1) {
+      const std::vector<GasSegment> parts = split(*next);
+      small.insert(small.end(), parts.begin(), parts.end());
+      large.push_back(*next);
+    } else {
+      small.insert(small.end(), next, next + static_cast<std::ptrdiff_t>(step.count));
+      large.push_back(step.segment);
+    }
+    next += static_cast<std::ptrdiff_t>(step.count);
+  }
+  absl::StatusOr<std::vector<GasPath>> fine = paths_of(small, wavelengths);
   if (!fine.ok()) return fine.status();
   out.fine_ = *std::move(fine);
-  if (column.size() > 1) {
-    GasColumn steps;
-    for (const CoarseStep& step : coarser(column)) steps.push_back(step.segment);
-    absl::StatusOr<std::vector<GasPath>> coarse = paths_of(steps, wavelengths);
+  if (large.size() < small.size()) {
+    absl::StatusOr<std::vector<GasPath>> coarse = paths_of(large, wavelengths);
     if (!coarse.ok()) return coarse.status();
     out.coarse_ = *std::move(coarse);
   }

@@ -15,8 +15,8 @@ using GasColumn = std::vector<GasSegment>;
 // Grey test gases that stand for the spectra of a column: a spectrum is, at each wavelength, some
 // function of the column, and all these functions are much alike: absorption coefficients of lines
 // that are weak or strong, the same at all temperatures or rising with it. Test gases span them: of
-// each species four optical depths, 0.1 to 100 over `most`, as lines from the ground state and as
-// hot ones (T^4), each with what it emits as seen at 4.3 and at 10 um and what it absorbs.
+// each species six optical depths, 0.1 to 10^4 over `most`, as lines from the ground state and as
+// hot ones (T^4, T^8), each with what it emits as seen at 4.3 and at 10 um and what it absorbs.
 class ColumnTests {
  public:
   // most: the largest amount of each species in any column; hottest_k likewise.
@@ -25,6 +25,8 @@ class ColumnTests {
   static constexpr std::size_t kDepths = 6, kLambdas = 2;
   static constexpr std::size_t kGases = kPlumeSpecies * kDepths * 3;
   static constexpr std::size_t kCount = kGases * (kLambdas + 1);
+  // Which of the optical depths a gas has.
+  static std::size_t depth_of(std::size_t gas) { return gas / 3 % kDepths; }
   // [gas][emitted at each wavelength, absorbed]; 0 of species that there are not.
   void test(const GasColumn& column, std::span<double> out) const;
   // Of tests: the absorbed ones, in their order.

@@ -31,9 +31,13 @@ GasSegment merged(const GasSegment& a, const GasSegment& b) {
   out.temperature_k = a.temperature_k + fb * step_k;
   out.temperature_change_k =
       6 * fa * fb * step_k + fa * fa * a.temperature_change_k + fb * fb * b.temperature_change_k;
+  const double variance_a = a.temperature_spread_k * a.temperature_spread_k,
+               variance_b = b.temperature_spread_k * b.temperature_spread_k;
   out.temperature_spread_k =
-      std::sqrt(fa * a.temperature_spread_k * a.temperature_spread_k +
-                fb * b.temperature_spread_k * b.temperature_spread_k + fa * fb * step_k * step_k);
+      std::sqrt(fa * variance_a + fb * variance_b + fa * fb * step_k * step_k);
+  out.temperature_skew_k3 =
+      fa * a.temperature_skew_k3 + fb * b.temperature_skew_k3 +
+      fa * fb * step_k * (3 * (variance_b - variance_a) + (fa - fb) * step_k * step_k);
   return out;
 }
 
@@ -53,11 +57,40 @@ void GasPiece::widen(const GasPiece& by) {
   }
 }
 
+TemperatureCourse course_of(const GasSegment& s) {
+  constexpr double kFlat = 1e-5, kMiddle = 0.75;
+  const double change = s.temperature_change_k,
+               variance = s.temperature_spread_k * s.temperature_spread_k;
+  TemperatureCourse out;
+  out.is_flat = s.temperature_spread_k < kFlat * s.temperature_k;
+  if (out.is_flat) return out;
+  // Of a straight line 1; of a jump with shares p and 1 - p before and behind it 3 p (1 - p).
+  const double straight = std::min(1.0, change * change / (12 * variance));
+  if (straight >= kMiddle) {
+    out.half_step_k = change * (2 + (straight - kMiddle) / (1 - kMiddle)) / 6;
+    return out;
+  }
+  // A jump far from the middle, or a course that rises and falls: that is less skewed.
+  const double off = std::sqrt(0.25 - straight / 3),
+               skew = straight / 3 * 2 * off * std::abs(std::pow(6 * variance / change, 3));
+  if (std::abs(change) > kFlat * s.temperature_k &&
+      std::abs(s.temperature_skew_k3) > 0.5 * skew) {
+    out.first += s.temperature_skew_k3 * change > 0 ? off : -off;
+    out.half_step_k = 3 * variance / change;
+  } else {
+    out.half_step_k = 0.5 * change;
+    out.is_known = false;
+  }
+  return out;
+}
+
 bool GasPiece::is_fine(const SegmentSteps& steps) const {
+  constexpr double kRisesAndFalls = 4;
   double change = 0;
   for (std::size_t s = 0; s < kPlumeSpecies; ++s)
     change = std::max(change, most_share[s] - least_share[s]);
-  return steps.allow(most_k / least_k - 1, steps.grey.optical_depth(segment), change);
+  const double range = most_k / least_k - 1;
+  return steps.allow(course_of(segment).is_known ? range : kRisesAndFalls * range, steps.grey.optical_depth(segment), change);
 }
 
 void SegmentBuilder::add(const GasPiece& piece) {
@@ -91,15 +124,17 @@ std::vector<GasSegment> SegmentBuilder::take() {
 }
 
 std::vector<CoarseStep> coarser(const std::vector<GasSegment>& segments) {
+  constexpr double kOffTheLine = 0.5;
   std::vector<CoarseStep> out;
   for (std::size_t i = 0; i < segments.size(); i += out.back().count) {
     const GasSegment& a = segments[i];
     if (i + 1 < segments.size()) {
       const GasSegment& b = segments[i + 1];
-      // A straight line covers sqrt(12) standard deviations.
-      const double course =
-          std::sqrt(12) * std::max(a.temperature_spread_k, b.temperature_spread_k);
-      if (std::abs(b.temperature_k - a.temperature_k) <= 2 * course) {
+      // On one straight line the middles are as far apart as both changes say.
+      const double of_a = a.temperature_change_k, of_b = b.temperature_change_k,
+                   off = b.temperature_k - a.temperature_k - 0.5 * (of_a + of_b);
+      if (of_a * of_b >= 0 &&
+          std::abs(off) <= kOffTheLine * std::max(std::abs(of_a), std::abs(of_b))) {
         out.push_back({merged(a, b), 2});
         continue;
       }

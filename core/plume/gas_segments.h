@@ -12,7 +12,7 @@ namespace irsig {
 // amounts and length; emission from the temperature's mean, change and spread.
 //
 // Temperatures are weighted by the amount of gas (GasSums::weight). Merging two pieces keeps
-// amounts, length, mean, change and spread of the temperature exactly.
+// amounts, length, mean, change, spread and skew of the temperature exactly.
 struct GasSegment {
   double start_m = 0, end_m = 0;  // along the ray
   // CO2, H2O, CO [mol/m2]; soot: volume fraction times length [m].
@@ -21,6 +21,7 @@ struct GasSegment {
   double temperature_k = 0;  // mean
   double temperature_change_k = 0;  // of the best straight line in amount, far end less near end
   double temperature_spread_k = 0;  // standard deviation, the line's included
+  double temperature_skew_k3 = 0;   // third central moment: on which side a jump is
   double pressure_pa = 0;           // mean
 
   [[nodiscard]] double length_m() const { return end_m - start_m; }
@@ -39,8 +40,9 @@ struct GreyAbsorption {
 // When pieces of a ray are one segment.
 struct SegmentSteps {
   // The ratio of the largest to the smallest temperature of a segment, less 1; where its grey
-  // optical depth exceeds optical_depth_step, so many times less. Cells of the grid in which it is
-  // exceeded are halved, at most 8 times.
+  // optical depth exceeds optical_depth_step, so many times less; a quarter of it where the
+  // temperature rises and falls. Cells of the grid in which it is exceeded are halved, at most 8
+  // times.
   double temperature_step = 0.02;
   double optical_depth_step = 0.25;
   GreyAbsorption grey{};  // 0: temperature alone decides
@@ -81,13 +83,24 @@ class SegmentBuilder {
   bool is_open_ = false;
 };
 
+// How a segment's temperature goes, as two layers: half of what makes the order of its parts count.
+// From one layer to these two is as far, to first order in the temperature, as from there to a
+// straight line or to a jump of the same mean, change, spread and skew.
+struct TemperatureCourse {
+  double first = 0.5;      // share of the nearer layer
+  double half_step_k = 0;  // the farther less the nearer
+  bool is_flat = false;
+  bool is_known = true;  // not where it rises and falls
+};
+[[nodiscard]] TemperatureCourse course_of(const GasSegment& segment);
+
 // b lies behind a.
 [[nodiscard]] GasSegment merged(const GasSegment& a, const GasSegment& b);
 
 // With steps twice as large: neighbours merged two by two, what is left alone without change and
 // spread. What this changes is an estimate of what the finite steps cost (step_error in
-// gas_light.h). Not merged are neighbours whose temperatures differ by more than twice what
-// either's own course covers: a jump of the field is no step.
+// gas_light.h). Not merged are neighbours whose temperatures are on no common line: a jump or a
+// peak of the field is no step.
 struct CoarseStep {
   GasSegment segment;
   std::size_t count = 1;  // of segments that it stands for

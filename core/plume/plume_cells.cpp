@@ -134,6 +134,8 @@ void PlumeFieldMaker::build_points() {
           voxel[k].reach_m = static_cast<float>(edge_m);
           group.at = group.at + 0.125 * voxel[k].at;
           if (!(gas.weight > 0)) continue;
+          voxel[k].amount_mol = static_cast<float>(gas.weight * field_->voxel_volume_m3_);
+          group.amount_mol += voxel[k].amount_mol;
           for (std::size_t m = 0; m < kLambdaUm.size(); ++m) {
             voxel[k].thin_w[m] = static_cast<float>(
                 gas.weight * field_->voxel_volume_m3_ *

@@ -43,6 +43,7 @@ struct PlumePoint {
   Vec<Body> at;       // their middle
   float reach_m = 0;  // from there: the voxel next to them, along the longest axis of the lattice
   std::array<float, 2> thin_w{};
+  float amount_mol = 0;  // GasSums::weight of all of it
 };
 
 // Hot gas on a sparse lattice, placed in the body frame. Immutable: any number of threads may read.

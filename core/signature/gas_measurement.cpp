@@ -36,7 +36,8 @@ BoxedSight sight_of(const PlumeField& field) {
     out.point.push_back(
         {point.at,
          point.reach_m,
-         {static_cast<double>(point.thin_w[0]), static_cast<double>(point.thin_w[1])}});
+         {static_cast<double>(point.thin_w[0]), static_cast<double>(point.thin_w[1])},
+         static_cast<double>(point.amount_mol)});
   return out;
 }
 
@@ -62,9 +63,10 @@ GasMeasurement::GasMeasurement(Where where, const PreparedScene& scene, const Vi
 
 absl::StatusOr<bool> GasMeasurement::find() {
   if (!on_hull_) {
-    auto aimed = make_boxed_view(scene_.target, request_.viewpoint, sight_of(*field_));
-    if (!aimed.ok()) return aimed.status();
-    aimed_ = std::make_shared<const AimedView>(*std::move(aimed));
+    auto boxed = make_boxed_view(scene_.target, request_.viewpoint, sight_of(*field_));
+    if (!boxed.ok()) return boxed.status();
+    aimed_ = std::make_shared<const AimedView>(std::move(boxed->view));
+    sight_ = std::move(boxed->sight);
   }
   const auto survey = std::make_shared<const GasSurvey>(field_, scene_.target.centre);
   samples_ = pilots_.survey;
@@ -332,6 +334,31 @@ std::vector<double> GasMeasurement::as_tests(std::size_t band) const {
   return column_weights(of_test, emitted, kTolerance, kNodes);
 }
 
+double GasMeasurement::luck_relative(std::size_t which_band) const {
+  const BandOnAxis band = scene_.axis.band(which_band);
+  double all = 0, square = 0;
+  for (std::size_t set = 0; set < nodes_.size(); ++set) {
+    const Nodes &own = nodes_[set], &other = nodes_[1 - set];
+    if (own.column.empty() || other.column.empty()) continue;
+    std::vector<std::vector<double>> of_test(ColumnTests::kCount);
+    std::vector<double> emitted;
+    for (std::size_t m = 0; m < other.column.size(); ++m) {
+      emitted.push_back(in_band(other.here[m].emitted_w_m2_sr_um, band));
+      for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(other.tests[m][t]);
+    }
+    const std::vector<double> map = column_weights(of_test, emitted, kTolerance, kNodes);
+    for (std::size_t m = 0; m < own.column.size(); ++m) {
+      const double weight = mean_of(own.weight[m], band),
+                   sent = in_band(own.here[m].emitted_w_m2_sr_um, band),
+                   off = weight * (sent - ordered_dot(map.data(), own.tests[m].data(), map.size()));
+      all += weight * sent;
+      square += off * off;
+    }
+  }
+  // Of the mean of both sets.
+  return all > 0 ? std::sqrt(square) / all : 0;
+}
+
 std::vector<double> GasMeasurement::sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const {
   const std::vector<double> tests = as_tests(which_band);
@@ -381,7 +408,7 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
   BoxedSight sight = sight_of(*field_);
   for (auto& box : sight_of(**half).box) sight.box.push_back(box);
   const auto wider = make_boxed_view(scene_.target, request_.viewpoint, sight);
-  const AimedView& view = wider.ok() ? *wider : *aimed_;
+  const AimedView& view = wider.ok() ? wider->view : *aimed_;
   const auto sent = [&](const std::shared_ptr<const PlumeField>& field) {
     std::vector<double> none;
     return run(std::make_shared<const GasOnView>(field, scene_.target.centre, tests, most_absorbed_,
@@ -426,9 +453,36 @@ std::uint64_t GasMeasurement::samples(const std::vector<double>& also_sent_w_sr)
   // Of what the hull reflects no more than of all else that it does.
   const std::uint64_t most = on_hull_ ? std::max(pilots_.second, plan_.samples_per_replicate)
                                       : accuracy.max_samples_per_replicate;
-  return samples_needed(pilots_.first, first, pilots_.second, second,
-                        kShareOfGoal * accuracy.relative_error,
-                        std::min(most, accuracy.max_samples_per_replicate));
+  const double goal = kShareOfGoal * accuracy.relative_error;
+  const std::uint64_t limit = std::min(most, accuracy.max_samples_per_replicate);
+  std::uint64_t out = samples_needed(pilots_.first, first, pilots_.second, second, goal, limit);
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
+    const double also = also_sent_w_sr.empty() ? 0 : also_sent_w_sr[b];
+    while (out < limit && missed(b, out) * sent[b] > goal * (sent[b] + also))
+      out = std::min(limit, out + out / 2);
+  }
+  return out;
+}
+
+double GasMeasurement::missed(std::size_t which_band, std::uint64_t samples) const {
+  if (!sight_) return 0;
+  // SightShares::kOpticalDepth of each of the test gases' optical depths, 0.1 to 10^4.
+  constexpr std::array<std::size_t, ColumnTests::kDepths> kDepth = {0, 1, 2, 3, 4, 4};
+  const std::vector<double> tests = as_tests(which_band), sums = sum_of(weights_);
+  std::array<std::array<double, ColumnTests::kLambdas>, SightShares::kOpticalDepth.size()> sent{};
+  double all = 0;
+  for (std::size_t gas = 0; gas < ColumnTests::kGases; ++gas)
+    for (std::size_t l = 0; l < ColumnTests::kLambdas; ++l) {
+      const std::size_t test = gas * (ColumnTests::kLambdas + 1) + l;
+      sent[kDepth[ColumnTests::depth_of(gas)]][l] += tests[test] * sums[test];
+      all += tests[test] * sums[test];
+    }
+  const double rays = static_cast<double>(samples * weights_.size());
+  double out = 0;
+  for (std::size_t depth = 0; depth < sent.size(); ++depth)
+    for (std::size_t l = 0; l < ColumnTests::kLambdas; ++l)
+      if (sent[depth][l] > 0) out += sent[depth][l] / all * sight_->missed(depth, l, rays);
+  return out;
 }
 
 void GasMeasurement::find_class_errors() {

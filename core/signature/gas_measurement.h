@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -11,6 +12,7 @@
 #include "core/hot_gas/gas_on_view.h"
 #include "core/signature/gas_rows.h"
 #include "core/signature/shading.h"
+#include "core/transport/boxed_view.h"
 
 namespace irsig {
 
@@ -108,6 +110,12 @@ class GasMeasurement {
 
   // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
+  // What the two sets of nodes may both be off by, though they agree: of each column, how far what it
+  // sends is from a sum of its tests that the other set's columns meet, added up in squares. A share
+  // of what is sent in a band.
+  [[nodiscard]] double luck_relative(std::size_t which_band) const;
+  // What so many rays of each replicate may all have missed, as a share of what is sent in a band.
+  [[nodiscard]] double missed(std::size_t which_band, std::uint64_t samples) const;
   // Of each replicate what is sent in a band, in the tests' terms.
   [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const;
@@ -137,7 +145,8 @@ class GasMeasurement {
 
   // What is sent, by sets of nodes.
   struct Sent {
-    double in_band = 0, bound = 0;
+    double in_band = 0;
+    double steps = 0, sets = 0;  // bounds: of finite steps; how far two sets of nodes are apart
     std::vector<double> by_bin;
   };
   [[nodiscard]] Sent sent_by(const std::array<const std::vector<ColumnLight>*, 2>& light,
@@ -176,6 +185,7 @@ class GasMeasurement {
   std::shared_ptr<const PlumeField> field_;
   std::vector<std::size_t> condition_;
   std::shared_ptr<const AimedView> aimed_;
+  std::optional<SightShares> sight_;  // of what is in sight
   std::array<Nodes, 2> nodes_;
   std::vector<std::vector<double>> reflected_;  // [group][wavelength]
   GasOnView::Absorbed most_absorbed_{};

@@ -91,14 +91,14 @@ GasMeasurement::Sent GasMeasurement::sent_by(
       const std::vector<double>& spectrum = (*light[set])[m].emitted_w_m2_sr_um;
       const std::vector<double>& w = nodes_[set].weight[m];
       of_set[set] += weighted(w, spectrum, band);
-      out.bound += 0.5 * kOfSteps * std::abs(weighted(w, (*light[set])[m].step_w_m2_sr_um, band));
+      out.steps += 0.5 * kOfSteps * std::abs(weighted(w, (*light[set])[m].step_w_m2_sr_um, band));
       for (std::size_t bin = 0; bin < out.by_bin.size(); ++bin)
         for (std::size_t i = grid.bin_first[bin]; i < grid.bin_first[bin + 1]; ++i)
           out.by_bin[bin] +=
               0.5 * w[band.first_node + i] * grid.bin_weight[i] * spectrum[band.first_node + i];
     }
   out.in_band = 0.5 * (of_set[0] + of_set[1]);
-  out.bound += std::abs(of_set[0] - of_set[1]);
+  out.sets = std::abs(of_set[0] - of_set[1]);
   return out;
 }
 
@@ -162,7 +162,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
              joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
              product = sent_by({sensor.product.data(), sensor.product.data() + 1}, band);
   // Two sets of columns that agree may both miss what the rays' tests add up to.
-  const double misfit = misfit_relative(which_band);
+  const double misfit = misfit_relative(which_band) + missed(which_band, samples_),
+               luck = luck_relative(which_band);
   const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
   const Sent& seen = without_lines ? product : joined;
   constexpr std::size_t kTotal = 0, kApparent = 1 + kCauses, kContrast = 2 + kCauses;
@@ -212,8 +213,8 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
       c.spectral.stderr_.push_back(s.estimate(1 + bin).stderr_);
     }
     c.spectral.modes = leading_modes(deviations(spectra), stored_modes(bins));
-    c.bound_w_sr =
-        sent.bound + misfit * std::abs(sent.in_band) + class_error_[which_band] * lost_w_sr;
+    c.bound_w_sr = sent.steps + std::max(sent.sets, luck * std::abs(sent.in_band)) +
+                   misfit * std::abs(sent.in_band) + class_error_[which_band] * lost_w_sr;
     return c;
   };
   GasRow out;

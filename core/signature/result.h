@@ -14,7 +14,8 @@ namespace irsig {
 
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
-// 15: computed temperatures: skies that jump at a record, exact shares of the sky, errors of rays;
+// 16: rays at hot gas also go where it is seen past what is in front; steps beside jumps; what so
+// few columns and rays may have missed. 15: computed temperatures: skies that jump at a record, exact shares of the sky, errors of rays;
 // facets inside other bodies are as warm as the rest of their part; targets in the air; model
 // errors of hot gas and of clouds that the sky does not show; effects that an uncertain input moves
 // are never left out; profiles allow for what no sample met; 0 W/sr is an answer. 11: what the
@@ -25,7 +26,7 @@ namespace irsig {
 // terms of the project's own lines; sky, sea and the sun in them, added up in the bands of the air,
 // scattered sunlight rounded to float; what of the sun was not met, bounded for facets that face
 // one way together.
-inline constexpr int kPhysicsVersion = 15;
+inline constexpr int kPhysicsVersion = 16;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].
 struct SpectralEstimate {

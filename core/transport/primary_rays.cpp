@@ -211,7 +211,7 @@ Vec<Body> place_of(const Target& target, std::size_t vertex) {
           static_cast<double>(target.vertex[3 * vertex + 2])};
 }
 
-constexpr int kMaskCells = 128, kBoxCells = 256;
+constexpr int kMaskCells = 128;
 
 bool reaches_beyond(const Target& target, double range_m) {
   return range_m <= length(target.centre) + target.radius_m;
@@ -293,10 +293,7 @@ absl::Status check_outside(const Target& target, const Viewpoint& viewpoint) {
                        : ""));
 }
 
-namespace {
-
-// From a sensor that looks at the target. Where its rectangle is comes later.
-ViewFrame frame_of(const Target& target, const Viewpoint& viewpoint) {
+ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint) {
   ViewFrame frame;
   const Vec<Body> to_sensor =
       body_from_aspect(viewpoint.aspect_azimuth_deg, viewpoint.aspect_elevation_deg);
@@ -322,13 +319,11 @@ ViewFrame frame_of(const Target& target, const Viewpoint& viewpoint) {
   return frame;
 }
 
-}  // namespace
-
 AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
                           const BrightFacets& bright) {
   AimedView view;
   view.range_m = viewpoint.range_m;
-  ViewFrame& frame = view.frame = frame_of(target, viewpoint);
+  ViewFrame& frame = view.frame = make_view_frame(target, viewpoint);
 
   const std::size_t vertices = target.vertex.size() / 3;
   PlaneVertices plane;
@@ -379,98 +374,6 @@ AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
     else
       view.stratum.emplace_back(target, bounds_of(target, frame, x_m, y_m, facets[s]), x_m, y_m,
                                 facets[s], kMaskCells);
-  return view;
-}
-
-absl::StatusOr<AimedView> make_boxed_view(const Target& target, const Viewpoint& viewpoint,
-                                          const BoxedSight& sight) {
-  AimedView view;
-  view.range_m = viewpoint.range_m;
-  ViewFrame& frame = view.frame = frame_of(target, viewpoint);
-  const auto from_sensor = [&](Vec<Body> corner) { return corner - target.centre - frame.sensor; };
-  double nearest_m = 1e300;
-  for (const auto& box : sight.box)
-    for (const Vec<Body>& corner : box)
-      nearest_m = std::min(nearest_m, 0.999 * dot(from_sensor(corner), frame.forward));
-  if (!(nearest_m > 0.01 * viewpoint.range_m))
-    return keyed_problem(
-        "viewpoints.range_m",
-        absl::StrCat("hot gas reaches to the sensor at ", viewpoint.range_m, " m, azimuth ",
-                     viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
-                     " deg, or behind it"));
-  frame.plane_m = std::min(frame.plane_m, nearest_m);
-  struct Rectangle {
-    double x0, y0, x1, y1;
-    void add(const Rectangle& r) {
-      x0 = std::min(x0, r.x0);
-      y0 = std::min(y0, r.y0);
-      x1 = std::max(x1, r.x1);
-      y1 = std::max(y1, r.y1);
-    }
-  };
-  std::vector<Rectangle> of_box;
-  Rectangle all{1e300, 1e300, -1e300, -1e300};
-  for (const auto& box : sight.box) {
-    Rectangle& r = of_box.emplace_back(1e300, 1e300, -1e300, -1e300);
-    for (const Vec<Body>& corner : box) {
-      const Vec<Body> q = from_sensor(corner);
-      const double scale = frame.plane_m / dot(q, frame.forward);
-      const double x = scale * dot(q, frame.right), y = scale * dot(q, frame.up);
-      r.add({x, y, x, y});
-    }
-    all.add(r);
-  }
-  view.stratum_of_part.assign(target.part.size(), 0);
-  frame.x0_m = all.x0;
-  frame.y0_m = all.y0;
-  frame.width_m = all.x1 - all.x0;
-  frame.height_m = all.y1 - all.y0;
-  const double cell_m = std::max(frame.width_m, frame.height_m) / kBoxCells;
-  const auto cells = [&](double side_m) {
-    return std::clamp(static_cast<int>(std::ceil(side_m / cell_m)), 1, kBoxCells);
-  };
-  CellGrid grid{frame.x0_m, frame.y0_m, 0, 0, cells(frame.width_m), cells(frame.height_m), {}};
-  grid.cell_x_m = frame.width_m / grid.columns;
-  grid.cell_y_m = frame.height_m / grid.rows;
-  grid.hit.assign(static_cast<std::size_t>(grid.columns) * grid.rows, 0);
-  const auto cell = [](double x, double size, int count) {
-    return std::clamp(static_cast<int>(std::floor(x / size)), 0, count - 1);
-  };
-  constexpr double kMargin = 1e-3;  // of a cell: far above rounding
-  for (const Rectangle& r : of_box)
-    for (int column = cell(r.x0 - frame.x0_m - kMargin * cell_m, grid.cell_x_m, grid.columns);
-         column <= cell(r.x1 - frame.x0_m + kMargin * cell_m, grid.cell_x_m, grid.columns);
-         ++column)
-      for (int row = cell(r.y0 - frame.y0_m - kMargin * cell_m, grid.cell_y_m, grid.rows);
-           row <= cell(r.y1 - frame.y0_m + kMargin * cell_m, grid.cell_y_m, grid.rows); ++row)
-        grid.hit[static_cast<std::size_t>(column) * grid.rows + row] = 1;
-  view.stratum.emplace_back(grid);
-
-  // Of each measure the shares of the cells; half of it all is the area's.
-  std::vector<double> weight(grid.hit.size(), 0.0), share(grid.hit.size());
-  for (std::size_t measure = 0; measure < 2; ++measure) {
-    std::fill(share.begin(), share.end(), 0.0);
-    double sum = 0;
-    for (const BoxedSight::Point& point : sight.point) {
-      const Vec<Body> q = from_sensor(point.at);
-      const double scale = frame.plane_m / dot(q, frame.forward);
-      const double x = scale * dot(q, frame.right) - frame.x0_m,
-                   y = scale * dot(q, frame.up) - frame.y0_m, reach = scale * point.reach_m;
-      const int c0 = cell(x - reach, grid.cell_x_m, grid.columns),
-                c1 = cell(x + reach, grid.cell_x_m, grid.columns),
-                r0 = cell(y - reach, grid.cell_y_m, grid.rows),
-                r1 = cell(y + reach, grid.cell_y_m, grid.rows);
-      const double each = point.weight[measure] / ((c1 - c0 + 1) * (r1 - r0 + 1));
-      for (int c = c0; c <= c1; ++c)
-        for (int r = r0; r <= r1; ++r) share[static_cast<std::size_t>(c * grid.rows + r)] += each;
-      sum += point.weight[measure];
-    }
-    for (std::size_t i = 0; i < share.size() && sum > 0; ++i) weight[i] += 0.4 * share[i] / sum;
-  }
-  const auto cells_hit = static_cast<double>(std::count(grid.hit.begin(), grid.hit.end(), 1));
-  for (std::size_t i = 0; i < weight.size(); ++i)
-    weight[i] = grid.hit[i] != 0 ? weight[i] + 0.2 / cells_hit : 0;
-  view.density.emplace(grid, weight);
   return view;
 }
 

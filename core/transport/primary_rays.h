@@ -148,28 +148,11 @@ struct AimedView {
 // target's radius of it. A sensor that is nearer than the target reaches looks past the reference
 // point, so that all of the target is in front of it.
 [[nodiscard]] absl::Status check_outside(const Target& target, const Viewpoint& viewpoint);
+// From a sensor that looks at the target. Its rectangle is still to be stated.
+[[nodiscard]] ViewFrame make_view_frame(const Target& target, const Viewpoint& viewpoint);
 // Of a sensor that is outside.
 [[nodiscard]] AimedView make_aimed_view(const Target& target, const Viewpoint& viewpoint,
                                         const BrightFacets& bright = {});
-
-// What a target's view may show beside it: boxes in which all of it lies (corners in the body
-// frame), and small spheres by how much is to be seen in them.
-struct BoxedSight {
-  std::vector<std::array<Vec<Body>, 8>> box;
-  struct Point {
-    Vec<Body> at;
-    double reach_m;                // across
-    std::array<double, 2> weight;  // two measures, which count alike
-  };
-  std::vector<Point> point;
-};
-// A view of it, before and beside a target: one stratum, for all parts, over the cells of the image
-// plane that the boxes touch, half of its rays spread evenly and half by weight. The image plane,
-// where rays begin, lies before both. INVALID_ARGUMENT: the sensor is within a hundredth of its
-// range of what is to be seen, along the line of sight.
-[[nodiscard]] absl::StatusOr<AimedView> make_boxed_view(const Target& target,
-                                                        const Viewpoint& viewpoint,
-                                                        const BoxedSight& sight);
 
 // A narrow view: all that is seen of a sensor (body frame) through a rectangle of width x height
 // across the line of sight at the point `at` (body frame), the target or what is behind it. One
