@@ -61,11 +61,13 @@ inline constexpr double kThermosphereM = 90e3;
 inline constexpr double kAerosolRelativeError = 0.3;
 
 // One sigma of a path's optical depth by the gas table, in parts of the depth: of lines below and
-// above 2990 cm-1 (where ten bands share one entry of the source) and of continua. The likeliest
-// for MODTRAN's paths, left out one by one: tests/physics/atmosphere_model_error_test.cpp.
+// above 3000 cm-1 (where ten bands share one entry of the source), of the band between, which is
+// empty in the finer source, and of continua. The likeliest for MODTRAN's paths, left out one by
+// one: tests/physics/atmosphere_model_error_test.cpp.
 inline constexpr double kLineDepthError = 0.125;
 inline constexpr double kCoarseLineDepthError = 0.38;
-inline constexpr double kCoarseLinesFromCm1 = 2990;
+inline constexpr double kEmptyBandDepthError = 0.75;
+inline constexpr double kEmptyBandCm1 = 2995;
 inline constexpr double kContinuumDepthError = 0.0165;
 // What passes of a dark path is not known better than this.
 inline constexpr double kDarkError = 1e-5;

@@ -268,6 +268,12 @@ PathRadiance PathSums::result() {
 
 namespace {
 
+double line_depth_error(std::size_t band) {
+  const double centre_cm1 = air_band_centre_cm1(band);
+  if (centre_cm1 < kEmptyBandCm1) return kLineDepthError;
+  return centre_cm1 > kEmptyBandCm1 ? kCoarseLineDepthError : kEmptyBandDepthError;
+}
+
 double transmittance_error(const AbsorberAmounts& amounts, double t, std::size_t band) {
   if (t >= 1) return 0;
   if (t <= 0) return kDarkError;
@@ -280,14 +286,15 @@ double transmittance_error(const AbsorberAmounts& amounts, double t, std::size_t
   }
   const double depth = -std::log(t);
   const double lines = std::max(0.0, depth - continua - aerosol);
-  const bool coarse = air_band_centre_cm1(band) > kCoarseLinesFromCm1;
-  const double error =
-      std::hypot((coarse ? kCoarseLineDepthError : kLineDepthError) * lines,
-                 kContinuumDepthError * continua, kAerosolRelativeError * aerosol) /
-      depth;
-  const double half =
-      0.5 * (std::exp(-depth * std::exp(-error)) - std::exp(-depth * std::exp(error)));
-  return std::hypot(half, kDarkError * (1 - t));
+  const double error = std::hypot(line_depth_error(band) * lines, kContinuumDepthError * continua,
+                                  kAerosolRelativeError * aerosol) /
+                       depth;
+  double out = 0.5 * (std::exp(-depth * std::exp(-error)) - std::exp(-depth * std::exp(error)));
+  // Of a dark path far more can pass than the half of both sides says: what three sigma less depth
+  // let through are three errors, too.
+  for (const double sigmas : {2.0, 3.0})
+    out = std::max(out, (std::exp(-depth * std::exp(-sigmas * error)) - t) / sigmas);
+  return std::hypot(out, kDarkError * (1 - t));
 }
 
 }  // namespace
