@@ -191,8 +191,21 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   return ChosenAir{
       *std::move(atmosphere), weather->refraction,
       absl::StrCat(std::filesystem::path(sweep_).filename().string(), ", ", chosen->season()),
+      weather->lower,
       ChosenAir::Place{place.latitude_deg(), place.longitude_deg(), place.height_m(),
                        chosen->time_utc()}};
+}
+
+absl::StatusOr<AirSpectrum> ChosenAir::surroundings_w_m2_sr_um(double height_m) const {
+  constexpr double kHighestM = 50e3;  // next to no scattering above
+  std::vector<double> um;
+  for (std::size_t b = 0; b < kAirBandCount; ++b) um.push_back(air_band_lambda_um(b));
+  const double lowest_m = atmosphere.profile().level.front().height_m;
+  auto environment = Environment::make(
+      {WeatherSpec{atmosphere.spec(), refraction, lower, nullptr}}, {{0, false, {0, 0, -1}, 1}},
+      std::clamp(height_m - lowest_m, kLowestAirPointM, kHighestM), std::move(um));
+  if (!environment.ok()) return environment.status();
+  return (*environment)->surroundings_w_m2_sr_um(0);
 }
 
 absl::StatusOr<ChosenAir> AirOptions::choose() const {
@@ -228,7 +241,9 @@ absl::StatusOr<ChosenAir> AirOptions::choose() const {
   }
   auto atmosphere = Atmosphere::make(std::move(spec));
   if (!atmosphere.ok()) return atmosphere.status();
-  return ChosenAir{*std::move(atmosphere), !straight_, std::move(title), std::nullopt};
+  LowerSpec ground{LowerSpec::Kind::kGround};
+  ground.temperature_k = atmosphere->profile().level.front().temperature_k;
+  return ChosenAir{*std::move(atmosphere), !straight_, std::move(title), ground, std::nullopt};
 }
 
 }  // namespace irsig

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/atmosphere/atmosphere.h"
+#include "core/environment/environment.h"
 
 namespace irsig {
 
@@ -14,6 +15,12 @@ struct ChosenAir {
   Atmosphere atmosphere;
   bool refraction = true;
   std::string title;  // for a plot
+  // With --sweep the season's; else black ground as warm as the air above it.
+  LowerSpec lower;
+
+  // Mean radiance of sky and surface around a point at this height above the sea, as a run scatters
+  // it into its paths. [band of the air]
+  [[nodiscard]] absl::StatusOr<AirSpectrum> surroundings_w_m2_sr_um(double height_m) const;
   // With --sweep: its place, and the time of the season's first condition.
   struct Place {
     double latitude_deg, longitude_deg, height_m;

@@ -164,7 +164,8 @@ struct AtmosphereCommand {
     sun.add_to(command, "From the path's direction, clockwise: 0 looks towards the sun");
     command.add_option("--surroundings-temperature-k", surroundings_temperature_k,
                        "Blackbody around the path, whose radiation is scattered into it; default: "
-                       "none");
+                       "sky and surface as a run has them, the surface as warm as the air without "
+                       "--sweep; 0: none");
     command
         .add_option("--modtran", modtran_file,
                     "Another code's output (tape7, .7sc or CSV) of this line of sight, shown "
@@ -200,10 +201,14 @@ struct AtmosphereCommand {
           !s.ok()) {
         return s;
       }
-      for (std::size_t b = 0; b < kAirBandCount; ++b) {
+      for (std::size_t b = 0; b<kAirBandCount&& * surroundings_temperature_k> 0; ++b) {
         light.surroundings_w_m2_sr_um.push_back(
             planck_radiance_w_m2_sr_um(air_band_lambda_um(b), *surroundings_temperature_k));
       }
+    } else {
+      auto around = chosen->surroundings_w_m2_sr_um(target_height_m.value_or(observer_height_m));
+      if (!around.ok()) return around.status();
+      light.surroundings_w_m2_sr_um = *std::move(around);
     }
     const PathRadiance ours = chosen->atmosphere.radiance(*path, light);
     warn_of_scattering(ours);
@@ -323,9 +328,12 @@ struct SkyCommand {
     }
     std::vector<std::vector<Cell>> rows;
     std::vector<DrawnSpectrum> spectra;
+    const auto around = chosen->surroundings_w_m2_sr_um(height_m);
+    if (!around.ok()) return around.status();
     for (const double azimuth : azimuth_deg) {
       for (const double zenith : zenith_deg) {
         PathLight light;
+        light.surroundings_w_m2_sr_um = *around;
         const auto place = sun.place(azimuth);
         if (!place.ok()) return place.status();
         light.sun = *place;

@@ -237,6 +237,10 @@ Environment::Look::Look(Look&&) noexcept = default;
 Environment::Look& Environment::Look::operator=(Look&&) noexcept = default;
 Environment::Look::~Look() = default;
 
+const AirSpectrum& Environment::surroundings_w_m2_sr_um(std::uint32_t weather) const {
+  return parts_->light_of(parts_->weather[weather]).surroundings;
+}
+
 const DirectionNodes& Environment::nodes() const { return parts_->nodes; }
 const DirectionNodes& Environment::nodes(bool with_azimuths) const {
   return with_azimuths ? parts_->nodes : parts_->rings;

@@ -132,6 +132,10 @@ class Environment {
       double target_height_m, std::vector<double> node_um);
   ~Environment();
 
+  // What the air around the target's point scatters into a path, thermal: the mean of sky and
+  // surface over all directions. [band of the air; 0 where no wavelength lies]
+  [[nodiscard]] const AirSpectrum& surroundings_w_m2_sr_um(std::uint32_t weather) const;
+
   // The directions at which sky and sea are given; one azimuth if no condition has a sun.
   [[nodiscard]] const DirectionNodes& nodes() const;
   // The same rings, with one azimuth if without.

@@ -62,11 +62,23 @@ class Atmosphere(unittest.TestCase):
         humid = at(rows(irsig("atmosphere", *AIR, *SEA, *surface, "--humidity", 95)), 905)
         self.assertGreater(dry["transmittance"], humid["transmittance"] + 0.1)
         sunny = at(rows(irsig("atmosphere", *AIR, *SEA, "--sun-zenith-deg", 50, "--sun-azimuth-deg", 20)), 2555)
-        self.assertEqual(clear["scattered_radiance_w_m2_sr_um"], 0)
-        self.assertGreater(sunny["scattered_radiance_w_m2_sr_um"], 0.001)
+        self.assertGreater(sunny["scattered_radiance_w_m2_sr_um"], clear["scattered_radiance_w_m2_sr_um"] + 0.001)
         self.assertEqual(clear["thermal_radiance_w_m2_sr_um"], sunny["thermal_radiance_w_m2_sr_um"])
-        around = at(rows(irsig("atmosphere", *AIR, *SEA, "--surroundings-temperature-k", 290)), 905)
+        around, none = (at(rows(irsig("atmosphere", *AIR, *SEA, "--surroundings-temperature-k", k)), 905) for k in (290, 0))
         self.assertGreater(around["scattered_radiance_w_m2_sr_um"], 0.01)
+        self.assertEqual(none["scattered_radiance_w_m2_sr_um"], 0)
+
+    def test_fog_is_as_warm_as_its_air(self):
+        # As a run has it: particles scatter what sky and surface send, and within fog both are as warm as the air.
+        fog = ("--profile", "us_standard_1976", "--aerosol", "advection_fog", "--visibility-m", 300)
+        path = at(rows(irsig("atmosphere", *fog, "--observer-m", 10, "--target-m", 10, "--range-m", 2000)), 905)
+        up = at(rows(irsig("sky", *fog, "--height-m", 10, "--zenith-deg", 80)), 905)
+        alone = at(rows(irsig("atmosphere", *fog, "--observer-m", 10, "--target-m", 10, "--range-m", 2000,
+                              "--surroundings-temperature-k", 0)), 905)
+        warm = planck(path["lambda_um"], 288.1)
+        self.assertAlmostEqual(path["path_radiance_w_m2_sr_um"] / warm, 1, delta=0.02)
+        self.assertAlmostEqual(up["sky_radiance_w_m2_sr_um"] / warm, 1, delta=0.03)
+        self.assertLess(alone["path_radiance_w_m2_sr_um"] / warm, 0.8)
 
     def test_band_limits(self):
         table = rows(irsig("atmosphere", *AIR, *SEA, "--lambda-min-um", 8, "--lambda-max-um", 12))
