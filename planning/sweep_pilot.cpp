@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -19,6 +21,59 @@ namespace {
 
 constexpr std::uint64_t kViewsAtFirst = 5, kViewsMore = 5, kViewsAtMost = 15;
 constexpr double kScatter = 0.1;
+// Of more conditions than twice so many the pilot does these, and a few of them once more: the
+// difference is what a condition costs.
+constexpr int kConditions = 24, kFewConditions = 6;
+
+// So many conditions, in their order: those with the most and the least light and the highest and
+// lowest temperatures, and others in the middles of the widest gaps between.
+std::vector<int> chosen_conditions(const schema::ResolvedSweep& sweep) {
+  const int all = sweep.condition_size();
+  std::set<int> chosen;
+  const auto extremes = [&](const auto& value) {
+    int least = 0, most = 0;
+    for (int c = 1; c < all; ++c) {
+      if (value(sweep.condition(c)) < value(sweep.condition(least))) least = c;
+      if (value(sweep.condition(c)) > value(sweep.condition(most))) most = c;
+    }
+    chosen.insert({least, most});
+  };
+  extremes([](const schema::Condition& c) { return c.sun_irradiance_w_m2(); });
+  extremes([](const schema::Condition& c) { return c.air_temperature_k(); });
+  extremes([](const schema::Condition& c) {
+    return std::accumulate(c.part_temperature_k().begin(), c.part_temperature_k().end(), 0.0);
+  });
+  while (chosen.size() < kConditions) {
+    int widest = 0, begin = 0;
+    for (auto at = chosen.begin(); at != chosen.end(); ++at) {
+      const auto next = std::next(at);  // after the last comes the first
+      const int gap = (next == chosen.end() ? all + *chosen.begin() : *next) - *at;
+      if (gap <= widest) continue;
+      widest = gap;
+      begin = *at;
+    }
+    chosen.insert((begin + widest / 2) % all);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+// These alone, each a season of its own: conditions are seasons x times.
+void keep_conditions(schema::ResolvedSweep& sweep, const std::vector<int>& kept) {
+  schema::ResolvedSweep out = sweep;
+  out.clear_condition();
+  out.mutable_sweep()->clear_season();
+  out.mutable_sweep()->clear_time();
+  out.mutable_sweep()->add_time(sweep.sweep().time(0));
+  for (const int c : kept) {
+    schema::Condition& condition = *out.add_condition();
+    condition = sweep.condition(c);
+    *out.mutable_sweep()->add_season() =
+        sweep.sweep().season(static_cast<int>(condition.season_index()));
+    condition.set_season_index(static_cast<std::uint32_t>(out.condition_size() - 1));
+    condition.set_time_index(0);
+  }
+  sweep = std::move(out);
+}
 
 std::uint64_t jobs_per_view(schema::ResolvedSweep sweep) {
   sweep.clear_shard();
@@ -51,7 +106,12 @@ class Planner {
                    .max_samples_per_replicate = accuracy.max_samples_per_replicate()};
     pilot_.views = shard_size(loaded.resolved);
     pilot_.jobs_per_view = jobs_per_view(loaded.resolved);
-    rows_ = static_cast<std::size_t>(loaded.resolved.condition_size()) *
+    int conditions = loaded.resolved.condition_size();
+    if (conditions > 2 * kConditions) {
+      condition_ = chosen_conditions(loaded.resolved);
+      left_out_ = std::exchange(conditions, kConditions) - kConditions;
+    }
+    rows_ = static_cast<std::size_t>(conditions) *
             static_cast<std::size_t>(loaded.resolved.sweep().band_size());
   }
 
@@ -68,8 +128,10 @@ class Planner {
              relative_scatter(view_costs(pilot_, pilot_.rule), pilot_.views) > kScatter);
     const auto after = farm_.bytes();
     if (!after.ok()) return after.status();
-    pilot_.database_bytes_per_view =
-        (*after - *before - model - sweep_bytes_) / static_cast<double>(computed_views_);
+    pilot_.database_bytes_per_view = (1 + static_cast<double>(left_out_) / kConditions) *
+                                     (*after - *before - model - sweep_bytes_ - few_bytes_) /
+                                     static_cast<double>(computed_views_);
+    add_left_out();
     if (loaded_.resolved.sweep().profile_size() > 0) {
       if (auto status = add_profiles(*after); !status.ok()) return status;
     }
@@ -100,10 +162,55 @@ class Planner {
     } else {
       sweep = with_samples(std::move(sweep), samples);
     }
-    cut_into(sweep, pilot_.jobs_per_view);
+    if (condition_.empty()) {
+      cut_into(sweep, pilot_.jobs_per_view);
+    } else {
+      keep_conditions(sweep, condition_);
+      cut_into(sweep, 1);
+    }
     sweep_bytes_ += stored_sweep_bytes(sweep);
     computed_views_ += views.size();
     return sweep;
+  }
+
+  // The same views and samples with a few of the chosen conditions.
+  absl::Status run_few(const std::vector<std::uint64_t>& views, std::uint64_t samples,
+                       bool warm_up) {
+    const auto before = farm_.bytes();
+    if (!before.ok()) return before.status();
+    const double sweep_bytes = sweep_bytes_;
+    const std::uint64_t computed = computed_views_;
+    schema::ResolvedSweep few = with_count(views, samples);
+    sweep_bytes_ = sweep_bytes;
+    computed_views_ = computed;
+    std::vector<int> kept;
+    for (int i = 0; i < kFewConditions; ++i) kept.push_back(i * kConditions / kFewConditions);
+    keep_conditions(few, kept);
+    cut_into(few, 1);
+    auto done = farm_.run({std::move(few)});
+    if (!done.ok()) return done.status();
+    for (std::size_t at = warm_up ? 1 : 0; at < views.size(); ++at)
+      few_cpu_s_.push_back(done->front().cpu_s(at));
+    const auto after = farm_.bytes();
+    if (!after.ok()) return after.status();
+    few_bytes_ += *after - *before;
+    return absl::OkStatus();
+  }
+
+  // What the conditions cost that were left out; and each of the jobs that a view is cut into
+  // traces all paths.
+  void add_left_out() {
+    for (std::size_t v = 0; v < few_cpu_s_.size(); ++v) {
+      ViewPilot& view = pilot_.view[v];
+      const double each =
+          std::max(0.0, view.cpu_s[1] - few_cpu_s_[v]) / (kConditions - kFewConditions);
+      for (double& cpu_s : view.cpu_s)
+        cpu_s += left_out_ * each + static_cast<double>(pilot_.jobs_per_view - 1) *
+                                        std::max(0.0, cpu_s - kConditions * each);
+    }
+    if (few_cpu_s_.empty()) return;
+    const double exponent = time_exponent(pilot_.view);
+    for (ViewPilot& view : pilot_.view) view.time_exponent = exponent;
   }
 
   // The next views, at all stages; the first that each worker computes pays for cold caches, and is
@@ -121,6 +228,8 @@ class Planner {
     for (std::uint64_t& n : counts) n = std::min(n, pilot_.rule.max_samples_per_replicate);
     if (further_ > 0) counts.push_back(further_);
     if (auto status = run_stages(views, counts, first, warm_up); !status.ok()) return status;
+    if (!condition_.empty())
+      if (auto status = run_few(views, counts[1], warm_up); !status.ok()) return status;
     if (first > 0) return absl::OkStatus();
     // Far beyond the second pilot, another stage: where the job's own third pilot will be, or a
     // quarter of what is needed.
@@ -222,7 +331,7 @@ class Planner {
         profile.clear_apparent_temperature_stderr_k();
         profile.set_samples(samples[static_cast<std::size_t>(p)] * replicates);
       }
-      cut_into(sweep, pilot_.jobs_per_view);
+      cut_into(sweep, condition_.empty() ? pilot_.jobs_per_view : 1);
       return sweep;
     };
     std::vector<std::uint64_t> points;
@@ -304,8 +413,12 @@ class Planner {
   PilotFarm& farm_;
   SweepPilot pilot_;
   std::size_t rows_ = 0;
-  std::uint64_t further_ = 0;  // a third stage; 0: none
-  double sweep_bytes_ = 0;     // what the database keeps of the pilot's sweeps themselves
+  std::vector<int> condition_;     // that the pilot does; empty: all
+  int left_out_ = 0;               // conditions
+  std::vector<double> few_cpu_s_;  // [view] with a few conditions and the second count of samples
+  double few_bytes_ = 0;           // that the database keeps of these
+  std::uint64_t further_ = 0;      // a third stage; 0: none
+  double sweep_bytes_ = 0;         // what the database keeps of the pilot's sweeps themselves
   std::uint64_t computed_views_ = 0;
 };
 

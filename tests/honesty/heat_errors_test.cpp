@@ -397,6 +397,7 @@ Scene broken_cloud(std::uint64_t seed) {
   for (int i = 0; i < 4; ++i)
     s.asked_s.push_back(std::round(begin + kDayS + random.between(6, 18) * kHourS));
   std::sort(s.asked_s.begin(), s.asked_s.end());
+  s.asked_s.erase(std::unique(s.asked_s.begin(), s.asked_s.end()), s.asked_s.end());
   return s;
 }
 

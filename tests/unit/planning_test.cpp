@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/accuracy/pilot_samples.h"
+#include "jobs/check_resolved.h"
 #include "planning/machine.h"
 #include "planning/prediction.h"
 #include "planning/sweep_pilot.h"
@@ -18,14 +19,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A job takes fixed_s + sample_s x samples, a row's standard error is 100 W/sr x error
-// (128 / samples)^0.6; both times what the view says.
+// A job takes fixed_s + sample_s x samples + condition_s x conditions, a row's standard error is
+// 100 W/sr x error (128 / samples)^0.6; both times what the view says.
 class StatedFarm final : public PilotFarm {
  public:
-  double fixed_s = 0.02, sample_s = 1e-4, error = 0.02, row_bytes = 5000;
+  double fixed_s = 0.02, sample_s = 1e-4, error = 0.02, row_bytes = 5000, condition_s = 0;
   std::function<double(double azimuth_deg)> of_view = [](double) { return 1.0; };
   absl::Status failure;
   std::set<double> azimuths;  // of all views that were computed
+  int conditions = 0;         // the most of a sweep
+  double brightest_w_m2 = 0, hottest_k = 0;
 
   absl::StatusOr<std::vector<PilotStage>> run(std::vector<schema::ResolvedSweep> sweeps) override {
     if (!failure.ok()) return failure;
@@ -37,12 +40,19 @@ class StatedFarm final : public PilotFarm {
       const auto n = static_cast<double>(samples);
       bytes_ += static_cast<double>(sweep.ByteSizeLong());
       std::uint64_t row = 0;
+      EXPECT_TRUE(check_resolved(sweep).ok()) << check_resolved(sweep);
+      conditions = std::max(conditions, sweep.condition_size());
+      for (const schema::Condition& c : sweep.condition()) {
+        brightest_w_m2 = std::max(brightest_w_m2, c.sun_irradiance_w_m2());
+        hottest_k = std::max(hottest_k, c.part_temperature_k(0));
+      }
       for (int v = 0; v < sweep.viewpoint_size(); ++v) {
         const double azimuth = sweep.viewpoint(v).aspect_azimuth_deg();
         azimuths.insert(azimuth);
         StoredJobCost job;
         job.viewpoint_index = static_cast<std::uint64_t>(v);
-        job.cpu_s = (fixed_s + sample_s * n) * of_view(azimuth);
+        job.cpu_s =
+            (fixed_s + sample_s * n + condition_s * sweep.condition_size()) * of_view(azimuth);
         job.samples = 32 * samples;
         job.target_paths = 20 * samples;
         cpu_s_ += job.cpu_s;
@@ -109,6 +119,37 @@ TEST(SweepPilot, LooksAtMoreViewsWhereTheyDiffer) {
   ASSERT_TRUE(pilot.ok()) << pilot.status();
   EXPECT_EQ(pilot->view.size(), 15U);
   EXPECT_GE(farm.azimuths.size(), 15U);
+}
+
+// 300 conditions, of which the pilot does few: the brightest and the hottest among them, and the
+// time of all from what further ones take.
+TEST(SweepPilot, OfManyConditionsAFewTell) {
+  StatedFarm farm;
+  farm.condition_s = 2e-3;
+  LoadedSweep loaded = quickstart(0.01);
+  schema::ResolvedSweep& sweep = loaded.resolved;
+  const schema::Condition first = sweep.condition(0);
+  const schema::Season season = sweep.sweep().season(0);
+  sweep.clear_condition();
+  sweep.mutable_sweep()->clear_season();
+  sweep.mutable_sweep()->mutable_transport()->set_job_size_vertices(1e18);
+  for (int i = 0; i < 300; ++i) {
+    *sweep.mutable_sweep()->add_season() = season;
+    schema::Condition& c = *sweep.add_condition();
+    c = first;
+    c.set_season_index(static_cast<std::uint32_t>(i));
+    c.set_sun_irradiance_w_m2(i == 137 ? 1200 : 900);
+    c.set_part_temperature_k(0, i == 211 ? 350 : 300);
+  }
+  const auto pilot = pilot_sweep(loaded, farm);
+  ASSERT_TRUE(pilot.ok()) << pilot.status();
+  EXPECT_EQ(farm.conditions, 24);
+  EXPECT_EQ(farm.brightest_w_m2, 1200);
+  EXPECT_EQ(farm.hottest_k, 350);
+  const StoredPrediction p = prediction_of(*pilot, sweep, 1);
+  const double samples = 128 * std::pow(0.02 / (0.8 * 0.01), 1 / 0.6);
+  EXPECT_NEAR(p.job_cpu_median_s, 0.02 + 1e-4 * samples + 2e-3 * 300, 0.03);
+  EXPECT_NEAR(pilot->database_bytes_per_view, 600 * 5000, 1);
 }
 
 TEST(SweepPilot, PassesOnWhatTheFarmSays) {
