@@ -9,6 +9,7 @@
 #include "core/atmosphere/band_loops.h"
 #include "core/atmosphere/gas_table.h"
 #include "core/base/check.h"
+#include "core/base/work_counts.h"
 
 namespace irsig {
 namespace {
@@ -144,6 +145,7 @@ AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& band
     for (std::size_t g = 0; g < depth.size(); ++g) depth[g] = &amounts.optical_depth[g][r.first];
     grey_transmittance(r.size(), depth, &t[r.first]);
   }
+  count_work(Work::kLineTerms, bands.line_terms().weight.size());
   multiply_lines(bands.line_terms(), amounts.gas_scaled_kg_m2.data(),
                  amounts.gas_plain_kg_m2.data(), t.data());
   return AirSpectrum(t.begin(), t.end() - 1);

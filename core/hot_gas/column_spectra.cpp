@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/work_counts.h"
 #include "core/hot_gas/gas_model_error.h"
 #include "core/spectral/planck.h"
 
@@ -154,6 +155,7 @@ HotColumn::BandLight HotColumn::light(const std::vector<GasPath>& path,
                                       const AirBeforeColumns* air) {
   BandLight out;
   if (path.empty()) return out;
+  count_work(Work::kGasSpectra, 1);
   for (auto* v : {&out.emitted, &out.absorbed, &out.error}) v->assign(kGasBandCount, 0.0);
   for (std::size_t r = 0; r < path.size(); ++r) {
     const auto put = [&](std::vector<double>& to, const std::vector<double>& values) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/work_counts.h"
 #include "core/plume/march_interval.h"
 
 namespace irsig {
@@ -81,6 +82,7 @@ class Marcher {
               [](const Visit& a, const Visit& b) { return a.span.start < b.span.start; });
     for (const Visit& visit : visits) cross(*visit.root, visit.span);
     std::vector<GasSegment> out = builder_.take();
+    count_work(Work::kGasSegments, out.size());
     for (GasSegment& segment : out) {
       segment.start_m += offset_m_;
       segment.end_m += offset_m_;

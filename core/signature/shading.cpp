@@ -5,6 +5,7 @@
 
 #include "core/base/clones.h"
 #include "core/base/ordered_dot.h"
+#include "core/base/work_counts.h"
 
 namespace irsig {
 namespace {
@@ -343,6 +344,7 @@ void evaluate(const ConditionSources& light, std::size_t parts, const LitWeights
   double path = 0;
   for (std::size_t i = 0; i < band.nodes(); ++i)
     path += grid.band_weight[i] * path_radiance[band.first_node + i];
+  count_work(Work::kShadedWeights, weights.replicates() * whole.source.size());
   for (std::size_t r = 0; r < weights.replicates(); ++r) {
     const SummedWeights& sum = weights.sum(r);
     double* out = values[r].data();

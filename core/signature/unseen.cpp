@@ -11,6 +11,7 @@
 #include "core/accuracy/replicates.h"
 #include "core/base/next_large.h"
 #include "core/base/sobol.h"
+#include "core/base/work_counts.h"
 
 namespace irsig {
 namespace {
@@ -277,6 +278,7 @@ const UnseenLight::Sun& UnseenLight::of(const SunDirection& sun) const {
 template <typename Visit>
 void UnseenLight::for_each_lit(const SunDirection& sun, const std::vector<Patch>& patches,
                                Visit&& visit) const {
+  count_work(Work::kPatches, patches.size());
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   const Spread disk_spread = spread_of(sun.angular_radius_rad);
   for (const Patch& p : patches) {
@@ -444,6 +446,7 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
   for (const Thrower& t : thrower) thrown.push_back(t.thrown);
   const NextLarge strong(thrown);
   constexpr int kMostTried = 64;  // then the next is taken to be seen
+  std::size_t all_tried = 0;
   for (std::size_t i = 0; i < patch_.size(); ++i) {
     if (at[i] == SIZE_MAX) continue;
     const Patch& p = patch_[i];
@@ -462,7 +465,9 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
       out[at[i]].later = p.shows * t.to_anyone;
       break;
     }
+    all_tried += static_cast<std::size_t>(tried);
   }
+  count_work(Work::kThrowersTried, all_tried);
   return out;
 }
 
@@ -497,7 +502,9 @@ const UnseenLight::Above& UnseenLight::above() const {
   // Facets and rays are rounded by less; reflected rays start 2e-6 of the radius above.
   const double rounding = 1e-6 * target_.radius_m;
   std::uint64_t tests = 20'000'000;  // then boxes have to do
+  std::size_t tried = 0;
   const auto any_above = [&](Vec<Body> n, double level, const std::vector<Vec<Body>>& places) {
+    tried += places.size();
     return std::any_of(places.begin(), places.end(),
                        [&](Vec<Body> q) { return dot(n, q) > level + rounding; });
   };
@@ -528,6 +535,7 @@ const UnseenLight::Above& UnseenLight::above() const {
     if (fresh) made->sets.push_back(set);
     made->of_patch.push_back(at->second);
   }
+  count_work(Work::kPlacesTried, tried);
   above_ = std::move(made);
   return *above_;
 }

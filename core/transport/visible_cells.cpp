@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/work_counts.h"
+
 namespace irsig {
 namespace {
 
@@ -238,6 +240,7 @@ CellGrid visible_cells(const Target& target, const PlaneVertices& plane,
     y_min = std::min(y_min, t.y_min);
     y_max = std::max(y_max, t.y_max);
   }
+  count_work(Work::kFacetsProjected, target.facet.size());
   for (std::uint32_t f = 0; f < target.facet.size(); ++f) {
     Projected t = project(target, plane, f);
     if (t.x_max >= x_min && t.x_min <= x_max && t.y_max >= y_min && t.y_min <= y_max && !t.edge_on)
