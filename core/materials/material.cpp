@@ -59,6 +59,7 @@ absl::StatusOr<Material> Material::prepare(const MaterialSpec& spec,
   }
   if (!status.ok()) return status;
   out.set_limits();
+  out.thrown_light_ = ThrownLight(out);
   return out;
 }
 

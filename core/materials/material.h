@@ -12,6 +12,7 @@
 #include "core/materials/cook_torrance.h"
 #include "core/materials/material_spec.h"
 #include "core/materials/reflection.h"
+#include "core/materials/thrown_light.h"
 
 namespace irsig {
 
@@ -61,6 +62,8 @@ class Material {
   // light from anywhere. [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
   [[nodiscard]] double limit_seen_per_sr(double cos_o_min, double cos_o_max) const;
+  // Of the reflected light, how much of it is how bright, at its largest node.
+  [[nodiscard]] const ThrownLight& thrown_light() const { return thrown_light_; }
 
   // The BRDF of a grey material. [1/sr]
   [[nodiscard]] float brdf_per_sr(const Reflection& r) const;
@@ -142,7 +145,8 @@ class Material {
   // [entry of sqrt(cos_d)]: the largest reflectance from there on, at any node.
   std::vector<float> largest_reflectance_;
   std::vector<double> limit_of_light_, limit_seen_;  // [kLimitCells of the angle]
-  float roughness_ = 0;                              // 0: Lambert; below 0: the other models
+  ThrownLight thrown_light_;
+  float roughness_ = 0;  // 0: Lambert; below 0: the other models
   Masking masking_ = Masking::kVGroove;
   std::vector<float> reflectance_;           // [kFresnelCells + 1], grey
   std::vector<float> spectral_reflectance_;  // [kSpectralFresnelCells + 1][node]

@@ -73,8 +73,7 @@ TemperatureCourse course_of(const GasSegment& s) {
   // A jump far from the middle, or a course that rises and falls: that is less skewed.
   const double off = std::sqrt(0.25 - straight / 3),
                skew = straight / 3 * 2 * off * std::abs(std::pow(6 * variance / change, 3));
-  if (std::abs(change) > kFlat * s.temperature_k &&
-      std::abs(s.temperature_skew_k3) > 0.5 * skew) {
+  if (std::abs(change) > kFlat * s.temperature_k && std::abs(s.temperature_skew_k3) > 0.5 * skew) {
     out.first += s.temperature_skew_k3 * change > 0 ? off : -off;
     out.half_step_k = 3 * variance / change;
   } else {
@@ -90,7 +89,8 @@ bool GasPiece::is_fine(const SegmentSteps& steps) const {
   for (std::size_t s = 0; s < kPlumeSpecies; ++s)
     change = std::max(change, most_share[s] - least_share[s]);
   const double range = most_k / least_k - 1;
-  return steps.allow(course_of(segment).is_known ? range : kRisesAndFalls * range, steps.grey.optical_depth(segment), change);
+  return steps.allow(course_of(segment).is_known ? range : kRisesAndFalls * range,
+                     steps.grey.optical_depth(segment), change);
 }
 
 void SegmentBuilder::add(const GasPiece& piece) {

@@ -110,9 +110,9 @@ class GasMeasurement {
 
   // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
-  // What the two sets of nodes may both be off by, though they agree: of each column, how far what it
-  // sends is from a sum of its tests that the other set's columns meet, added up in squares. A share
-  // of what is sent in a band.
+  // What the two sets of nodes may both be off by, though they agree: of each column, how far what
+  // it sends is from a sum of its tests that the other set's columns meet, added up in squares. A
+  // share of what is sent in a band.
   [[nodiscard]] double luck_relative(std::size_t which_band) const;
   // What so many rays of each replicate may all have missed, as a share of what is sent in a band.
   [[nodiscard]] double missed(std::size_t which_band, std::uint64_t samples) const;

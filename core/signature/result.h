@@ -15,17 +15,18 @@ namespace irsig {
 // Version of the numbers that the core makes: raised whenever a result changes in any bit for the
 // same request.
 // 16: rays at hot gas also go where it is seen past what is in front; steps beside jumps; what so
-// few columns and rays may have missed. 15: computed temperatures: skies that jump at a record, exact shares of the sky, errors of rays;
-// facets inside other bodies are as warm as the rest of their part; targets in the air; model
-// errors of hot gas and of clouds that the sky does not show; effects that an uncertain input moves
-// are never left out; profiles allow for what no sample met; 0 W/sr is an answer. 11: what the
-// target reflects of hot gas, and what gas takes of light behind it; aerosol between 2 and 3 km,
-// and that of the Navy's model above the surface; the air's stated model error; its carbon dioxide
-// at 2140-2430 cm-1 in warmer and colder air. 10: computed temperatures, whose exchange and
-// repeated day are settled together; the air's carbon dioxide at 2140-2430 cm-1, which has the
-// terms of the project's own lines; sky, sea and the sun in them, added up in the bands of the air,
-// scattered sunlight rounded to float; what of the sun was not met, bounded for facets that face
-// one way together.
+// few columns and rays may have missed; sunlight thrown onto other facets is allowed for by how
+// much of it is how bright. 15: computed temperatures: skies that jump at a record, exact shares of
+// the sky, errors of rays; facets inside other bodies are as warm as the rest of their part;
+// targets in the air; model errors of hot gas and of clouds that the sky does not show; effects
+// that an uncertain input moves are never left out; profiles allow for what no sample met; 0 W/sr
+// is an answer. 11: what the target reflects of hot gas, and what gas takes of light behind it;
+// aerosol between 2 and 3 km, and that of the Navy's model above the surface; the air's stated
+// model error; its carbon dioxide at 2140-2430 cm-1 in warmer and colder air. 10: computed
+// temperatures, whose exchange and repeated day are settled together; the air's carbon dioxide at
+// 2140-2430 cm-1, which has the terms of the project's own lines; sky, sea and the sun in them,
+// added up in the bands of the air, scattered sunlight rounded to float; what of the sun was not
+// met, bounded for facets that face one way together.
 inline constexpr int kPhysicsVersion = 16;
 
 // Spectra on the band's stored wavelengths; [W/(sr um)].

@@ -145,6 +145,17 @@ std::vector<UnseenLight::Patch> UnseenLight::gathered(
 struct UnseenLight::Lit {
   double first = 0, first_m2 = 0;  // shown to the sensor, over this area
   double to_anyone = 0, thrown = 0, irradiance = 0;
+  double cos_i = 0;
+
+  // visit(radiance, light thrown), from bright to dark: by the shares of what the material
+  // reflects; what these may not have met as bright as it can be.
+  template <typename Visit>
+  void for_each_share(const Material& material, Visit&& visit) const {
+    if (!(to_anyone > 0)) return;
+    visit(to_anyone, thrown * ThrownLight::not_met());
+    for (const ThrownLight::Class& one : material.thrown_light().of(cos_i))
+      if (!visit(std::min(to_anyone, irradiance * one.per_sr), thrown * one.share)) return;
+  }
 };
 
 void RareLight::add(double radiance, double seen_m2) {
@@ -303,6 +314,7 @@ void UnseenLight::for_each_lit(const SunDirection& sun, const std::vector<Patch>
       if (cos_i.most <= 0) continue;
       Lit lit;
       lit.irradiance = irradiance;
+      lit.cos_i = 0.5 * (cos_i.least + cos_i.most);
       if (cos_o.most > 0) {
         const ReflectionRange range =
             range_of(n, to_sun, cos_i, p.to_sensor, cos_o, spread.angle + p.sight.angle, p.bent);
@@ -327,13 +339,16 @@ UnseenLight::Sun UnseenLight::make(const SunDirection& sun) const {
     gathered_patch_ = gathered([](const Patch&) { return 0u; });
   const double disk_per_sr = 1 / (kPi * std::pow(std::tan(sun.angular_radius_rad), 2));
   double most_irradiance = 0;
-  for_each_lit(sun, by_facet ? patch_ : gathered_patch_, [&](const Patch&, const Lit& lit) {
+  for_each_lit(sun, by_facet ? patch_ : gathered_patch_, [&](const Patch& p, const Lit& lit) {
     out.first.add(lit.first, lit.first_m2);
     out.brightest_per_sr = std::max(out.brightest_per_sr, lit.to_anyone);
     most_irradiance = std::max(most_irradiance, lit.irradiance);
-    const double bright = lit.to_anyone * passed_on_;
-    if (convex_ || bright <= 0) return;
-    out.later.add(bright, lit.thrown * gathered_mean_ * shown_per_sr_ / bright);
+    if (convex_) return;
+    lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
+      if (const double bright = radiance * passed_on_; bright > 0)
+        out.later.add(bright, thrown * gathered_mean_ * shown_per_sr_ / bright);
+      return true;
+    });
   });
   out.brightest_per_sr = std::min(out.brightest_per_sr * (convex_ ? 1 : gathered_),
                                   most_irradiance * std::max(1.0, largest_dhr_) * disk_per_sr);
@@ -387,10 +402,13 @@ std::vector<UnseenLight::Stratum> UnseenLight::by_stratum(
     for_each_lit(suns[j], suns[j].distance_m > 0 ? patch_ : gathered_in,
                  [&](const Patch& p, const Lit& lit) {
                    out[stratum_of(p)].first[j].add(lit.first, lit.first_m2);
-                   if (convex_ || lit.to_anyone <= 0) return;
-                   for (std::size_t s = 0; s < out.size(); ++s)
-                     if (const double bright = lit.to_anyone * passed_on[s]; bright > 0)
-                       out[s].later[j].add(bright, lit.thrown * gathered[s] * shown[s] / bright);
+                   if (convex_) return;
+                   lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
+                     for (std::size_t s = 0; s < out.size(); ++s)
+                       if (const double bright = radiance * passed_on[s]; bright > 0)
+                         out[s].later[j].add(bright, thrown * gathered[s] * shown[s] / bright);
+                     return true;
+                   });
                  });
   return out;
 }
@@ -438,7 +456,14 @@ std::vector<UnseenLight::Facet> UnseenLight::facets(const SunDirection* sun,
   for_each_lit(*sun, patch_, [&](const Patch& p, const Lit& lit) {
     const std::size_t k = at[static_cast<std::size_t>(&p - patch_.data())];
     if (k != SIZE_MAX) out[k].first = std::max(out[k].first, lit.first);
-    if (lit.thrown > 0) thrower.push_back({&p, lit.to_anyone, lit.thrown});
+    // As bright as what is more than the least that counts, whoever shows it.
+    double bright = 0, all = 0;
+    lit.for_each_share(materials_[p.material], [&](double radiance, double thrown) {
+      bright = radiance;
+      all += thrown;
+      return all * shown_per_sr_ < least_m2_per_sr;
+    });
+    if (lit.thrown > 0) thrower.push_back({&p, bright, lit.thrown});
   });
   std::stable_sort(thrower.begin(), thrower.end(),
                    [](const Thrower& a, const Thrower& b) { return a.to_anyone > b.to_anyone; });

@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-constexpr int kCells = 256;       // along the longer side
+constexpr int kCells = 256;           // along the longer side
 constexpr double kCellMargin = 1e-3;  // of a cell: far above rounding
 // Shares of the rays: evenly, by what is seen where nothing absorbs, the rest by what is seen at
 // the other optical depths.
@@ -64,9 +64,8 @@ struct SeenPoint {
 // Shares of each measure by cell; all 0 where a measure has nothing. One pass from near to far for
 // each optical depth.
 Seen find_seen(const CellGrid& grid, std::vector<SeenPoint> point) {
-  std::sort(point.begin(), point.end(), [](const SeenPoint& a, const SeenPoint& b) {
-    return a.distance_m < b.distance_m;
-  });
+  std::sort(point.begin(), point.end(),
+            [](const SeenPoint& a, const SeenPoint& b) { return a.distance_m < b.distance_m; });
   std::vector<double> column(grid.hit.size(), 0.0);
   for (const SeenPoint& p : point)
     p.cells.for_each(grid, [&](std::size_t cell) { column[cell] += p.amount_m2; });
@@ -131,11 +130,10 @@ absl::StatusOr<BoxedView> make_boxed_view(const Target& target, const Viewpoint&
     for (const Vec<Body>& corner : box)
       nearest_m = std::min(nearest_m, 0.999 * dot(from_sensor(corner), frame.forward));
   if (!(nearest_m > 0.01 * viewpoint.range_m))
-    return keyed_problem(
-        "viewpoints.range_m",
-        absl::StrCat("hot gas reaches to the sensor at ", viewpoint.range_m, " m, azimuth ",
-                     viewpoint.aspect_azimuth_deg, ", elevation ", viewpoint.aspect_elevation_deg,
-                     " deg, or behind it"));
+    return keyed_problem("viewpoints.range_m",
+                         absl::StrCat("hot gas reaches to the sensor at ", viewpoint.range_m,
+                                      " m, azimuth ", viewpoint.aspect_azimuth_deg, ", elevation ",
+                                      viewpoint.aspect_elevation_deg, " deg, or behind it"));
   frame.plane_m = std::min(frame.plane_m, nearest_m);
   // A place on the image plane, and what is `reach_m` around it.
   const auto on_plane = [&](Vec<Body> at, double reach_m) {

@@ -15,9 +15,9 @@ struct BoxedSight {
   std::vector<std::array<Vec<Body>, 8>> box;
   struct Point {
     Vec<Body> at;
-    double reach_m;              // across
+    double reach_m;               // across
     std::array<double, 2> sends;  // if nothing were before it: two measures, which count alike
-    double amount;               // of what absorbs, in any one unit
+    double amount;                // of what absorbs, in any one unit
   };
   std::vector<Point> point;
 };
@@ -49,8 +49,8 @@ struct BoxedView {
   SightShares sight;
 };
 // A view of it, before and beside a target: one stratum, for all parts, over the cells of the image
-// plane that the boxes touch, a fifth of its rays spread evenly, the rest by what is seen there. The
-// image plane, where rays begin, lies before both. INVALID_ARGUMENT: the sensor is within a
+// plane that the boxes touch, a fifth of its rays spread evenly, the rest by what is seen there.
+// The image plane, where rays begin, lies before both. INVALID_ARGUMENT: the sensor is within a
 // hundredth of its range of what is to be seen, along the line of sight.
 [[nodiscard]] absl::StatusOr<BoxedView> make_boxed_view(const Target& target,
                                                         const Viewpoint& viewpoint,

@@ -23,7 +23,7 @@
 namespace irsig {
 namespace {
 
-constexpr int kSide = 16;      // voxels across
+constexpr int kSide = 16;       // voxels across
 constexpr double kSideM = 0.5;  // edge of a voxel
 constexpr double kRangeM = 1e6, kStarboardM = 23;
 
@@ -134,8 +134,9 @@ std::shared_ptr<const PlumeField> field_of(const Smoke& smoke) {
         VoxelMask mask{};
         std::vector<float> value(512 * 2);
         for (unsigned v = 0; v < 512; ++v) {
-          const Voxel& from = smoke.at(x + static_cast<int>(v >> 6), y + static_cast<int>(v >> 3 & 7),
-                                       z + static_cast<int>(v & 7));
+          const Voxel& from =
+              smoke.at(x + static_cast<int>(v >> 6), y + static_cast<int>(v >> 3 & 7),
+                       z + static_cast<int>(v & 7));
           if (!(from.soot > 0)) continue;
           mask[v >> 6] |= std::uint64_t{1} << (v & 63);
           value[2 * v] = static_cast<float>(from.kelvin);
@@ -173,7 +174,8 @@ double exact(const Smoke& smoke, double from_um, double to_um) {
           const Voxel& v = smoke.at(x, y, z);
           if (!(v.soot > 0)) continue;
           const double left = std::exp(-absorbs * static_cast<double>(static_cast<float>(v.soot)));
-          all += through * (1 - left) * planck(um, static_cast<double>(static_cast<float>(v.kelvin)));
+          all +=
+              through * (1 - left) * planck(um, static_cast<double>(static_cast<float>(v.kelvin)));
           through *= left;
         }
       }
@@ -183,8 +185,8 @@ double exact(const Smoke& smoke, double from_um, double to_um) {
 }
 
 void judge(const char* family, const std::function<Smoke(std::uint64_t)>& smoke_of) {
-  SceneSpec scene = fixture::scene_of(fixture::generated("disk", 20, 0.01), fixture::grey(1),
-                                      fixture::mwir());
+  SceneSpec scene =
+      fixture::scene_of(fixture::generated("disk", 20, 0.01), fixture::grey(1), fixture::mwir());
   scene.band.push_back({"LWIR", 8, 12, 0.25, {}});
   scene.spectral_breaks_um = gas_band_edges_um(3, 12);
   const auto simulator = fixture::simulator_of(scene);
@@ -221,10 +223,11 @@ void judge(const char* family, const std::function<Smoke(std::uint64_t)>& smoke_
   }
   std::sort(stated.begin(), stated.end());
   const double rms = std::sqrt(square / count);
-  std::printf("%s: %d values, rms z %.2f, largest %.2f, beyond 5: %d; stated / asked %.2f (median), "
-              "%.2f (95 %%)\n",
-              family, count, rms, largest, beyond, stated[stated.size() / 2],
-              stated[stated.size() * 95 / 100]);
+  std::printf(
+      "%s: %d values, rms z %.2f, largest %.2f, beyond 5: %d; stated / asked %.2f (median), "
+      "%.2f (95 %%)\n",
+      family, count, rms, largest, beyond, stated[stated.size() / 2],
+      stated[stated.size() * 95 / 100]);
   EXPECT_GT(rms, 0.2) << family;
   EXPECT_LT(rms, 1.3) << family;
 }

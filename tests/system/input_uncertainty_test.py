@@ -2,7 +2,7 @@
 
 usage: input_uncertainty_test.py <irsig>
 """
-import csv, io, json, math, pathlib, subprocess, sys, tempfile, unittest
+import csv, io, json, math, os, pathlib, random, subprocess, sys, tempfile, unittest
 
 IRSIG = pathlib.Path(sys.argv[1]).resolve()
 
@@ -160,20 +160,32 @@ class InputUncertainty(unittest.TestCase):
 
     def test_what_an_input_moves_is_not_left_out(self):
         """A grey plate under a warm sky: what its emissivity changes is emission less the sky. Once the plan left reflections
-        out, since they were small at the stated emissivity, and the contribution was ten times too large."""
+        out, since they were small at the stated emissivity, and the contribution was ten times too large. Two cases, and
+        more from seeds: 10, or as many as IRSIG_UNCERTAINTY_SEEDS says (docs/stability.md has 200)."""
         (self.folder / "plate.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n")
-        for number, (emissivity, kelvin, sky_k, moved, sides, relative_error) in enumerate(
-                [(0.97, 290, 284, 0.02, "one", 0.05), (0.995, 392.4, 269.8, 0.3, "both", 0.002)]):
+        cases = [(0.97, 290, 284, 0.02, "one", 0.05), (0.995, 392.4, 269.8, 0.3, "both", 0.002)]
+        for seed in range(int(os.environ.get("IRSIG_UNCERTAINTY_SEEDS", "10"))):
+            draw = random.Random(seed)
+            kelvin = draw.uniform(260, 400)
+            cases.append((round(1 - 10 ** draw.uniform(-2.5, -0.3), 4), round(kelvin, 1),
+                          round(kelvin - 10 ** draw.uniform(0.5, 2), 1), round(10 ** draw.uniform(-2, -0.6), 4),
+                          draw.choice(("one", "both")), round(10 ** draw.uniform(-3, -1), 4)))
+        squares, largest = 0, 0
+        for number, (emissivity, kelvin, sky_k, moved, sides, relative_error) in enumerate(cases):
             database = self.run_sweep(f"plate{number}", PLATE % (emissivity, kelvin, sky_k, relative_error, moved, sides))
             inputs = json.loads(self.irsig("explain", database, "--row", 1, "--format", "json"))["inputs"]
             of = {i["input"]: i for i in inputs}
-            step = min(moved, 1 - emissivity) if emissivity + moved > 1 else moved
-            both = sides == "both"
-            gain = (step + moved) / 2 if both else moved
+            # Towards where emissivity stays below 1; of both sides the mean, each as far as it goes.
+            up, down = min(moved, 1 - emissivity), min(moved, emissivity)
+            gain = (up + down) / 2 if sides == "both" else moved
             expected = 4 * gain * (radiance(kelvin) - radiance(sky_k))
             stated = of["emissivity"]
-            self.assertLess(stated["contribution_stderr_w_sr"], 0.1 * expected)
-            self.assertAlmostEqual(stated["contribution_w_sr"], expected, delta=5 * stated["contribution_stderr_w_sr"] + 1e-3 * expected)
+            if number < 2:  # coarse rows know small contributions no better than themselves
+                self.assertLess(stated["contribution_stderr_w_sr"], 0.1 * expected)
+            off, error = abs(stated["contribution_w_sr"] - expected), stated["contribution_stderr_w_sr"]
+            self.assertLess(off, 5 * error + 1e-3 * expected, (number, cases[number], stated["contribution_w_sr"], expected))
+            squares, largest = squares + (off / math.hypot(error, 1e-3 * expected)) ** 2, max(largest, off / math.hypot(error, 1e-3 * expected))
+        print(f"contributions of emissivity: {len(cases)}, rms z {math.sqrt(squares / len(cases)):.2f}, largest {largest:.2f}")
 
     def test_same_bits_and_both_sides(self):
         both = SWEEP + STATED + 'sides = "both"\n'
