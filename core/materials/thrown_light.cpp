@@ -11,7 +11,7 @@
 namespace irsig {
 namespace {
 
-constexpr int kDirections = 4096;
+constexpr int kThrown = 4096;
 
 // The n-th point of a lattice of rank 1 in three dimensions (roots of x^4 = x + 1), in (0, 1).
 double lattice(int n, double step) {
@@ -27,7 +27,7 @@ ThrownLight::ThrownLight(const Material& material) {
     const double root = (static_cast<double>(cell) + 0.5) / kCells, cos_i = root * root;
     std::map<int, Class, std::greater<>> classes;  // by half octaves
     double all = 0;
-    for (int n = 0; n < kDirections; ++n) {
+    for (int n = 0; n < kThrown; ++n) {
       const double turn = 2 * std::numbers::pi * lattice(n, 1 / (kRoot * kRoot * kRoot));
       // By reciprocity a direction for light: of a path the other way.
       const Material::Sampled to =
@@ -51,7 +51,7 @@ ThrownLight::ThrownLight(const Material& material) {
   }
 }
 
-double ThrownLight::not_met() { return 3.0 / kDirections; }
+double ThrownLight::not_met() { return 3.0 / kThrown; }
 
 std::span<const ThrownLight::Class> ThrownLight::of(double cos_i) const {
   if (of_cell_.empty()) return {};

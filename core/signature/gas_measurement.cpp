@@ -158,7 +158,7 @@ ImagePlan GasMeasurement::plan_images(const std::vector<double>& sums) const {
   plan.gas.assign(plan.images * gas_->measures(), 0.0);
   for (std::size_t b = 0; b < bands; ++b) {
     const BandOnAxis band = scene_.axis.band(request_.selected_band[b]);
-    std::vector<double> sent = as_tests(request_.selected_band[b]);
+    std::vector<double> sent = band_tests_[request_.selected_band[b]];
     if (const double all = ordered_dot(sent.data(), sums.data(), sent.size()); all > 0) {
       const double scale = sent_by({&nodes_[0].here, &nodes_[1].here}, band).in_band / all;
       for (double& s : sent) s *= scale;
@@ -251,6 +251,9 @@ void GasMeasurement::keep(std::vector<PathWeights> weights) {
     }
   }
   find_class_errors();
+  column_bounds_.clear();
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b)
+    column_bounds_.push_back({misfit_relative(b) + missed(b, samples_), luck_relative(b)});
   split_by_class();
 }
 
@@ -320,16 +323,19 @@ absl::Status GasMeasurement::choose_nodes(const std::vector<GasColumn>& columns,
     }
     if (auto status = prepare(chosen, nodes.column, nodes.here); !status.ok()) return status;
   }
+  for (std::size_t b = 0; b < scene_.axis.bands(); ++b)
+    band_tests_.push_back(tests_of({&nodes_[0], &nodes_[1]}, b));
   return absl::OkStatus();
 }
 
-std::vector<double> GasMeasurement::as_tests(std::size_t band) const {
+std::vector<double> GasMeasurement::tests_of(std::initializer_list<const Nodes*> sets,
+                                             std::size_t band) const {
   std::vector<std::vector<double>> of_test(ColumnTests::kCount);
   std::vector<double> emitted;
-  for (const Nodes& nodes : nodes_)
-    for (std::size_t m = 0; m < nodes.column.size(); ++m) {
-      emitted.push_back(in_band(nodes.here[m].emitted_w_m2_sr_um, scene_.axis.band(band)));
-      for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(nodes.tests[m][t]);
+  for (const Nodes* nodes : sets)
+    for (std::size_t m = 0; m < nodes->column.size(); ++m) {
+      emitted.push_back(in_band(nodes->here[m].emitted_w_m2_sr_um, scene_.axis.band(band)));
+      for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(nodes->tests[m][t]);
     }
   return column_weights(of_test, emitted, kTolerance, kNodes);
 }
@@ -340,13 +346,7 @@ double GasMeasurement::luck_relative(std::size_t which_band) const {
   for (std::size_t set = 0; set < nodes_.size(); ++set) {
     const Nodes &own = nodes_[set], &other = nodes_[1 - set];
     if (own.column.empty() || other.column.empty()) continue;
-    std::vector<std::vector<double>> of_test(ColumnTests::kCount);
-    std::vector<double> emitted;
-    for (std::size_t m = 0; m < other.column.size(); ++m) {
-      emitted.push_back(in_band(other.here[m].emitted_w_m2_sr_um, band));
-      for (std::size_t t = 0; t < of_test.size(); ++t) of_test[t].push_back(other.tests[m][t]);
-    }
-    const std::vector<double> map = column_weights(of_test, emitted, kTolerance, kNodes);
+    const std::vector<double> map = tests_of({&other}, which_band);
     for (std::size_t m = 0; m < own.column.size(); ++m) {
       const double weight = mean_of(own.weight[m], band),
                    sent = in_band(own.here[m].emitted_w_m2_sr_um, band),
@@ -361,7 +361,7 @@ double GasMeasurement::luck_relative(std::size_t which_band) const {
 
 std::vector<double> GasMeasurement::sent_by_replicates(const std::vector<PathWeights>& weights,
                                                        std::size_t which_band) const {
-  const std::vector<double> tests = as_tests(which_band);
+  const std::vector<double>& tests = band_tests_[which_band];
   const BandOnAxis band = scene_.axis.band(which_band);
   std::vector<double> of_group;
   for (const std::vector<double>& r : reflected_) {
@@ -417,7 +417,7 @@ absl::Status GasMeasurement::find_voxel_errors(const ColumnTests& tests) {
   };
   const std::vector<PathWeights> fine = sent(field_), coarse = sent(*half);
   for (std::size_t b = 0; b < scene_.axis.bands(); ++b) {
-    const std::vector<double> band = as_tests(b);
+    const std::vector<double>& band = band_tests_[b];
     ReplicateStatistics s(2);
     for (std::size_t r = 0; r < fine.size(); ++r) {
       const double of_fine = ordered_dot(fine[r].gas_m2.data(), band.data(), band.size());
@@ -468,7 +468,8 @@ double GasMeasurement::missed(std::size_t which_band, std::uint64_t samples) con
   if (!sight_) return 0;
   // SightShares::kOpticalDepth of each of the test gases' optical depths, 0.1 to 10^4.
   constexpr std::array<std::size_t, ColumnTests::kDepths> kDepth = {0, 1, 2, 3, 4, 4};
-  const std::vector<double> tests = as_tests(which_band), sums = sum_of(weights_);
+  const std::vector<double>& tests = band_tests_[which_band];
+  const std::vector<double> sums = sum_of(weights_);
   std::array<std::array<double, ColumnTests::kLambdas>, SightShares::kOpticalDepth.size()> sent{};
   double all = 0;
   for (std::size_t gas = 0; gas < ColumnTests::kGases; ++gas)

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -105,8 +106,9 @@ class GasMeasurement {
                             const std::vector<std::vector<double>>& tested,
                             const std::vector<double>& sums);
 
-  // What a band's emission is of the tests, by the nodes: as weights of tests.
-  [[nodiscard]] std::vector<double> as_tests(std::size_t band) const;
+  // What a band's emission is of the tests, by these nodes: as weights of tests.
+  [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
+                                             std::size_t band) const;
 
   // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
@@ -192,6 +194,12 @@ class GasMeasurement {
   std::vector<std::vector<double>> class_tests_;
   std::vector<HotColumn> class_column_;
   std::vector<ColumnLight> class_here_;
+  std::vector<std::vector<double>> band_tests_;  // tests_of() both sets
+  // [band of the scene] As shares of what is sent: misfit_relative() and missed(); luck_relative().
+  struct ColumnBounds {
+    double missed, luck;
+  };
+  std::vector<ColumnBounds> column_bounds_;
   std::vector<double> class_error_;  // [band of the scene] relative, of what is taken
   std::vector<double> voxel_error_;  // likewise, of what is sent
   std::shared_ptr<const GasOnView> gas_;

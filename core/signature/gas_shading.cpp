@@ -103,7 +103,8 @@ GasMeasurement::Sent GasMeasurement::sent_by(
 }
 
 double GasMeasurement::misfit_relative(std::size_t which_band) const {
-  const std::vector<double> tests = as_tests(which_band), sums = sum_of(weights_);
+  const std::vector<double>& tests = band_tests_[which_band];
+  const std::vector<double> sums = sum_of(weights_);
   double missed = 0;
   for (const Nodes& nodes : nodes_)
     missed += 0.5 * ordered_dot(tests.data(), nodes.misfit.data(), tests.size());
@@ -162,8 +163,7 @@ GasRow GasMeasurement::row_of(const ConditionSources& light, const Sensor& senso
              joined = sent_by({sensor.nodes.data(), sensor.nodes.data() + 1}, band),
              product = sent_by({sensor.product.data(), sensor.product.data() + 1}, band);
   // Two sets of columns that agree may both miss what the rays' tests add up to.
-  const double misfit = misfit_relative(which_band) + missed(which_band, samples_),
-               luck = luck_relative(which_band);
+  const auto [misfit, luck] = column_bounds_[which_band];
   const bool without_lines = request_.effects.without(Effect::kHotLineCorrelation);
   const Sent& seen = without_lines ? product : joined;
   constexpr std::size_t kTotal = 0, kApparent = 1 + kCauses, kContrast = 2 + kCauses;
