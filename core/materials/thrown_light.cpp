@@ -39,7 +39,8 @@ ThrownLight::ThrownLight(const Material& material) {
       if (!(to.weight > 0 && density > 0 && cos_o > 0 && cos_h > 0)) continue;
       const double tan2_h = static_cast<double>(to.at.sin2_h) / (cos_h * cos_h),
                    per_sr = material.cos_brdf_limit_per_sr({cos_i, cos_o, tan2_h, cos_i, cos_o}),
-                   flux = per_sr / cos_i * cos_o / density;
+                   flux = material.grey() ? static_cast<double>(to.weight)
+                                          : per_sr / cos_i * cos_o / density;
       if (!(flux > 0 && std::isfinite(flux))) continue;
       Class& here = classes[static_cast<int>(std::floor(2 * std::log2(per_sr)))];
       here.per_sr = std::max(here.per_sr, per_sr);

@@ -152,8 +152,10 @@ struct UnseenLight::Lit {
   template <typename Visit>
   void for_each_share(const Material& material, Visit&& visit) const {
     if (!(to_anyone > 0)) return;
-    visit(to_anyone, thrown * ThrownLight::not_met());
-    for (const ThrownLight::Class& one : material.thrown_light().of(cos_i))
+    const auto classes = material.thrown_light().of(cos_i);
+    // Where no direction was met all of it may be that bright.
+    visit(to_anyone, thrown * (classes.empty() ? 1 : ThrownLight::not_met()));
+    for (const ThrownLight::Class& one : classes)
       if (!visit(std::min(to_anyone, irradiance * one.per_sr), thrown * one.share)) return;
   }
 };
