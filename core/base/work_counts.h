@@ -6,9 +6,9 @@
 
 namespace irsig {
 
-// What computations have done, in numbers that are the same on every machine and in every run, so
-// that a test can hold what time cannot (tests/cost). Of the thread that works; added up once a
-// call, never inside of a loop over rays.
+// Counts say what computations have done. They are the same on every machine and in every run, so
+// that a test can hold them where it cannot hold time (tests/cost). Each thread counts its own
+// work, once a call and never inside a loop over rays.
 enum class Work : std::uint8_t {
   kPatches,          // facets, or what stands for some of them, whose light may not have been met
   kThrowersTried,    // pairs of a facet and one that may throw sunlight onto it

@@ -132,8 +132,8 @@ class Environment {
       double target_height_m, std::vector<double> node_um);
   ~Environment();
 
-  // What the air around the target's point scatters into a path, thermal: the mean of sky and
-  // surface over all directions. [band of the air; 0 where no wavelength lies]
+  // Returns the mean thermal radiance of sky and surface over all directions, which the air around
+  // the target's point scatters into a path. [band of the air; 0 where no wavelength lies]
   [[nodiscard]] const AirSpectrum& surroundings_w_m2_sr_um(std::uint32_t weather) const;
 
   // The directions at which sky and sea are given; one azimuth if no condition has a sun.

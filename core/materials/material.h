@@ -62,7 +62,7 @@ class Material {
   // light from anywhere. [1/sr]
   [[nodiscard]] double limit_of_light_per_sr(double cos_i_min, double cos_i_max) const;
   [[nodiscard]] double limit_seen_per_sr(double cos_o_min, double cos_o_max) const;
-  // Of the reflected light, how much of it is how bright, at its largest node.
+  // Says how much of the reflected light is how bright, at its largest node.
   [[nodiscard]] const ThrownLight& thrown_light() const { return thrown_light_; }
 
   // The BRDF of a grey material. [1/sr]

@@ -8,15 +8,15 @@ namespace irsig {
 
 class Material;
 
-// How bright the light is that a surface throws on: of light from one direction the shares of what
-// is reflected, by radiance. Most of what a glossy surface reflects is in its lobe; as bright as it
-// can be at most, far off at grazing angles, is next to nothing of it.
+// ThrownLight says how bright the light is that a surface reflects: of light from one direction the
+// shares of the reflected flux by radiance. Most of what a glossy surface reflects is as bright as
+// its lobe. At grazing angles it may be far brighter, but next to nothing leaves there.
 class ThrownLight {
  public:
+  // per_sr: the largest radiance of the class per irradiance across the light, brdf x cos_i. [1/sr]
+  // share: of the reflected flux.
   struct Class {
-    double
-        per_sr;  // radiance per irradiance across the light: brdf x cos_i, the largest of the class
-    double share;  // of the reflected flux
+    double per_sr, share;
   };
   // Classes are made from directions: the share that none of these may have met (95 %).
   [[nodiscard]] static double not_met();

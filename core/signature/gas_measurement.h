@@ -106,17 +106,18 @@ class GasMeasurement {
                             const std::vector<std::vector<double>>& tested,
                             const std::vector<double>& sums);
 
-  // What a band's emission is of the tests, by these nodes: as weights of tests.
+  // Returns weights of the tests whose sum is the band's emission, for each of these nodes.
   [[nodiscard]] std::vector<double> tests_of(std::initializer_list<const Nodes*> sets,
                                              std::size_t band) const;
 
   // What the nodes' columns miss of the rays' tests, as a share of what is sent in a band.
   [[nodiscard]] double misfit_relative(std::size_t which_band) const;
-  // What the two sets of nodes may both be off by, though they agree: of each column, how far what
-  // it sends is from a sum of its tests that the other set's columns meet, added up in squares. A
-  // share of what is sent in a band.
+  // Returns by how much both sets of nodes may be off though they agree, as a share of what is sent
+  // in a band: how far each column is from the sum of its tests that fits the other set's columns,
+  // added up in squares.
   [[nodiscard]] double luck_relative(std::size_t which_band) const;
-  // What so many rays of each replicate may all have missed, as a share of what is sent in a band.
+  // Returns what so many rays of each replicate may all have missed, as a share of what is sent in
+  // a band.
   [[nodiscard]] double missed(std::size_t which_band, std::uint64_t samples) const;
   // Of each replicate what is sent in a band, in the tests' terms.
   [[nodiscard]] std::vector<double> sent_by_replicates(const std::vector<PathWeights>& weights,

@@ -9,8 +9,8 @@
 
 namespace irsig {
 
-// What a target's view may show beside it: boxes in which all of it lies (corners in the body
-// frame), and small spheres of what is in them.
+// BoxedSight describes what a view shows beside its target: boxes in which all of it lies (corners
+// in the body frame), and small spheres of what is in them.
 struct BoxedSight {
   std::vector<std::array<Vec<Body>, 8>> box;
   struct Point {
@@ -34,9 +34,9 @@ class SightShares {
   SightShares(std::array<std::array<std::vector<double>, 2>, kOpticalDepth.size()> seen,
               std::vector<double> of_rays);
 
-  // Of what is seen at optical depth `depth` by `measure`: the share that so many rays may all have
-  // missed, with a chance of 5 %. The brightest cells that together expect three rays, less what
-  // the darker ones would make of them. 0 where rays are as dense as what is seen.
+  // Returns the share of what is seen at optical depth `depth` by `measure` that so many rays may
+  // all have missed, with a chance of 5 %: the brightest cells that together expect three rays,
+  // less what the darker ones would make of them. It is 0 where rays are as dense as what is seen.
   [[nodiscard]] double missed(std::size_t depth, std::size_t measure, double rays) const;
 
  private:
