@@ -24,6 +24,17 @@ def count(path, statement="SELECT count(*) FROM signature"):
         return 0
 
 
+def in_session(leader):
+    """The processes of a session that have not ended, its leader last."""
+    found = []
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            state, _, _, session = (folder / "stat").read_text().rpartition(") ")[2].split()[:4]
+            if int(session) == leader and state not in "ZX":
+                found.append(int(folder.name))
+    return sorted(found, reverse=True)
+
+
 class WholeFile(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -53,9 +64,15 @@ class WholeFile(unittest.TestCase):
 
     @staticmethod
     def kill(run):
-        if run.poll() is None:
-            os.killpg(run.pid, signal.SIGKILL)
-            run.wait()
+        """The run and what it started. A coordinator left alive would end gently, and fold its journal in."""
+        if run.poll() is not None:
+            return
+        for process in in_session(run.pid):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        run.wait()
+        while in_session(run.pid):
+            time.sleep(0.01)
 
     def killed(self):
         run = self.start()
