@@ -55,7 +55,7 @@ class CoreJobRunner final : public JobRunner {
         warnings_(std::move(warnings)),
         inputs_(std::move(inputs)) {}
 
-  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
     const double start_s = cpu_seconds();
     auto result = compute(job);
     if (!result.ok()) return result.status();
@@ -81,7 +81,7 @@ class CoreJobRunner final : public JobRunner {
   }
 
  private:
-  absl::StatusOr<schema::JobResult> compute(const schema::JobSpec& job) {
+  absl::StatusOr<schema::JobResult> compute(const schema::JobSpec& job) const {
     switch (job.kind_case()) {
       case schema::JobSpec::kView:
         return compute_view(job.view());
@@ -93,7 +93,7 @@ class CoreJobRunner final : public JobRunner {
     return absl::InvalidArgumentError("the job is of a kind that this worker does not know");
   }
 
-  absl::StatusOr<schema::JobResult> compute_heat_job(const schema::HeatJob& job) {
+  absl::StatusOr<schema::JobResult> compute_heat_job(const schema::HeatJob& job) const {
     if (job.heat() >= static_cast<std::uint32_t>(sweep_.heat_size()))
       return absl::InvalidArgumentError(
           absl::StrCat("a job asks for heat run ", job.heat(), " of ", sweep_.heat_size()));
@@ -105,7 +105,7 @@ class CoreJobRunner final : public JobRunner {
     return result;
   }
 
-  absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) {
+  absl::StatusOr<schema::JobResult> compute_view(const schema::ViewJob& job) const {
     auto request = request_from_job(sweep_, job, environment_, temperatures_, plumes_);
     if (!request.ok()) return request.status();
     for (const auto& [what, asked] :

@@ -20,8 +20,8 @@ namespace irsig {
 // more (model.accepted_backface_share). 1 %: the accuracy that is the default for an intensity.
 inline constexpr double kAcceptedBackfaceShare = 0.01;
 
-// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. One object belongs
-// to one thread.
+// Runs jobs of one resolved sweep in this process. Keeps the scene between jobs. Immutable but for
+// caches of what does not depend on the job: run() may be called from several threads.
 class JobRunner {
  public:
   // Builds the scene: every error in it that the sweep's author can mend is INVALID_ARGUMENT, of
@@ -37,7 +37,8 @@ class JobRunner {
 
   // A sweep with samples_per_replicate beside relative_error (no sweep file may say both; pilots of
   // `irsig plan` do) has the effects and the pilots that the error calls for, and those samples.
-  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) = 0;
+  [[nodiscard]] virtual absl::StatusOr<schema::JobResult> run(
+      const schema::JobSpec& job) const = 0;
   // For people (model_warnings.h).
   [[nodiscard]] virtual std::vector<Problem> warnings() const { return {}; }
   // Of a worker with this runner; nothing for runners that compute nothing.

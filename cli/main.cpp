@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "bridge/job_runner.h"
 #include "cli/commands.h"
+#include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "jobs/nearest_name.h"
@@ -150,6 +151,7 @@ int run_program(int argc, char** argv) {
 
 // One way out of every command: whoever printed something, to a file on a full disk, has failed.
 int main(int argc, char** argv) {
+  irsig::keep_freed_memory();
   // A file at its limit (ulimit -f) is a full disk, for the programs that this one starts, too.
   std::signal(SIGXFSZ, SIG_IGN);
   const int exit_code = run_program(argc, argv);

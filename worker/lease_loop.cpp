@@ -19,6 +19,7 @@
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/fetch_asset.h"
 #include "coordinator/client/handshake.h"
+#include "worker/shared_runners.h"
 
 namespace irsig {
 namespace {
@@ -93,10 +94,13 @@ class Heart {
 
 class LeaseLoop {
  public:
-  LeaseLoop(const WorkerPlan& plan, const RunnerFactory& make_runner, const std::atomic<bool>& stop)
+  // others_end: another loop of this process was refused, as this one would be.
+  LeaseLoop(const WorkerPlan& plan, const RunnerFactory& make_runner, SharedRunners& runners,
+            const std::atomic<bool>& stop, const std::atomic<bool>& others_end)
       : plan_(plan),
         make_runner_(make_runner),
-        stop_(stop),
+        runners_(runners),
+        stop_{stop, others_end},
         channel_(connect(plan.coordinator)),
         farm_(schema::Farm::NewStub(channel_)),
         heart_(*farm_) {}
@@ -304,9 +308,8 @@ class LeaseLoop {
   }
 
   void forget_runner() {
+    runners_.forget(runner_);
     runner_.reset();
-    runner_sweep_.clear();
-    runner_outputs_.clear();
   }
 
   absl::Status fetch(const std::string& sha256, std::string& bytes) {
@@ -319,41 +322,50 @@ class LeaseLoop {
     return status;
   }
 
-  // The scene stays from job to job; a worker computes one sweep at a time. A runner that was made
-  // before the outputs were there still runs what needs none.
+  // The scene stays from job to job; a loop computes one sweep at a time.
   absl::Status have_runner(const schema::LeaseReply& lease, schema::FailRequest& request) {
     const std::string& sweep_sha256 = lease.job().sweep_sha256();
     std::vector<std::string> outputs;
     for (const schema::JobOutput& output : lease.output())
       if (!output.sha256().empty()) outputs.push_back(output.sha256());
-    if (runner_ && runner_sweep_ == sweep_sha256 && (outputs.empty() || outputs == runner_outputs_))
+    const SharedRunners::Key key{sweep_sha256, std::move(outputs)};
+    if (runner_ && runner_of_.sweep_sha256 == key.sweep_sha256 &&
+        (key.outputs.empty() || key.outputs == runner_of_.outputs))
       return absl::OkStatus();
-    forget_runner();
+    runner_.reset();
+    auto runner =
+        runners_.get(key, [&](Assets& assets) { return new_runner(key, assets, request); });
+    if (!runner.ok()) return runner.status();
+    runner_ = *std::move(runner);
+    runner_of_ = key;
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<std::unique_ptr<const JobRunner>> new_runner(const SharedRunners::Key& key,
+                                                              Assets& assets,
+                                                              schema::FailRequest& request) {
     absl::StatusOr<schema::ResolvedSweep> sweep;
     auto status = persist([&] {
-      sweep = fetch_sweep(*farm_, sweep_sha256, kStream_s);
+      sweep = fetch_sweep(*farm_, key.sweep_sha256, kStream_s);
       return sweep.status();
     });
     if (!status.ok()) return status;
     const std::set<std::string> needed = needed_assets(*sweep);
-    std::erase_if(assets_, [&](const auto& have) { return !needed.contains(have.first); });
+    std::erase_if(assets, [&](const auto& have) { return !needed.contains(have.first); });
     for (const std::string& sha256 : needed) {
-      if (assets_.contains(sha256)) continue;
+      if (assets.contains(sha256)) continue;
       std::string bytes;
       if (status = fetch(sha256, bytes); !status.ok()) return status;
-      assets_[sha256] = std::move(bytes);
+      assets[sha256] = std::move(bytes);
     }
-    HeatOutputs heat(outputs.size());
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-      if (status = fetch(outputs[i], heat[i]); !status.ok()) return status;
-    auto runner = make_runner_(*sweep, assets_, heat);
+    HeatOutputs heat(key.outputs.size());
+    for (std::size_t i = 0; i < heat.size(); ++i)
+      if (status = fetch(key.outputs[i], heat[i]); !status.ok()) return status;
+    auto runner = make_runner_(*sweep, assets, heat);
     if (absl::IsInvalidArgument(runner.status()))
       request.set_kind(schema::FailRequest::KIND_BAD_INPUT);
     if (!runner.ok()) return absl::InternalError(runner.status().message());
-    runner_ = *std::move(runner);
-    runner_sweep_ = sweep_sha256;
-    runner_outputs_ = std::move(outputs);
-    return absl::OkStatus();
+    return runner;
   }
 
   // Results of workers that have died. True: there were some.
@@ -449,14 +461,16 @@ class LeaseLoop {
 
   const WorkerPlan& plan_;
   const RunnerFactory& make_runner_;
-  const std::atomic<bool>& stop_;
+  SharedRunners& runners_;
+  struct Stop {
+    const std::atomic<bool>&asked, &others_end;
+    operator bool() const { return asked || others_end; }
+  } stop_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<schema::Farm::Stub> farm_;
   std::string worker_id_;
-  std::unique_ptr<JobRunner> runner_;
-  std::string runner_sweep_;
-  std::vector<std::string> runner_outputs_;  // hashes of what the runner was given
-  Assets assets_;
+  std::shared_ptr<const JobRunner> runner_;
+  SharedRunners::Key runner_of_;  // where there is one
   std::unique_ptr<Spool> spool_;
   std::list<Undelivered> undelivered_;
   std::optional<schema::LeaseReply> next_;
@@ -469,7 +483,25 @@ class LeaseLoop {
 
 absl::Status run_lease_loop(const WorkerPlan& plan, const RunnerFactory& make_runner,
                             const std::atomic<bool>& stop) {
-  return LeaseLoop(plan, make_runner, stop).run();
+  SharedRunners runners;
+  std::atomic<bool> end_all = false;
+  if (plan.threads <= 1) return LeaseLoop(plan, make_runner, runners, stop, end_all).run();
+  std::vector<absl::Status> ended(plan.threads);
+  std::vector<std::thread> loops;
+  for (std::uint32_t i = 0; i < plan.threads; ++i)
+    loops.emplace_back([&, i] {
+      WorkerPlan own = plan;
+      own.worker_name = absl::StrCat(plan.worker_name, "-", i + 1);
+      ended[i] = LeaseLoop(own, make_runner, runners, stop, end_all).run();
+      if (!ended[i].ok() && !absl::IsAborted(ended[i])) end_all = true;
+    });
+  for (std::thread& loop : loops) loop.join();
+  bool all_aside = true;
+  for (const absl::Status& status : ended) {
+    if (!status.ok() && !absl::IsAborted(status)) return status;
+    all_aside = all_aside && absl::IsAborted(status);
+  }
+  return all_aside ? ended.front() : absl::OkStatus();
 }
 
 }  // namespace irsig

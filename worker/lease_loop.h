@@ -30,6 +30,9 @@ struct WorkerPlan {
   double give_up_after_s = 600;  // without any answer of the coordinator
   std::string spool_folder;      // of results that wait for a coordinator; empty: in memory alone
   Spool::AtStep at_spool_step = {};
+  // Loops of their own, which compute as many jobs at once with one scene and one set of air. More
+  // than one: each is a worker by the name of its own, worker_name-1 and so on.
+  std::uint32_t threads = 1;
 };
 
 // Leases jobs, computes them with runners from `make_runner`, returns the results; meanwhile a
@@ -41,6 +44,9 @@ struct WorkerPlan {
 // asked, when every job is settled; FAILED_PRECONDITION when the coordinator refuses this worker
 // for good (PERMISSION_DENIED, UNAUTHENTICATED: because of its certificate); ABORTED when it has
 // set this worker aside; UNAVAILABLE when the coordinator has not answered for give_up_after_s.
+//
+// With several threads: the same for all of them together. One that is refused for good ends all;
+// one that is set aside ends alone, and ABORTED says that all were.
 [[nodiscard]] absl::Status run_lease_loop(const WorkerPlan& plan, const RunnerFactory& make_runner,
                                           const std::atomic<bool>& stop);
 

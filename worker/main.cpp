@@ -12,6 +12,7 @@
 #include "coordinator/client/address.h"
 #include "coordinator/client/farm_log.h"
 #include "coordinator/client/machine_memory.h"
+#include "core/base/keep_memory.h"
 #include "core/base/printable.h"
 #include "core/base/standard_output.h"
 #include "core/image/image.h"
@@ -67,6 +68,7 @@ absl::StatusOr<std::unique_ptr<irsig::JobRunner>> make_runner(
 }  // namespace
 
 int main(int argc, char** argv) {
+  irsig::keep_freed_memory();
   CLI::App app{"computes the jobs that a coordinator hands out"};
   std::string coordinator;
   irsig::NetworkOptions network;
@@ -77,6 +79,10 @@ int main(int argc, char** argv) {
   irsig::add_network_options(app, network);
   app.add_option("--name", plan.worker_name, "a name that no other worker has")
       ->capture_default_str();
+  app.add_option("--threads", plan.threads,
+                 "how many jobs it computes at once, with one scene and one set of air between them")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 4096));
   app.add_flag("--exit-when-finished", plan.exit_when_finished,
                "end when every job of every sweep is settled");
   app.add_option("--give-up-after-s", plan.give_up_after_s,

@@ -9,7 +9,9 @@
 
 namespace irsig {
 
-// Workers that are children of this process and die with it.
+// Workers that are children of this process and die with it: threads of one process, which share a
+// scene and its air. After a death each is a process of its own, so that a job that kills its
+// worker takes no other with it again.
 class LocalCrew : public WorkerCrew {
  public:
   // command: of a worker, but for its name. folder: of its logs.
@@ -18,12 +20,20 @@ class LocalCrew : public WorkerCrew {
 
   absl::Status start() override;
   absl::Status keep_alive(std::uint64_t jobs_settled) override;
-  void stop() override { workers_.clear(); }  // killed
+  void stop() override {  // killed
+    together_.reset();
+    apart_.clear();
+  }
 
  private:
+  absl::Status start_apart();
   absl::Status start_worker(std::size_t slot);
+  // Whether it has to be started again. ABORTED, FAILED_PRECONDITION: nobody of the crew has to.
+  absl::StatusOr<bool> has_died(ChildProcess& worker, std::uint64_t jobs_settled);
 
-  std::vector<std::unique_ptr<ChildProcess>> workers_;
+  std::uint32_t workers_;
+  std::unique_ptr<ChildProcess> together_;
+  std::vector<std::unique_ptr<ChildProcess>> apart_;  // [slot]
   std::vector<std::string> command_;
   std::string folder_;
   DeathsWithoutProgress deaths_;

@@ -78,23 +78,19 @@ absl::StatusOr<std::string> SlurmCrew::run(const std::vector<std::string>& argum
       name, ended ? " failed: " : " does not answer: ", absl::StripAsciiWhitespace(text.str())));
 }
 
-// A time limit and a preemption send TERM first, to the script: its workers finish their jobs.
+// A time limit and a preemption send TERM first, to the script: its worker finishes its jobs.
 absl::Status SlurmCrew::write_script() const {
   std::ofstream file(folder_ + "/worker.sh");
   file << "#!/bin/sh\n"
           "asked=\n"
-          "trap 'asked=yes; kill -TERM $workers 2> /dev/null' TERM\n"
-          "workers=\n"
-          "for i in $(seq \"${1:-1}\"); do\n  ";
+          "trap 'asked=yes; kill -TERM $worker 2> /dev/null' TERM\n"
+          "worker=\n";
   for (const std::string& word : command_) file << quoted(word) << ' ';
-  file << "--name \"slurm-$SLURM_ARRAY_JOB_ID-$SLURM_ARRAY_TASK_ID-$i\" &\n"
-          "  workers=\"$workers $!\"\n"
-          "done\n"
+  file << "--name \"slurm-$SLURM_ARRAY_JOB_ID-$SLURM_ARRAY_TASK_ID\" --threads \"${1:-1}\" &\n"
+          "worker=$!\n"
           "code=0\n"
-          "for worker in $workers; do\n"
-          "  wait \"$worker\" || code=$?\n"
-          "  while kill -0 \"$worker\" 2> /dev/null; do wait \"$worker\" || code=$?; done\n"
-          "done\n"
+          "wait \"$worker\" || code=$?\n"
+          "while kill -0 \"$worker\" 2> /dev/null; do wait \"$worker\" || code=$?; done\n"
           "[ -n \"$asked\" ] && exit 0\n"
           "exit \"$code\"\n";
   file.close();

@@ -90,6 +90,35 @@ void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmoun
   });
 }
 
+PackedAmounts::PackedAmounts(const AbsorberAmounts& amounts, const BandChoice& bands) {
+  std::size_t count = 0;
+  for_parts(bands, [&](auto, std::size_t first, std::size_t last) { count += last - first; });
+  value_.reserve(count);
+  for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
+    value_.insert(value_.end(), part(amounts) + first, part(amounts) + last);
+  });
+}
+
+AbsorberAmounts PackedAmounts::unpacked(const BandChoice& bands) const {
+  AbsorberAmounts out;
+  const double* next = value_.data();
+  for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
+    std::copy(next, next + (last - first), part(out) + first);
+    next += last - first;
+  });
+  return out;
+}
+
+void set_sum(AbsorberAmounts& sum, const PackedAmounts& a, const AbsorberAmounts& b,
+             const BandChoice& bands) {
+  const double* next = a.value_.data();
+  for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
+    double* out = part(sum);
+    const double* y = part(b);
+    for (std::size_t i = first; i < last; ++i) out[i] = *next++ + y[i];
+  });
+}
+
 void add_between(AbsorberAmounts& sum, const AbsorberAmounts& low, const AbsorberAmounts& high,
                  double fraction, const BandChoice& bands) {
   for_parts(bands, [&](auto part, std::size_t first, std::size_t last) {
@@ -122,6 +151,18 @@ BandChoice::Sets BandChoice::sets_of(std::vector<unsigned char> wanted) {
   out.line_terms = std::make_shared<const LineTerms>(irsig::line_terms(std::move(entries)));
   out.wanted = std::move(wanted);
   return out;
+}
+
+void pack(std::vector<double>& to, const AirSpectrum& of, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges())
+    to.insert(to.end(), of.data() + r.first, of.data() + r.last);
+}
+const double* unpack(AirSpectrum& to, const double* from, const BandChoice& bands) {
+  for (const BandChoice::Range& r : bands.ranges()) {
+    std::copy(from, from + r.size(), to.data() + r.first);
+    from += r.size();
+  }
+  return from;
 }
 
 BandChoice::BandChoice() {

@@ -109,11 +109,33 @@ class BandChoice {
 };
 [[nodiscard]] inline bool chosen(const BandChoice& bands, std::size_t band) { return bands[band]; }
 
+// A spectrum in the bands that are wanted, in order, behind what `to` holds already; and back from
+// there, other bands as they were: returns what follows.
+void pack(std::vector<double>& to, const AirSpectrum& of, const BandChoice& bands);
+const double* unpack(AirSpectrum& to, const double* from, const BandChoice& bands);
+
 // The same, but 0 in bands that are not wanted.
 [[nodiscard]] AirSpectrum transmittance(const AbsorberAmounts& amounts, const BandChoice& bands);
 
 // sum = a + b (which may be the sum itself), in those bands; others are left.
 void set_sum(AbsorberAmounts& sum, const AbsorberAmounts& a, const AbsorberAmounts& b,
+             const BandChoice& bands);
+
+// Amounts in some bands alone, for whoever keeps many: half the memory where half of the bands are
+// wanted. The bands are those that it was made with, here and below.
+class PackedAmounts {
+ public:
+  PackedAmounts(const AbsorberAmounts& amounts, const BandChoice& bands);
+  // The same, with nothing in other bands.
+  [[nodiscard]] AbsorberAmounts unpacked(const BandChoice& bands) const;
+
+ private:
+  friend void set_sum(AbsorberAmounts& sum, const PackedAmounts& a, const AbsorberAmounts& b,
+                      const BandChoice& bands);
+  std::vector<double> value_;
+};
+// sum = a + b, as above.
+void set_sum(AbsorberAmounts& sum, const PackedAmounts& a, const AbsorberAmounts& b,
              const BandChoice& bands);
 
 // sum += what lies a fraction of the way from low to high, at least 0; in those bands.

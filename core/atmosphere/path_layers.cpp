@@ -45,6 +45,17 @@ double ratio_of(double whole, double near, double none) {
   return none > 0 ? whole * near / none : 0;
 }
 
+// Calls each(spectrum) for those of a layer, in the order in which they are packed.
+template <typename Layer, typename Each>
+void for_spectra(Layer& layer, const Each& each) {
+  each(layer.scattering.aerosol_depth);
+  each(layer.scattering.molecular_depth);
+  each(layer.scattering.asymmetry);
+  each(layer.scattering.grey_depth);
+  each(layer.emission.thermal_w_m2_sr_um);
+  each(layer.emission.surroundings_share);
+}
+
 }  // namespace
 
 SunAmounts::SunAmounts(const Atmosphere& atmosphere, double height_m, double zenith_deg,
@@ -87,8 +98,12 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
   thermal_w_m2_sr_um = surroundings_share = AirSpectrum(kAirBandCount, 0.0);
   AbsorberAmounts sum;
   transmittance = irsig::transmittance(sum, bands_);
+  const auto add_node = [&](double height_m) {
+    node_.push_back({height_m, PackedAmounts(sum, bands_), {}});
+    pack(node_.back().transmittance, transmittance, bands_);
+  };
   if (path.node.empty()) {
-    node_.push_back({0, std::move(sum), transmittance});
+    add_node(0);
     return;
   }
   const auto temperature_at = [&](std::size_t node) {
@@ -97,35 +112,46 @@ PathLayers::PathLayers(const Atmosphere& atmosphere, const LightPath& path, cons
     return t;
   };
   const AirSpectrum dark(kAirBandCount, 0.0);
-  const auto add_node = [&](std::size_t i) {
-    node_.push_back({path.node[i].height_m, sum, transmittance});
-  };
   const std::vector<std::size_t> ends = layer_ends(profile, path);
   AirSpectrum planck_near = dark, planck_far = dark;
   planck_spectrum(planck_near, temperature_at(0), bands_);
-  add_node(0);
-  StepScattering step, merged;
-  Emission emission{dark, dark};
+  add_node(path.node[0].height_m);
+  StepScattering step;
+  const Layer nothing{StepScattering(), {dark, dark}};
+  Layer merged = nothing;
   for (std::size_t i = 0, next = 0; i < path.step_m.size(); ++i) {
     add_step(sum, &step, atmosphere.spec(), humidity_percent, path, i, bands_);
     AirSpectrum t_far = irsig::transmittance(sum, bands_);
     planck_spectrum(planck_far, temperature_at(i + 1), bands_);
-    add_emission(emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far,
+    add_emission(merged.emission.thermal_w_m2_sr_um, step, transmittance, t_far, planck_near, planck_far,
                  bands_);
-    add_surroundings(emission.surroundings_share, step, transmittance, t_far, bands_);
-    merge(merged, step, bands_);
+    add_surroundings(merged.emission.surroundings_share, step, transmittance, t_far, bands_);
+    merge(merged.scattering, step, bands_);
     transmittance = std::move(t_far);
     std::swap(planck_near, planck_far);
     if (i + 1 != ends[next]) continue;
     ++next;
-    add_node(i + 1);
-    layer_.push_back(std::exchange(merged, StepScattering()));
+    add_node(path.node[i + 1].height_m);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      thermal_w_m2_sr_um[b] += emission.thermal_w_m2_sr_um[b];
-      surroundings_share[b] += emission.surroundings_share[b];
+      thermal_w_m2_sr_um[b] += merged.emission.thermal_w_m2_sr_um[b];
+      surroundings_share[b] += merged.emission.surroundings_share[b];
     }
-    emission_.push_back(std::exchange(emission, Emission{dark, dark}));
+    std::vector<double>& kept = layer_.emplace_back();
+    kept.reserve(6 * node_.back().transmittance.size());
+    for_spectra(merged, [&](const AirSpectrum& of) { pack(kept, of, bands_); });
+    merged = nothing;
   }
+}
+
+AirSpectrum PathLayers::transmittance_to(std::size_t node) const {
+  AirSpectrum out(kAirBandCount, 0.0);
+  unpack(out, node_[node].transmittance.data(), bands_);
+  return out;
+}
+
+void PathLayers::get(std::size_t layer, Layer& out) const {
+  const double* next = layer_[layer].data();
+  for_spectra(out, [&](AirSpectrum& of) { next = unpack(of, next, bands_); });
 }
 
 PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
@@ -134,25 +160,30 @@ PathLayers::Behind PathLayers::behind(const AbsorberAmounts& near,
   Behind out{{dark, dark}, through_near};
   AirSpectrum &seen_near = out.transmittance, mean = dark, seen = dark;
   AbsorberAmounts sum;
+  Layer layer{StepScattering(), {dark, dark}};
+  const auto& [scatters, emits] = layer;
+  AirSpectrum t_near = transmittance_to(0);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
-    const AirSpectrum &t_near = node_[l].transmittance, &t_far = node_[l + 1].transmittance;
+    AirSpectrum t_far = transmittance_to(l + 1);
+    get(l, layer);
     set_sum(sum, node_[l + 1].amounts, near, bands_);
     AirSpectrum seen_far = irsig::transmittance(sum, bands_);
-    mean_of_decay(mean, t_near, t_far, layer_[l].grey_depth, bands_);
-    mean_of_decay(seen, seen_near, seen_far, layer_[l].grey_depth, bands_);
+    mean_of_decay(mean, t_near, t_far, scatters.grey_depth, bands_);
+    mean_of_decay(seen, seen_near, seen_far, scatters.grey_depth, bands_);
     for (const BandChoice::Range& r : bands_.ranges()) {
       for (std::size_t b = r.first; b < r.last; ++b) {
         // What the layer absorbs, and with it emits: where near air has taken the lines out, most
         // of what is left is scattered.
-        const double scattering = layer_[l].aerosol_depth[b] + layer_[l].molecular_depth[b];
+        const double scattering = scatters.aerosol_depth[b] + scatters.molecular_depth[b];
         const double absorbed = t_near[b] - t_far[b] - scattering * mean[b];
         const double absorbed_seen = seen_near[b] - seen_far[b] - scattering * seen[b];
         out.thermal_w_m2_sr_um[b] +=
-            ratio_of(emission_[l].thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
-        out.surroundings_share[b] += ratio_of(emission_[l].surroundings_share[b], seen[b], mean[b]);
+            ratio_of(emits.thermal_w_m2_sr_um[b], std::max(0.0, absorbed_seen), absorbed);
+        out.surroundings_share[b] += ratio_of(emits.surroundings_share[b], seen[b], mean[b]);
       }
     }
     seen_near = std::move(seen_far);
+    t_near = std::move(t_far);
   }
   return out;
 }
@@ -166,10 +197,13 @@ ScatteredSun PathLayers::scattered(const SunAmounts& sun, const AbsorberAmounts*
                                               : AirSpectrum(kAirBandCount, 0.0);
   };
   ScatteredSun out;
+  const AirSpectrum dark(kAirBandCount, 0.0);
+  Layer layer{StepScattering(), {dark, dark}};
   AirSpectrum t_near = at_node(node_.front()), light(kAirBandCount);
   for (std::size_t l = 0; l < layer_.size(); ++l) {
     AirSpectrum t_far = at_node(node_[l + 1]);
-    const StepScattering& step = layer_[l];
+    get(l, layer);
+    const StepScattering& step = layer.scattering;
     mean_of_sunlight(light, t_near, t_far, step.grey_depth, bands_);
     for (const BandChoice::Range& r : bands_.ranges()) {
       for (std::size_t b = r.first; b < r.last; ++b) {

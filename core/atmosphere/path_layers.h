@@ -131,7 +131,7 @@ class PathLayers {
 
   // L = T L_behind + thermal + share of surroundings x their mean radiance, at the observer.
   AirSpectrum transmittance, thermal_w_m2_sr_um, surroundings_share;
-  [[nodiscard]] const AbsorberAmounts& amounts() const { return node_.back().amounts; }
+  [[nodiscard]] AbsorberAmounts amounts() const { return node_.back().amounts.unpacked(bands_); }
   // Of a ray that misses the air or has no length: nothing in it.
   [[nodiscard]] bool empty() const { return layer_.empty(); }
   [[nodiscard]] double warmest_k() const { return warmest_k_; }
@@ -153,13 +153,20 @@ class PathLayers {
  private:
   struct Node {
     double height_m;
-    AbsorberAmounts amounts;  // from the observer
-    AirSpectrum transmittance;
+    PackedAmounts amounts;  // from the observer
+    std::vector<double> transmittance;  // [band that is wanted]
   };
+  // What a layer scatters and, seen without near air, emits.
+  struct Layer {
+    StepScattering scattering;
+    Emission emission;
+  };
+  [[nodiscard]] AirSpectrum transmittance_to(std::size_t node) const;
+  void get(std::size_t layer, Layer& out) const;
+
   BandChoice bands_;
   std::vector<Node> node_;
-  std::vector<StepScattering> layer_;
-  std::vector<Emission> emission_;  // of each layer, seen without near air
+  std::vector<std::vector<double>> layer_;  // Layer's spectra one after the other, as Node has them
   double warmest_k_ = 0;
 };
 

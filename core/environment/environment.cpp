@@ -141,6 +141,7 @@ struct Environment::Parts {
     GrazingRay ray;
     MadeOnce<std::unique_ptr<const WeatherLight>> light;
     MadeOnce<std::unique_ptr<const WeatherBounds>> bounds;
+    int suns = 0;  // conditions under which the sun is up
   };
   struct Condition {
     ConditionEnvironment spec;
@@ -159,7 +160,7 @@ struct Environment::Parts {
   [[nodiscard]] const WeatherLight& light_of(const Weather& w) const {
     return *w.light.get([&] {
       return std::make_unique<WeatherLight>(w.spec, *w.atmosphere, w.height_m, nodes,
-                                            wavelengths.bands);
+                                            wavelengths.bands, w.suns);
     });
   }
   [[nodiscard]] const SunLight& sun_of(const Condition& c) const {
@@ -350,9 +351,10 @@ absl::StatusOr<std::unique_ptr<const Environment>> Environment::make(
     Parts::Condition& here = parts->condition.emplace_back();
     here.spec = c;
     if (!c.sun) continue;
-    const Parts::Weather& w = parts->weather[c.weather];
+    Parts::Weather& w = parts->weather[c.weather];
     here.seen = sun_from(w.atmosphere->profile(), w.ray, w.height_m, c, w.spec.refraction);
-    sun = sun || here.seen.visible > 0;
+    if (here.sun_is_up()) ++w.suns;
+    sun = sun || here.sun_is_up();
   }
   // The first ring below the horizon lies safely on the sea.
   const double first = dip * 1.001 + 1e-5;

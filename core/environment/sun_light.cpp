@@ -130,8 +130,12 @@ SunLight::Around SunLight::make_around() const {
       to.row(row)[b] = static_cast<float>(of[wavelengths_.used[b]]);
   };
   const Sky sky = make_sky();
+  BandRows<double> packed(sky.node.size(), 0);
+  for (const AirSpectrum& node : sky.node) pack(packed.value, node, bands_);
+  packed.bands = packed.value.size() / sky.node.size();
   std::vector<Lower> lower;
-  for (std::size_t r = 0; r < weather_.lower.size(); ++r) lower.push_back(make_lower(r, sky));
+  for (std::size_t r = 0; r < weather_.lower.size(); ++r) lower.push_back(make_lower(r, packed));
+  weather_.sun_is_made();
   auto light = std::make_shared<LightAround::Sunlight>();
   const std::size_t above = sky.node.size(), below = lower.size() * azimuths_;
   light->air = BandRows<float>(above + below, n);
@@ -172,7 +176,7 @@ SunLight::Sky SunLight::make_sky() const {
   return out;
 }
 
-SunLight::Lower SunLight::make_lower(std::size_t r, const Sky& sky) const {
+SunLight::Lower SunLight::make_lower(std::size_t r, const BandRows<double>& sky) const {
   Lower out;
   const std::vector<double> sine = sines_of(weather_.lower);
   const LowerRing& ring = weather_.lower[r];
@@ -182,11 +186,14 @@ SunLight::Lower SunLight::make_lower(std::size_t r, const Sky& sky) const {
   for (std::uint32_t a = 0; a < azimuths_; ++a) {
     out.air.push_back(air.per_sr(phase(sine, r, -1, a)));
     multiply(out.air.back(), outside);
-    AirSpectrum mirrored(kAirBandCount, 0.0);
+    std::vector<double> sum(sky.bands, 0.0);
     for (const LowerRing::Cell& cell : ring.cell) {
-      const AirSpectrum& from = sky.node[cell.ring * azimuths_ + (a + cell.turn) % azimuths_];
-      for (std::size_t b = 0; b < kAirBandCount; ++b) mirrored[b] += cell.weight[b] * from[b];
+      const double *from = sky.row(cell.ring * azimuths_ + (a + cell.turn) % azimuths_),
+                   *weight = cell.weight.data();
+      for (std::size_t b = 0; b < sum.size(); ++b) sum[b] += weight[b] * from[b];
     }
+    AirSpectrum mirrored(kAirBandCount, 0.0);
+    unpack(mirrored, sum.data(), bands_);
     // Let through as sunlight is, whose lines it carries.
     multiply(mirrored, through);
     for (std::size_t b = 0; b < kAirBandCount; ++b) {

@@ -86,7 +86,8 @@ class SunLight {
   [[nodiscard]] Around make_around() const;
   [[nodiscard]] Sky make_sky() const;
   [[nodiscard]] std::vector<double> lower_node_error(const std::vector<Lower>& lower) const;
-  [[nodiscard]] Lower make_lower(std::size_t ring, const Sky& sky) const;
+  //   sky  [node][band that is wanted]
+  [[nodiscard]] Lower make_lower(std::size_t ring, const BandRows<double>& sky) const;
   // Of a grey surface: its reflection of the sun, the same in all directions.
   [[nodiscard]] double diffuse_per_sr() const;
   // Sets both kinds of interpolation error.

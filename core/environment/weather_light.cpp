@@ -103,7 +103,7 @@ double sin_of_dip(const AirProfile& air, double height_m, bool refraction) {
 }
 
 WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-                           const DirectionNodes& nodes, const BandChoice& bands)
+                           const DirectionNodes& nodes, const BandChoice& bands, int suns)
     : spec_(spec.lower),
       atmosphere_(atmosphere),
       height_m_(height_m),
@@ -111,7 +111,8 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
       bands_(bands),
       refraction_(spec.refraction),
       cloud_cover_(spec.cloud_cover),
-      in_the_air_(spec.above_surface_m > 0) {
+      in_the_air_(spec.above_surface_m > 0),
+      suns_to_come_(suns) {
   surface_planck = AirSpectrum(kAirBandCount, 0.0);
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     if (chosen(bands, b)) {
@@ -199,6 +200,11 @@ WeatherLight::WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere
   lower_model_relative = spec_.kind == LowerSpec::Kind::kRoughSea
                              ? 0.02 + held_slopes_relative(spec_.wind_speed_m_s, 0.2)
                              : surface_model_relative(spec_, 1);
+}
+
+void WeatherLight::sun_is_made() const {
+  if (--suns_to_come_ != 0) return;
+  for (const LowerRing& ring : lower) ring.cell = {};
 }
 
 double WeatherLight::surface_relative(double sine) const {
@@ -316,32 +322,33 @@ void WeatherLight::reflect_from_facets(LowerRing& ring, double cos_zenith) const
     if (away < nearest) ring.mirrored_ring = r;
     nearest = std::min(nearest, away);
   }
-  AirSpectrum reflected(kAirBandCount, 0.0), mirrored = reflected;
+  AirSpectrum reflected(kAirBandCount, 0.0), mirrored = reflected, weight = reflected;
   for (std::uint32_t node = 0; node < nodes_.sky(); ++node) {
     if (once[node].share <= 0 && twice[node].share <= 0) continue;
     const double sine = nodes_.sin_elevation(node);
     std::size_t k = 0;
     while (k + 2 < kGrazing.size() && kGrazing[k + 1] < sine) ++k;
     const double f = std::clamp((sine - kGrazing[k]) / (kGrazing[k + 1] - kGrazing[k]), 0.0, 1.0);
-    LowerRing::Cell cell{node / azimuths, node % azimuths, AirSpectrum(kAirBandCount, 0.0)};
+    std::fill(weight.begin(), weight.end(), 0.0);
     if (once[node].share > 0) {
       reflect(mirrored, once[node].mean_cosine());
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
-        cell.weight[b] += once[node].share * mirrored[b];
+        weight[b] += once[node].share * mirrored[b];
       }
     }
     if (twice[node].share > 0) {
       const AirSpectrum &low = rough_reflectance_[k], &high = rough_reflectance_[k + 1];
       reflect(mirrored, twice[node].mean_cosine());
       for (std::size_t b = 0; b < kAirBandCount; ++b) {
-        cell.weight[b] += twice[node].share * mirrored[b] * ((1 - f) * low[b] + f * high[b]);
+        weight[b] += twice[node].share * mirrored[b] * ((1 - f) * low[b] + f * high[b]);
       }
     }
     for (std::size_t b = 0; b < kAirBandCount; ++b) {
-      ring.from_ring[cell.ring][b] += cell.weight[b];
-      reflected[b] += cell.weight[b];
+      ring.from_ring[node / azimuths][b] += weight[b];
+      reflected[b] += weight[b];
     }
-    ring.cell.push_back(std::move(cell));
+    if (suns_to_come_ > 0)
+      pack(ring.cell.emplace_back(node / azimuths, node % azimuths).weight, weight, bands_);
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {
     ring.emission[b] = (1 - reflected[b]) * surface_planck[b];
@@ -360,10 +367,9 @@ void WeatherLight::reflect_diffusely(LowerRing& ring) const {
   for (std::uint32_t r = 0; r < sine.size(); ++r) {
     const AirSpectrum of_ring(kAirBandCount, (1 - spec_.emissivity) * weight[r] / sum);
     ring.from_ring[r] = of_ring;
-    for (std::uint32_t a = 0; a < azimuths; ++a) {
-      ring.cell.push_back(
-          {r, a, AirSpectrum(kAirBandCount, of_ring[0] / static_cast<double>(azimuths))});
-    }
+    const AirSpectrum of_cell(kAirBandCount, of_ring[0] / static_cast<double>(azimuths));
+    for (std::uint32_t a = 0; a < azimuths && suns_to_come_ > 0; ++a)
+      pack(ring.cell.emplace_back(r, a).weight, of_cell, bands_);
     if (sine[r] <= 0.5) ring.mirrored_ring = r;
   }
   for (std::size_t b = 0; b < kAirBandCount; ++b) {

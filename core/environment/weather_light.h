@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -24,12 +25,12 @@ struct SkyRing {
 struct LowerRing {
   // What the surface reflects, by the direction of the sky that it comes from.
   struct Cell {
-    std::uint32_t ring, turn;  // of the sky; steps of azimuth from the direction of sight
-    AirSpectrum weight;        // share x reflectance
+    std::uint32_t ring, turn;         // of the sky; steps of azimuth from the direction of sight
+    std::vector<double> weight = {};  // share x reflectance; [band that is wanted]
   };
-  double sin_elevation;  // > 0: below the horizontal by so much
-  PathLayers layers;     // of the air in front of the surface
-  std::vector<Cell> cell;
+  double sin_elevation;                // > 0: below the horizontal by so much
+  PathLayers layers;                   // of the air in front of the surface
+  mutable std::vector<Cell> cell;      // until the last sun is made
   std::vector<AirSpectrum> from_ring;  // the cells' weights, all azimuths together
   AirSpectrum emission;                // of the surface, with what it reflects of itself
   std::uint32_t mirrored_ring;         // of the sky, where most of the reflection comes from
@@ -42,8 +43,10 @@ struct LowerRing {
 
 class WeatherLight {
  public:
+  // suns: of how many conditions the sunlight will be asked for: LowerRing::cell, most of all that
+  // is kept, goes with the last of them (sun_is_made), and is not made without any.
   WeatherLight(const WeatherSpec& spec, const Atmosphere& atmosphere, double height_m,
-               const DirectionNodes& nodes, const BandChoice& bands);
+               const DirectionNodes& nodes, const BandChoice& bands, int suns);
 
   std::vector<SkyRing> sky;  // rings of the nodes
   std::vector<LowerRing> lower;
@@ -66,6 +69,9 @@ class WeatherLight {
   // The sky between the horizon and the horizontal, which nothing but a line of sight sees: rings
   // of falling rays that miss the Earth, by kLimb. Made when they are first asked for.
   [[nodiscard]] const std::vector<SkyRing>& limb() const;
+
+  // One more of the suns will not ask for LowerRing::cell any more.
+  void sun_is_made() const;
 
   // WeatherSpec::cloud_cover: one sigma of sunlight, of which clouds may let nothing pass.
   [[nodiscard]] double cloud_cover() const { return cloud_cover_; }
@@ -108,6 +114,7 @@ class WeatherLight {
   WaterSpectrum water_;                         // per band
   std::vector<AirSpectrum> rough_reflectance_;  // at kGrazing
   MadeOnce<std::vector<SkyRing>> limb_;
+  mutable std::atomic<int> suns_to_come_;
 };
 
 // Where the rings of the limb lie, as BehindSight::limb has it: from the horizon up.

@@ -375,7 +375,8 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
   std::shared_ptr<const UnseenLight> unseen;
   if (aimed != nullptr)
     unseen =
-        std::make_shared<const UnseenLight>(scene.target, scene.carried_material(), aimed->frame);
+        std::make_shared<const UnseenLight>(scene.target, scene.places,
+                                                    scene.carried_material(), aimed->frame);
   const std::uint64_t seed = view_seed(scene, request);
   auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                              scene.axis.node_um());

@@ -37,8 +37,8 @@ Pass::Pass(const PreparedScene& scene, const ViewRequest& request, const ViewPla
                plan.effects, {view_, &view_->environments}, scene.axis.node_um()) {
   unseen_ = view_->unseen;
   if (unseen_ == nullptr)
-    unseen_ = std::make_shared<const UnseenLight>(scene.target, scene.carried_material(),
-                                                  view_->aimed->frame);
+    unseen_ = std::make_shared<const UnseenLight>(
+        scene.target, scene.places, scene.carried_material(), view_->aimed->frame);
   const AimedView& aimed = *view_->aimed;
   turned_ = turned_areas(scene.target, -1.0 * aimed.frame.forward);
   if (!aimed.bright.none()) {

@@ -75,6 +75,7 @@ absl::StatusOr<PreparedScene> PreparedScene::make(const SceneSpec& spec) {
   auto target = make_target(spec.mesh, spec.part, spec.isa, spec.tracer);
   if (!target.ok()) return target.status();
   out.target = *std::move(target);
+  out.places = std::make_shared<const PartPlaces>(out.target);
   hash.add(out.target.vertex);
   for (const std::uint32_t corner : out.target.triangle)
     hash.add(static_cast<std::uint64_t>(corner));

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/materials/material.h"
+#include "core/scene/part_places.h"
 #include "core/scene/target.h"
 #include "core/spectral/solar.h"
 #include "core/spectral/spectral_axis.h"
@@ -27,6 +29,7 @@ struct SceneSpec {
 // A scene ready for any number of views.
 struct PreparedScene {
   Target target;
+  std::shared_ptr<const PartPlaces> places;  // of the target
   std::vector<Band> band;
   SpectralAxis axis;
   // [band] What materials' tables hold between the corners that cut the quadrature (TableCorners).

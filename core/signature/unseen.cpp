@@ -215,9 +215,10 @@ std::vector<SeaGlint> brightest_glitter(const SunDirection& sun) {
   return out;
 }
 
-UnseenLight::UnseenLight(const Target& target, const std::vector<Material>& materials,
-                         const ViewFrame& frame)
+UnseenLight::UnseenLight(const Target& target, std::shared_ptr<const PartPlaces> places,
+                         const std::vector<Material>& materials, const ViewFrame& frame)
     : target_(target),
+      places_(std::move(places)),
       materials_(materials),
       convex_(target.convex),
       dhr_(materials.size(), 0.0),
@@ -230,6 +231,7 @@ UnseenLight::UnseenLight(const Target& target, const std::vector<Material>& mate
       mean_dhr_[m] += here * (2 * k - 1) / (kAngles * kAngles);
     }
   double largest_mean_dhr = 0;
+  patch_.reserve(target.facet.size());
   for (std::size_t t = 0; t < target.facet.size(); ++t) {
     const Target::Facet& facet = target.facet[t];
     const PartSpec& part = target.part[facet.part];
@@ -503,38 +505,9 @@ const UnseenLight::Above& UnseenLight::above() const {
   if (above_ != nullptr) return *above_;
   auto made = std::make_unique<Above>();
   const std::size_t parts = target_.part.size();
-  // Of each part its vertices and the box around them.
-  std::vector<std::vector<Vec<Body>>> vertex(parts), box(parts);
-  {
-    std::vector<std::vector<std::uint32_t>> index(parts);
-    for (std::size_t t = 0; t < target_.facet.size(); ++t)
-      for (std::size_t k = 0; k < 3; ++k)
-        index[target_.facet[t].part].push_back(target_.triangle[3 * t + k]);
-    for (std::size_t p = 0; p < parts; ++p) {
-      std::sort(index[p].begin(), index[p].end());
-      index[p].erase(std::unique(index[p].begin(), index[p].end()), index[p].end());
-      Vec<Body> low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-      for (const std::uint32_t v : index[p]) {
-        const float* q = target_.vertex.data() + 3 * static_cast<std::size_t>(v);
-        const Vec<Body> place{q[0], q[1], q[2]};
-        vertex[p].push_back(place);
-        low = {std::min(low.x, place.x), std::min(low.y, place.y), std::min(low.z, place.z)};
-        high = {std::max(high.x, place.x), std::max(high.y, place.y), std::max(high.z, place.z)};
-      }
-      for (int corner = 0; corner < 8 && !vertex[p].empty(); ++corner)
-        box[p].push_back({(corner & 1) != 0 ? high.x : low.x, (corner & 2) != 0 ? high.y : low.y,
-                          (corner & 4) != 0 ? high.z : low.z});
-    }
-  }
   // Facets and rays are rounded by less; reflected rays start 2e-6 of the radius above.
   const double rounding = 1e-6 * target_.radius_m;
-  std::uint64_t tests = 20'000'000;  // then boxes have to do
   std::size_t tried = 0;
-  const auto any_above = [&](Vec<Body> n, double level, const std::vector<Vec<Body>>& places) {
-    tried += places.size();
-    return std::any_of(places.begin(), places.end(),
-                       [&](Vec<Body> q) { return dot(n, q) > level + rounding; });
-  };
   made->parts.assign(parts, std::vector<bool>(parts, false));
   std::map<std::vector<bool>, std::uint32_t> known;
   for (const Patch& p : patch_) {
@@ -548,12 +521,7 @@ const UnseenLight::Above& UnseenLight::above() const {
       const double level = dot(n, p.middle);
       for (std::size_t q = 0; q < parts; ++q) {
         if ((!shown || set[q]) && made->parts[own][q]) continue;
-        bool is = any_above(n, level, box[q]);
-        if (is && tests > vertex[q].size()) {
-          tests -= vertex[q].size();
-          is = any_above(n, level, vertex[q]);
-        }
-        if (!is) continue;
+        if (!places_->any_above(q, n, level + rounding, tried)) continue;
         made->parts[own][q] = true;
         if (shown) set[q] = true;
       }

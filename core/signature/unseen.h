@@ -11,6 +11,7 @@
 
 #include "core/environment/sea_glint.h"
 #include "core/materials/material.h"
+#include "core/scene/part_places.h"
 #include "core/scene/target.h"
 #include "core/sources/source_geometry.h"
 #include "core/transport/primary_rays.h"
@@ -47,7 +48,9 @@ class RareLight {
 // share of its radiance. Any number of threads may ask; the target and the materials outlive it.
 class UnseenLight {
  public:
-  UnseenLight(const Target& target, const std::vector<Material>& materials, const ViewFrame& frame);
+  // places: of the target.
+  UnseenLight(const Target& target, std::shared_ptr<const PartPlaces> places,
+              const std::vector<Material>& materials, const ViewFrame& frame);
   ~UnseenLight();
 
   struct Sun {
@@ -128,6 +131,7 @@ class UnseenLight {
   [[nodiscard]] const Above& above() const;
 
   const Target& target_;
+  std::shared_ptr<const PartPlaces> places_;
   const std::vector<Material>& materials_;
   bool convex_;
   std::vector<Patch> patch_;

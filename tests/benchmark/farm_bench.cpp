@@ -30,9 +30,10 @@ class RepeatingRunner final : public JobRunner {
  public:
   explicit RepeatingRunner(const schema::ResolvedSweep& sweep)
       : result_(synthetic_result(sweep, expand_jobs(sweep, 1).front())) {}
-  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
-    result_.set_job_key(job.job_key());
-    return result_;
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
+    schema::JobResult out = result_;
+    out.set_job_key(job.job_key());
+    return out;
   }
 
  private:

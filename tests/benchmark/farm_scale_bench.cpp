@@ -81,7 +81,7 @@ class TimedRunner final : public JobRunner {
  public:
   TimedRunner(const schema::JobResult& result, double job_s, Board& board)
       : result_(result), job_s_(job_s), board_(board) {}
-  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
     if (!begun_) ++board_.begun;
     begun_ = true;
     ++board_.computing;
@@ -100,7 +100,7 @@ class TimedRunner final : public JobRunner {
   const schema::JobResult& result_;
   double job_s_;
   Board& board_;
-  bool begun_ = false;
+  mutable std::atomic<bool> begun_ = false;
 };
 
 TlsFiles files(const std::string& folder, const std::string& who) {

@@ -38,7 +38,7 @@ WorkCounts work_of(std::uint64_t facets) {
   EXPECT_TRUE(simulator->simulate(r).ok());
   // What a view does that aims at facets which may be bright: find them, and where they are seen.
   const Target& target = simulator->target();
-  const UnseenLight unseen(target, simulator->materials(),
+  const UnseenLight unseen(target, simulator->scene().places, simulator->materials(),
                            make_aimed_view(target, r.viewpoint).frame);
   const SunDirection sun{day.sun_direction, 0.00465};
   BrightFacets bright;
@@ -61,11 +61,6 @@ TEST(Scaling, NoStepIsQuadraticInFacets) {
     for (const WorkCounts& of : work)
       std::printf(" %12llu", static_cast<unsigned long long>(of[w]));
     std::printf("\n");
-    // Whether parts lie above facets is looked at vertex by vertex up to a budget, then by boxes.
-    if (w == static_cast<std::size_t>(Work::kPlacesTried)) {
-      EXPECT_LT(work.back()[w], 20'000'000 + 40 * kFacets.back());
-      continue;
-    }
     // Of each facet at most 64, four times.
     if (w == static_cast<std::size_t>(Work::kThrowersTried)) {
       EXPECT_LT(work.back()[w], 4 * 64 * kFacets.back());

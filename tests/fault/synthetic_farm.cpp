@@ -56,7 +56,7 @@ class SyntheticRunner final : public JobRunner {
   SyntheticRunner(schema::ResolvedSweep sweep, HeatOutputs heat, const SyntheticWork& work)
       : sweep_(std::move(sweep)), heat_(std::move(heat)), work_(work) {}
 
-  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) override {
+  absl::StatusOr<schema::JobResult> run(const schema::JobSpec& job) const override {
     if (work_.seconds > 0)
       std::this_thread::sleep_for(std::chrono::duration<double>(work_.seconds));
     if (job.has_heat()) {

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   plan.physics_version = 1;
   app.add_option("--coordinator", coordinator)->required();
   app.add_option("--name", plan.worker_name)->required();
+  app.add_option("--threads", plan.threads);
   app.add_option("--class", plan.determinism_class);
   app.add_flag("--exit-when-finished", plan.exit_when_finished);
   app.add_option("--seconds", work.seconds);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/scene/target.h"
+
+namespace irsig {
+
+// Where the vertices of each part of a target lie, in trees of boxes: whether some lie above a
+// plane is answered without a look at all of them. Immutable; made once a target, in n log n.
+class PartPlaces {
+ public:
+  explicit PartPlaces(const Target& target);
+
+  // Returns whether a vertex q of the part has dot(normal, q) > level, q relative to the target's
+  // centre [m]. Adds to `tried` how many vertices and boxes were looked at.
+  [[nodiscard]] bool any_above(std::size_t part, Vec<Body> normal, double level,
+                               std::size_t& tried) const;
+
+ private:
+  struct Box {
+    Vec<Body> low, high;
+    std::uint32_t first, last;  // of the places in it
+    std::uint32_t right;        // the other half's box, the first's being the next; 0: a leaf
+  };
+  void add_boxes(std::uint32_t first, std::uint32_t last);
+
+  std::vector<Vec<Body>> place_;     // one part after the other
+  std::vector<Box> box_;             // each part's own one before those of its halves
+  std::vector<std::uint32_t> root_;  // [part] in box_; kNone: a part without vertices
+  static constexpr std::uint32_t kNone = UINT32_MAX;
+};
+
+}  // namespace irsig

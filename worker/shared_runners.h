@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "bridge/job_runner.h"
+
+namespace irsig {
+
+// The runners of the lease loops of one process. Loops that compute the same sweep have one runner
+// between them: one scene, one set of air, sky and sunlight, one copy of the temperatures. A runner
+// goes with the last loop that has it. Thread-safe.
+class SharedRunners {
+ public:
+  struct Key {
+    std::string sweep_sha256;
+    std::vector<std::string>
+        outputs;  // hashes of what its heat jobs have left; none: not yet there
+  };
+  // assets: by hash, those of the sweep before; make leaves those of its own sweep there.
+  using Make = std::function<absl::StatusOr<std::unique_ptr<const JobRunner>>(Assets& assets)>;
+
+  // Returns the runner of this sweep that another loop has, or a new one by `make`, for which other
+  // loops wait. A runner that was made before the outputs were there serves those that ask for
+  // none.
+  [[nodiscard]] absl::StatusOr<std::shared_ptr<const JobRunner>> get(const Key& key,
+                                                                     const Make& make);
+  // After a failure: whoever asks next gets a new one.
+  void forget(const std::shared_ptr<const JobRunner>& runner);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<Key, std::weak_ptr<const JobRunner>>> known_;
+  Assets assets_;
+};
+
+}  // namespace irsig
