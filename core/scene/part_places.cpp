@@ -10,50 +10,80 @@ constexpr std::uint32_t kMostInLeaf = 16;
 
 double along(Vec<Body> v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-// The largest dot(normal, q) of any q in a box.
-double support(Vec<Body> low, Vec<Body> high, Vec<Body> normal) {
-  return normal.x * (normal.x > 0 ? high.x : low.x) + normal.y * (normal.y > 0 ? high.y : low.y) +
-         normal.z * (normal.z > 0 ? high.z : low.z);
+// The largest dot(direction, q) of any q in a box.
+double support(Vec<Body> low, Vec<Body> high, Vec<Body> d) {
+  return d.x * (d.x > 0 ? high.x : low.x) + d.y * (d.y > 0 ? high.y : low.y) +
+         d.z * (d.z > 0 ? high.z : low.z);
 }
 
 }  // namespace
 
 PartPlaces::PartPlaces(const Target& target) {
   std::vector<std::vector<std::uint32_t>> index(target.part.size());
-  for (std::size_t t = 0; t < target.facet.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      index[target.facet[t].part].push_back(target.triangle[3 * t + k]);
+  std::vector<Vec<Body>> normal(target.vertex.size() / 3, Vec<Body>{0, 0, 0});
+  for (std::size_t t = 0; t < target.facet.size(); ++t) {
+    const Target::Facet& facet = target.facet[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = target.triangle[3 * t + k];
+      index[facet.part].push_back(v);
+      normal[v] = normal[v] + Vec<Body>{facet.nx, facet.ny, facet.nz};
+    }
+  }
   for (std::vector<std::uint32_t>& of_part : index) {
     std::sort(of_part.begin(), of_part.end());
     of_part.erase(std::unique(of_part.begin(), of_part.end()), of_part.end());
-    const auto first = static_cast<std::uint32_t>(place_.size());
+    std::vector<Place> places;
     for (const std::uint32_t v : of_part) {
       const float* q = target.vertex.data() + 3 * static_cast<std::size_t>(v);
-      place_.push_back({q[0], q[1], q[2]});
+      places.push_back({{q[0], q[1], q[2]}, normal[v]});
     }
-    root_.push_back(of_part.empty() ? kNone : static_cast<std::uint32_t>(box_.size()));
-    if (!of_part.empty()) add_boxes(first, static_cast<std::uint32_t>(place_.size()));
+    root_.push_back(places.empty() ? kNone : static_cast<std::uint32_t>(box_.size()));
+    if (places.empty()) continue;
+    add_boxes(places, 0, static_cast<std::uint32_t>(places.size()));
+    // So far its boxes count from the part's first place.
+    const auto before = static_cast<std::uint32_t>(place_.size());
+    for (std::size_t i = root_.back(); i < box_.size(); ++i) {
+      box_[i].first += before;
+      box_[i].last += before;
+    }
+    for (const Place& place : places) place_.push_back(place.at);
   }
 }
 
-void PartPlaces::add_boxes(std::uint32_t first, std::uint32_t last) {
-  Vec<Body> low = place_[first], high = low;
+void PartPlaces::add_boxes(std::vector<Place>& places, std::uint32_t first, std::uint32_t last) {
+  Box box{places[first].at, places[first].at, {0, 0, 0}, 0, 0, first, last, 0};
   for (std::uint32_t i = first; i < last; ++i) {
-    const Vec<Body> q = place_[i];
-    low = {std::min(low.x, q.x), std::min(low.y, q.y), std::min(low.z, q.z)};
-    high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
+    const Vec<Body> q = places[i].at;
+    box.low = {std::min(box.low.x, q.x), std::min(box.low.y, q.y), std::min(box.low.z, q.z)};
+    box.high = {std::max(box.high.x, q.x), std::max(box.high.y, q.y), std::max(box.high.z, q.z)};
+    box.facing = box.facing + places[i].normal;
+  }
+  const double size = length(box.facing);
+  box.facing = size > 0 ? (1 / size) * box.facing : Vec<Body>{0, 0, 0};
+  box.bottom = box.top = dot(box.facing, places[first].at);
+  for (std::uint32_t i = first; i < last; ++i) {
+    const double at = dot(box.facing, places[i].at);
+    box.bottom = std::min(box.bottom, at);
+    box.top = std::max(box.top, at);
   }
   const std::size_t here = box_.size();
-  box_.push_back({low, high, first, last, 0});
+  box_.push_back(box);
   if (last - first <= kMostInLeaf) return;
-  const Vec<Body> size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const Vec<Body> extent = box.high - box.low;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const std::uint32_t middle = first + (last - first) / 2;
-  std::nth_element(place_.begin() + first, place_.begin() + middle, place_.begin() + last,
-                   [axis](Vec<Body> a, Vec<Body> b) { return along(a, axis) < along(b, axis); });
-  add_boxes(first, middle);
+  std::nth_element(
+      places.begin() + first, places.begin() + middle, places.begin() + last,
+      [axis](const Place& a, const Place& b) { return along(a.at, axis) < along(b.at, axis); });
+  add_boxes(places, first, middle);
   box_[here].right = static_cast<std::uint32_t>(box_.size());
-  add_boxes(middle, last);
+  add_boxes(places, middle, last);
+}
+
+double PartPlaces::highest(const Box& box, Vec<Body> normal) {
+  const double of_box = support(box.low, box.high, normal), c = dot(normal, box.facing);
+  const double in_slab = c * (c > 0 ? box.top : box.bottom);
+  return std::min(of_box, in_slab + support(box.low, box.high, normal - c * box.facing));
 }
 
 bool PartPlaces::any_above(std::size_t part, Vec<Body> normal, double level,
@@ -67,7 +97,7 @@ bool PartPlaces::any_above(std::size_t part, Vec<Body> normal, double level,
     const std::uint32_t at = waiting[--count];
     const Box& box = box_[at];
     ++tried;
-    if (!(support(box.low, box.high, normal) > level)) continue;
+    if (!(highest(box, normal) > level)) continue;
     if (box.right == 0) {
       for (std::uint32_t i = box.first; i < box.last; ++i, ++tried)
         if (dot(normal, place_[i]) > level) return true;

@@ -9,7 +9,9 @@
 namespace irsig {
 
 // Where the vertices of each part of a target lie, in trees of boxes: whether some lie above a
-// plane is answered without a look at all of them. Immutable; made once a target, in n log n.
+// plane is answered without a look at all of them. A slab along the surface cuts each box, so that
+// neither the plane of a flat side nor one that touches a curved side finds all boxes sticking out.
+// Immutable; made once a target, in n log n.
 class PartPlaces {
  public:
   explicit PartPlaces(const Target& target);
@@ -20,12 +22,20 @@ class PartPlaces {
                                std::size_t& tried) const;
 
  private:
+  struct Place {
+    Vec<Body> at, normal;  // sum of those of its facets
+  };
   struct Box {
     Vec<Body> low, high;
+    // bottom <= dot(facing, q) <= top; a facing of 0: no slab.
+    Vec<Body> facing;
+    double bottom, top;
     std::uint32_t first, last;  // of the places in it
     std::uint32_t right;        // the other half's box, the first's being the next; 0: a leaf
   };
-  void add_boxes(std::uint32_t first, std::uint32_t last);
+  void add_boxes(std::vector<Place>& places, std::uint32_t first, std::uint32_t last);
+  // Nothing in the box is higher along the normal.
+  [[nodiscard]] static double highest(const Box& box, Vec<Body> normal);
 
   std::vector<Vec<Body>> place_;     // one part after the other
   std::vector<Box> box_;             // each part's own one before those of its halves

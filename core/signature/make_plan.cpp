@@ -92,13 +92,28 @@ double backface_share_at_least(const Pass& pilot) {
 // from one alone: the error then falls as n^-0.5 at least.
 std::uint64_t samples_of_rows(const Pass& pilot, std::uint64_t n_before,
                               const std::vector<double>& before, std::uint64_t n) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+  constexpr int kLooks = 6;
+  constexpr double kNearEnough = 1.02;
   std::uint64_t samples = 16;
   for (std::size_t row = 0; row < pilot.rows(); ++row) {
-    samples =
-        std::max(samples, samples_needed_with_unseen(
-                              n_before, n_before > 0 ? before[row] : 0, n,
-                              pilot.statistics(row).estimate(0).stderr_, pilot.unseen_error(row),
-                              pilot.error_wanted(row), std::uint64_t{1} << 40));
+    const auto needed = [&](double unseen) {
+      return samples_needed_with_unseen(n_before, n_before > 0 ? before[row] : 0, n,
+                                        pilot.statistics(row).estimate(0).stderr_, unseen,
+                                        pilot.error_wanted(row), kMost);
+    };
+    double unseen = pilot.unseen_error(row, n);
+    std::uint64_t of_row = needed(unseen);
+    // It falls more slowly than 1 / n, since more samples divide what is bounded from what is met
+    // elsewhere: so it is asked for where the run will be.
+    for (int look = 0; look < kLooks && of_row > n && of_row < kMost; ++look) {
+      const double there =
+          pilot.unseen_error(row, of_row) * static_cast<double>(of_row) / static_cast<double>(n);
+      if (there <= kNearEnough * unseen) break;
+      unseen = there;
+      of_row = needed(unseen);
+    }
+    samples = std::max(samples, of_row);
   }
   return samples;
 }
@@ -112,9 +127,9 @@ std::vector<double> errors_of(const Pass& pilot) {
 
 // Whether what a pilot cannot have met is small against the errors that are wanted: a scatter of 0
 // proves nothing where all that shines is a hot spot round the corner.
-bool saw_enough(const Pass& pilot) {
+bool saw_enough(const Pass& pilot, std::uint64_t n) {
   for (std::size_t row = 0; row < pilot.rows(); ++row)
-    if (pilot.unseen_error(row) > pilot.goal_w_sr(row)) return false;
+    if (pilot.unseen_error(row, n) > pilot.goal_w_sr(row)) return false;
   return true;
 }
 
@@ -136,7 +151,7 @@ std::optional<std::uint64_t> samples_for_goal(Pass& pilot, std::uint64_t n_first
                                               std::uint64_t most, std::uint64_t& pilot_rays,
                                               const Rare& rare) {
   std::uint64_t samples = samples_of_rows(pilot, 0, {}, n_first);
-  if (samples <= kSecondPilotSamples && saw_enough(pilot)) return samples;
+  if (samples <= kSecondPilotSamples && saw_enough(pilot, n_first)) return samples;
   bool asked = rare == nullptr;
   if (!asked && samples > kRareFromFirst) {
     asked = true;
@@ -353,10 +368,10 @@ absl::Status check_request(const PreparedScene& scene, const ViewRequest& reques
                                          });
     height += lowest->above_surface_m;
     if (height < 0)
-      return keyed_problem("viewpoints",
-                           absl::StrCat("a sensor at ", viewpoint.range_m, " m range and ",
-                                        viewpoint.aspect_elevation_deg,
-                                        " deg elevation is under the sea"));
+      return keyed_problem(
+          "viewpoints",
+          absl::StrCat("a sensor at ", viewpoint.range_m, " m range and ",
+                       viewpoint.aspect_elevation_deg, " deg elevation is under the sea"));
   }
   return check_in_sight(scene.target, request.condition, request.environment.get(), viewpoint);
 }
@@ -374,9 +389,8 @@ absl::StatusOr<MadePlan> make_plan(const PreparedScene& scene, const ViewRequest
     aimed = std::make_shared<const AimedView>(make_aimed_view(scene.target, request.viewpoint));
   std::shared_ptr<const UnseenLight> unseen;
   if (aimed != nullptr)
-    unseen =
-        std::make_shared<const UnseenLight>(scene.target, scene.places,
-                                                    scene.carried_material(), aimed->frame);
+    unseen = std::make_shared<const UnseenLight>(scene.target, scene.places,
+                                                 scene.carried_material(), aimed->frame);
   const std::uint64_t seed = view_seed(scene, request);
   auto surroundings = ViewSurroundings::make(request, scene.target, request.viewpoint.range_m,
                                              scene.axis.node_um());

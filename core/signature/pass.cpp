@@ -409,7 +409,7 @@ Pass::MeasuredRow Pass::measured(std::size_t row) const {
           light.brightest_w_m2_sr(axis_band(row), brightest_thermal_[row]) +
       sun_quadrature_w_sr(row);
   all.of(BoundOf::kBasis) = basis_w_sr_[row];
-  const Unseen unseen = this->unseen(row);
+  const Unseen unseen = this->unseen(row, samples_);
   all.of(BoundOf::kUnseen) = unseen.bound;
   all.of(BoundOf::kSky) = sky_w_sr_[row];
   all.of(BoundOf::kTemperature) = temperature_w_sr_[row];

@@ -96,9 +96,9 @@ class Pass {
   [[nodiscard]] double goal_w_sr(std::size_t row) const;
   [[nodiscard]] double absolute_floor_w_sr(std::size_t row) const;
   // The error that a row may keep, besides its lasting bounds, for its numerical error to reach its
-  // goal; and what it has of it for what is unseen, which falls as 1 / n.
+  // goal; and the error of what is unseen that it has with so many samples per replicate.
   [[nodiscard]] double error_wanted(std::size_t row) const;
-  [[nodiscard]] double unseen_error(std::size_t row) const;
+  [[nodiscard]] double unseen_error(std::size_t row, std::uint64_t samples) const;
   // Of one stratum of a view that aims at what is bright, with so many samples of it.
   [[nodiscard]] double unseen_error(std::size_t row, std::uint32_t stratum,
                                     std::uint64_t samples) const;
@@ -155,7 +155,7 @@ class Pass {
   struct Unseen {                                              // [W/sr]
     double bound = 0, source = 0, apparent = 0, contrast = 0;  // but for the bound: standard errors
   };
-  [[nodiscard]] Unseen unseen(std::size_t row) const;
+  [[nodiscard]] Unseen unseen(std::size_t row, std::uint64_t samples) const;
   // The same of one stratum of a view that aims at what is bright: standard errors of its emission
   // in `emitted`, of all else in the others.
   struct UnseenInStratum {
@@ -175,7 +175,6 @@ class Pass {
   };
   [[nodiscard]] InBandLight in_band_light(std::size_t row) const;
   [[nodiscard]] std::vector<InBandLight::Radiance> sent_by_parts(std::size_t row) const;
-  [[nodiscard]] double sample_m2(std::uint32_t stratum) const;
   [[nodiscard]] double sample_m2(std::uint32_t stratum, std::uint64_t samples) const;
   // sun: of light(row).suns().
   [[nodiscard]] double glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) const;

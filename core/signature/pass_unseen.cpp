@@ -41,9 +41,9 @@ double Pass::glitter_w_m2_sr(std::size_t row, const LitSun& sun, bool apparent) 
   return apparent ? most.seen : most.here;
 }
 
-double Pass::unseen_error(std::size_t row) const {
-  const Measured source = measured(row).source;
-  return numerical_error(0, source.unseen_stderr, source.of(BoundOf::kUnseen));
+double Pass::unseen_error(std::size_t row, std::uint64_t samples) const {
+  const Unseen of = unseen(row, samples);
+  return numerical_error(0, of.source, of.bound);
 }
 
 double Pass::unseen_error(std::size_t row, std::uint32_t stratum, std::uint64_t samples) const {
@@ -52,10 +52,6 @@ double Pass::unseen_error(std::size_t row, std::uint32_t stratum, std::uint64_t 
 }
 
 // What one sample of a stratum stands for.
-double Pass::sample_m2(std::uint32_t stratum) const {
-  return sample_m2(stratum, view_->aimed->samples(stratum, samples_));
-}
-
 double Pass::sample_m2(std::uint32_t stratum, std::uint64_t samples) const {
   const AimedView& view = *view_->aimed;
   if (view.stratum[stratum].empty()) return 0;
@@ -97,11 +93,11 @@ Pass::InBandLight Pass::in_band_light(std::size_t row) const {
 }
 
 // What the scatter of samples cannot know, met or not. (docs/methods.md)
-Pass::Unseen Pass::unseen(std::size_t row) const {
+Pass::Unseen Pass::unseen(std::size_t row, std::uint64_t samples) const {
   if (!view_->aimed->bright.none()) {
     Unseen out, emitted;
     for (std::uint32_t s = 0; s < unseen_of_.size(); ++s) {
-      const UnseenInStratum in = unseen_in(row, s, view_->aimed->samples(s, samples_));
+      const UnseenInStratum in = unseen_in(row, s, view_->aimed->samples(s, samples));
       out = {out.bound + in.reflected.bound, std::hypot(out.source, in.reflected.source),
              std::hypot(out.apparent, in.reflected.apparent),
              std::hypot(out.contrast, in.reflected.contrast)};
@@ -121,7 +117,8 @@ Pass::Unseen Pass::unseen(std::size_t row) const {
   // What the sensor sees of the parts themselves, and of what stands behind them.
   double most_m2 = 0, emitted = 0, emitted_seen = 0, emitted_contrast = 0;
   for (std::size_t p = 0; p < known.each.size(); ++p) {
-    const double m2 = sample_m2(view_->aimed->stratum_of_part[p]);
+    const std::uint32_t s = view_->aimed->stratum_of_part[p];
+    const double m2 = sample_m2(s, view_->aimed->samples(s, samples));
     const InBandLight::Radiance& one = known.each[p];
     most_m2 = std::max(most_m2, m2);
     emitted = std::max(emitted, m2 * one.here);

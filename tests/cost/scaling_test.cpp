@@ -70,7 +70,9 @@ TEST(Scaling, NoStepIsQuadraticInFacets) {
       if (work[i - 1][w] == 0) continue;
       const double ratio = static_cast<double>(work[i][w]) / static_cast<double>(work[i - 1][w]),
                    facets = static_cast<double>(kFacets[i]) / static_cast<double>(kFacets[i - 1]);
-      EXPECT_LT(std::log(ratio) / std::log(facets), 1.1)
+      // Planes that touch the target are looked for in a tree: n log^2 n.
+      const double most = w == static_cast<std::size_t>(Work::kPlacesTried) ? 1.3 : 1.1;
+      EXPECT_LT(std::log(ratio) / std::log(facets), most)
           << kWorkNames[w] << " from " << kFacets[i - 1] << " to " << kFacets[i] << " facets";
     }
   }

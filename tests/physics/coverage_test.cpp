@@ -91,7 +91,7 @@ TEST(Coverage, Silhouette) {
 TEST(Coverage, Cavity) {
   Mesh mesh;
   mesh.group = {"wall"};
-  const int rings = 300, sectors = 300;
+  const int rings = 120, sectors = 120;
   const double begin = kPi / 6, turn = 2 * kPi / sectors;
   const double widen = std::sqrt(turn / std::sin(turn));
   for (int ring = 0; ring <= rings; ++ring)
@@ -111,7 +111,7 @@ TEST(Coverage, Cavity) {
   ViewRequest r = request(*simulator, 0, 0, 1e4, {400});
   r.max_reflections = 50;
   const double area = kPi * 0.25;  // of the opening
-  expect_coverage("cavity", *simulator, r, 0.01,
+  expect_coverage("cavity", *simulator, r, 0.02,
                   0.9372183 * planck_band_radiance_w_m2_sr(8, 12, 400) * area);
 }
 
@@ -128,7 +128,7 @@ TEST(Coverage, RareHotSpot) {
   ViewRequest r = request(*simulator, 0, 60, 1e6, {300, 450});
   r.max_reflections = 3;
   const double area_f = kPi * 0.5 * (x - std::sqrt(x * x - 4 * b * b));
-  expect_coverage("rare hot spot", *simulator, r, 0.002,
+  expect_coverage("rare hot spot", *simulator, r, 0.004,
                   0.5 * (0.4 * kPi * planck_band_radiance_w_m2_sr(3, 5, 300) +
                          0.6 * 0.9 * area_f * planck_band_radiance_w_m2_sr(3, 5, 450)));
 }
@@ -169,8 +169,8 @@ TEST(Coverage, NearMirrorInTheSun) {
 
 // A hot sphere in front of a cold disk, its own stratum of primary rays.
 TEST(Coverage, HotPartInView) {
-  SceneSpec scene = scene_of(joined(moved(generated("sphere", 100000, 0.5), {2, 0, 0}),
-                                    generated("disk", 20000, 1.5), "disk_"),
+  SceneSpec scene = scene_of(joined(moved(generated("sphere", 20000, 0.5), {2, 0, 0}),
+                                    generated("disk", 5000, 1.5), "disk_"),
                              grey(0.9), lwir());
   scene.material.push_back({"disk", Lambert{{{0, 0.7}}}});
   scene.part = {{"sphere", {"sphere"}, 0, false, true}, {"disk", {"disk_*"}, 1, false, false}};

@@ -62,22 +62,45 @@ TEST(PartPlaces, SayWhatALookAtEachVertexSays) {
   EXPECT_LT(above, 2 * asked);
 }
 
-// The plane of a part's own flat side, from which rounding alone sticks out.
+// Planes of a sphere's facets, and of the facets of a flat plate that lies along no axis: they
+// touch their own part, from which rounding alone sticks out.
 TEST(PartPlaces, FewAreLookedAt) {
-  Target target;
-  target.part.resize(1);
-  constexpr std::uint32_t kSide = 300;
-  for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const auto x = static_cast<float>(i % kSide), y = static_cast<float>(i / kSide);
-    for (const float c : {x, y, std::sin(x) - 0.3f * y}) target.vertex.push_back(c);
-    target.triangle.insert(target.triangle.end(), {i, i, i});
-    target.facet.push_back({0, 0, 1, 0});
+  constexpr std::uint32_t kSide = 200;
+  const auto vertex = [](bool sphere, std::uint32_t i, std::uint32_t j) -> Vec<Body> {
+    const double u = static_cast<double>(i) / kSide, v = static_cast<double>(j) / kSide;
+    if (!sphere) return {u, v, 0.3 * u - 0.7 * v};
+    const double polar = std::numbers::pi * (0.1 + 0.8 * u), turn = 6 * v;
+    return {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
+  };
+  for (const bool sphere : {true, false}) {
+    Target target;
+    target.part.resize(1);
+    std::vector<double> level;
+    for (std::uint32_t i = 0; i < kSide; ++i)
+      for (std::uint32_t j = 0; j < kSide; ++j) {
+        const Vec<Body> a = vertex(sphere, i, j), b = vertex(sphere, i + 1, j),
+                        c = vertex(sphere, i, j + 1);
+        const Vec<Body> n = normalized(cross(b - a, c - a));
+        target.facet.push_back(
+            {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z), 0});
+        level.push_back(dot(n, a));
+        for (const Vec<Body>& q : {a, b, c}) {
+          target.triangle.push_back(static_cast<std::uint32_t>(target.vertex.size() / 3));
+          for (const double x : {q.x, q.y, q.z}) target.vertex.push_back(static_cast<float>(x));
+        }
+      }
+    const PartPlaces places(target);
+    std::size_t tried = 0, above = 0;
+    for (std::size_t t = 0; t < target.facet.size(); ++t) {
+      const Target::Facet& f = target.facet[t];
+      // Where the sphere's level is positive the normal points outwards.
+      const double side = sphere && level[t] < 0 ? -1 : 1;
+      if (places.any_above(0, side * Vec<Body>{f.nx, f.ny, f.nz}, side * level[t] + 3e-5, tried))
+        ++above;
+    }
+    EXPECT_EQ(above, 0u) << (sphere ? "sphere" : "plate");
+    EXPECT_LT(static_cast<double>(tried), 300.0 * kSide * kSide) << (sphere ? "sphere" : "plate");
   }
-  const PartPlaces places(target);
-  std::size_t tried = 0;
-  EXPECT_FALSE(places.any_above(0, normalized(Vec<Body>{0, 0.3, 1}), 1.01, tried));
-  EXPECT_LT(tried, kSide * kSide / 4);
-  EXPECT_TRUE(places.any_above(0, normalized(Vec<Body>{0, 0.3, 1}), 0.5, tried));
 }
 
 }  // namespace
