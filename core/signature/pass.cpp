@@ -1,6 +1,7 @@
 #include "core/signature/pass.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -17,6 +18,34 @@ namespace {
 // From this slope on lobes are as wide as those over which the environment took the mean of its
 // interpolation errors (SunLight::Sky::interpolation).
 constexpr double kWideLobeSlope = 0.15;
+
+// Returns the corners of a mean place: {near, high} each.
+std::array<std::array<double, 2>, 4> place_corners(const MeanPlace& place) {
+  return {{{place.near.low, place.high.low},
+           {place.near.low, place.high.high},
+           {place.near.high, place.high.low},
+           {place.near.high, place.high.high}}};
+}
+
+// Returns what the air changes at the corners of a mean place.
+//   end  [3] of target_ends()
+std::vector<LightAround::AirChange> changes_at(std::span<const LightAround::AirChange> end,
+                                               const MeanPlace& place) {
+  std::vector<LightAround::AirChange> out;
+  for (const auto& [near, high] : place_corners(place)) {
+    const auto between = [&](std::vector<double> LightAround::AirChange::*of) {
+      const std::vector<double>&top = end[0].*of, &below = end[1].*of, &far = end[2].*of;
+      std::vector<double> sum(far);
+      for (std::size_t i = 0; i < sum.size(); ++i)
+        sum[i] += near * (below[i] - far[i]) + high * (top[i] - below[i]);
+      return sum;
+    };
+    out.push_back({between(&LightAround::AirChange::transmittance),
+                   between(&LightAround::AirChange::path_thermal),
+                   between(&LightAround::AirChange::path_solar)});
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -158,6 +187,7 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
   std::optional<LitWeights> lit;  // of a condition; without temperatures by element: of all
   SummedWeights mean;
   std::vector<double> largest;
+  std::optional<SeenPlaces> places;
   for (std::size_t row = 0; row < rows(); ++row) {
     if (!lit || (light(row).by_element() && row % rows_.band.size() == 0)) {
       lit.emplace(light(row), weights, parts);
@@ -180,7 +210,11 @@ void Pass::collect(std::span<const PathWeights> weights, Kind kind) {
     if (kind == Kind::kPilot) continue;
     if (row == 0) find_energy(weights, lit->sums());
     find_background_errors(row, lit->sums());
-    depth_w_sr_[row] = depth_error(row, mean);
+    if (light(row).environment().end.empty()) continue;
+    if (!places)
+      places.emplace(scene_.target, scene_.carried_material(), *view_->aimed,
+                     sources_.geometry().emitters, plane_of(sources_.geometry().boundary));
+    depth_w_sr_[row] = depth_error(row, mean, *places);
   }
 }
 
@@ -265,23 +299,26 @@ double Pass::sky_error(std::size_t row, const SummedWeights& mean) const {
 // The air is that in front of one place of the target. In front of another all that is added up to
 // the apparent radiance, sum_s w_s R_s T + P with sum_s w_s = 1 but for the sun, changes by
 //   | sum_s w_s (R_s dT + dP) |  <=  sum_s w_s |R_s dT + dP|,
-// where dT and dP are at most those of the target's ends. (docs/methods.md)
-double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
+// where dT and dP are linear between those of the target's ends, and the light of a source leaves
+// the target in mean at a known place between them. (docs/methods.md)
+double Pass::depth_error(std::size_t row, const SummedWeights& mean,
+                         const SeenPlaces& places) const {
   const SourceLayout& layout = sources_.layout();
   const std::size_t n = scene_.axis.node_um().size();
   const ConditionSources& light = this->light(row);
   const ViewEnvironment& e = light.environment();
-  if (e.end.empty()) return 0;
   const BandOnAxis band = axis_band(row);
   const SpectralBasis* basis = scene_.path_basis();
   std::vector<double> most(n);
   const std::size_t columns = mean.columns;
   const double* of_nodes = mean.row(layout.first_sky());
   const LightAround& around = light.around();
+  const std::vector<LightAround::AirChange> of_reflected =
+      changes_at(e.end_change, places.reflected());
   double sum = basis == nullptr
-                   ? around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                   ? around.changed(of_reflected, band.first_node, band.grid.band_weight,
                                     {of_nodes, around.count()})
-                   : around.changed(e.end_change, band.first_node, band.grid.band_weight,
+                   : around.changed(of_reflected, band.first_node, band.grid.band_weight,
                                     [&](std::uint32_t node, std::span<double> w) {
                                       const double* of_node = of_nodes + node * columns;
                                       if (std::all_of(of_node, of_node + columns,
@@ -290,23 +327,29 @@ double Pass::depth_error(std::size_t row, const SummedWeights& mean) const {
                                       basis->to_nodes(of_node, band.first_node, w);
                                       return true;
                                     });
-  const auto add = [&](SourceId id, bool radiance) {
+  const auto add = [&](SourceId id, const MeanPlace& place, bool radiance) {
     const std::span<const double> of_source = light.radiance(id);
+    const auto corner = place_corners(place);
     for (std::size_t i = band.first_node; i < band.first_node + band.nodes(); ++i) {
+      const auto change = [&](const AirPath& end) {
+        return of_source[i] * (end.transmittance[i] - e.transmittance[i]) +
+               (radiance ? end.path_radiance_w_m2_sr_um[i] - e.path_radiance[i] : 0);
+      };
+      const double top = change(e.end[0]), below = change(e.end[1]), far = change(e.end[2]);
       most[i] = 0;
-      for (const AirPath& end : e.end) {
-        const double change = of_source[i] * (end.transmittance[i] - e.transmittance[i]) +
-                              (radiance ? end.path_radiance_w_m2_sr_um[i] - e.path_radiance[i] : 0);
-        most[i] = std::max(most[i], std::abs(change));
-      }
+      for (const auto& [near, high] : corner)
+        most[i] = std::max(most[i], std::abs(far + near * (below - far) + high * (top - below)));
     }
     sum += nodes_w_sr(most, scene_.path_basis(), band, mean.row(id));
   };
-  for (const SourceId id : layout.all_emitted()) add(id, true);
+  for (const SourceId id : layout.emitted())
+    add(id, light.by_element() ? places.any_emitted() : places.emitted(index_of(id)), true);
+  for (const SourceId id : layout.all_emitted())
+    if (!layout.emitted().contains(id)) add(id, places.reflected(), true);
   for (const auto& of_cause : light.causes())
     for (const SourceRange range : of_cause)
       for (const SourceId id : range)
-        if (!layout.without_sun().contains(id)) add(id, false);
+        if (!layout.without_sun().contains(id)) add(id, places.reflected(), false);
   // Of the silhouette from which nothing is known to come.
   const BandGrid& grid = band.grid;
   double weighed = 0, width_um = 0, lost = 0;
@@ -500,11 +543,10 @@ double Pass::relative_goal_w_sr(std::size_t row) const {
 double Pass::goal_w_sr(std::size_t row) const {
   // Nothing is an answer, too: of a plate seen edge on, against what it would send broadside.
   constexpr double kNothing = 1e-9;
-  const double of_nothing =
-      statistics_[row].estimate(0).value == 0
-          ? kNothing * std::numbers::pi * scene_.target.radius_m * scene_.target.radius_m *
-                brightest_thermal_[row]
-          : 0;
+  const double of_nothing = statistics_[row].estimate(0).value == 0
+                                ? kNothing * std::numbers::pi * scene_.target.radius_m *
+                                      scene_.target.radius_m * brightest_thermal_[row]
+                                : 0;
   return std::max({relative_goal_w_sr(row), absolute_floor_w_sr(row), of_nothing});
 }
 

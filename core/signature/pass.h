@@ -13,6 +13,7 @@
 #include "core/signature/prepared_view.h"
 #include "core/signature/request.h"
 #include "core/signature/result.h"
+#include "core/signature/seen_places.h"
 #include "core/signature/shading.h"
 #include "core/signature/unseen.h"
 #include "core/signature/view_pictures.h"
@@ -147,7 +148,9 @@ class Pass {
   // Of one row each.
   [[nodiscard]] double basis_error(std::size_t row, const std::vector<double>& largest) const;
   [[nodiscard]] double sky_error(std::size_t row, const SummedWeights& mean) const;
-  [[nodiscard]] double depth_error(std::size_t row, const SummedWeights& mean) const;
+  // places: of the view; those without an end in its air are not asked for.
+  [[nodiscard]] double depth_error(std::size_t row, const SummedWeights& mean,
+                                   const SeenPlaces& places) const;
   [[nodiscard]] double sun_quadrature_w_sr(std::size_t row) const;
   void find_background_errors(std::size_t row, std::span<const SummedWeights> sums);
   void find_temperature_errors(std::size_t condition, std::span<const PathWeights> weights);

@@ -6,6 +6,7 @@
 
 #include "core/environment/line_horizon.h"
 #include "core/plume/plume_silhouette.h"
+#include "core/signature/seen_places.h"
 #include "core/spectral/solar.h"
 
 namespace irsig {
@@ -54,20 +55,6 @@ ViewEnvironment plain_environment(const ConditionSpec& condition, const Air& air
   return out;
 }
 
-// As much air as stands in front of any place of the target, and as little: it is thinner above.
-std::vector<Environment::Line::End> target_ends(const Target& target, Vec<Body> sensor) {
-  Environment::Line::End near{INFINITY, -INFINITY}, far{0, INFINITY};
-  for (std::size_t i = 0; i + 2 < target.vertex.size(); i += 3) {
-    const Vec<Body> at = target.centre + Vec<Body>{static_cast<double>(target.vertex[i]),
-                                                   static_cast<double>(target.vertex[i + 1]),
-                                                   static_cast<double>(target.vertex[i + 2])};
-    const double range_m = length(sensor - at);
-    near = {std::min(near.range_m, range_m), std::max(near.height_m, -at.z)};
-    far = {std::max(far.range_m, range_m), std::min(far.height_m, -at.z)};
-  }
-  return {near, far};
-}
-
 // How far from the target's reference point hot gas reaches under any condition.
 double gas_reach_m(const ViewRequest& request) {
   double out = 0;
@@ -100,7 +87,8 @@ absl::StatusOr<ViewSurroundings> ViewSurroundings::make(const ViewRequest& reque
   Viewpoint v = request.viewpoint;
   v.range_m = range_m;
   const Vec<Body> towards = body_from_aspect(v.aspect_azimuth_deg, v.aspect_elevation_deg);
-  out.end_ = target_ends(target, range_m * towards);
+  const auto ends = target_ends(target, range_m * towards);
+  out.end_.assign(ends.begin(), ends.end());
   if (request.environment == nullptr) {
     if (!plane_of(boundary_of(request.condition.front(), 0))) return out;
     const GrazingRay straight;

@@ -11,12 +11,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <random>
 #include <vector>
 
 #include "core/base/constants.h"
 #include "core/gas/gas_spectrum.h"
 #include "core/gas/soot.h"
+#include "tests/honesty/random.h"
 #include "tests/physics/plume_fixture.h"
 #include "tests/physics/scene_fixture.h"
 
@@ -29,23 +29,8 @@ constexpr double kRangeM = 1e6, kStarboardM = 23;
 
 int seeds() {
   const char* asked = std::getenv("IRSIG_GAS_SEEDS");
-  return asked != nullptr ? std::max(1, std::atoi(asked)) : 10;
+  return asked != nullptr ? std::max(1, std::atoi(asked)) : 20;
 }
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  double log_between(double low, double high) {
-    return std::exp(between(std::log(low), std::log(high)));
-  }
-  int below(int n) { return std::min(n - 1, static_cast<int>(between(0, n))); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 struct Voxel {
   double kelvin = 0, soot = 0;

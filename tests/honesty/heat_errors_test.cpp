@@ -14,8 +14,8 @@
 #include <cstdlib>
 #include <functional>
 #include <numbers>
-#include <random>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "bridge/heat_weather.h"
@@ -23,6 +23,7 @@
 #include "core/geo/sun.h"
 #include "core/thermal/convection.h"
 #include "core/thermal/scene/scene_heat.h"
+#include "tests/honesty/random.h"
 #include "tests/physics/cvode_wall.h"
 #include "tests/physics/heat_scene.h"
 
@@ -36,27 +37,8 @@ double power4(double t) { return t * t * t * t; }
 
 int seeds() {
   const char* asked = std::getenv("IRSIG_HEAT_SEEDS");
-  return asked != nullptr ? std::max(1, std::atoi(asked)) : 8;
+  return asked != nullptr ? std::max(1, std::atoi(asked)) : 20;
 }
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
-  std::size_t below(std::size_t n) {
-    return std::min(n - 1, static_cast<std::size_t>(between(0, static_cast<double>(n))));
-  }
-  Vec<Body> direction() {
-    const double z = between(-1, 1), turn = between(0, 2 * std::numbers::pi),
-                 r = std::sqrt(1 - z * z);
-    return {r * std::cos(turn), r * std::sin(turn), z};
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 struct Record {
   double unix_s, air_k, wind_m_s, direct, diffuse, sky;
@@ -75,14 +57,19 @@ struct Scene {
   std::vector<double> asked_s;  // increasing
 };
 
-double sine_of_sun(double unix_s) {
+// Returns the unit vector towards the sun; below the horizon in every case where there is no sun.
+// Nine tenths of the test's time were spent here: each time of a day is computed once, for all days
+// that a reference goes through and all scenes.
+Vec<Enu> sun_at(double unix_s) {
+  static std::unordered_map<double, Vec<Enu>> known;
+  const auto [at, fresh] = known.try_emplace(unix_s, Vec<Enu>{0, 0, -1});
+  if (!fresh) return at->second;
   const auto sun = sun_position(utc_time(unix_s), kLatitudeDeg, kLongitudeDeg, 0);
-  return sun.ok() ? std::cos(sun->zenith_deg * kRadPerDeg) : -1;
+  if (sun.ok()) at->second = sun->direction;
+  return at->second;
 }
-Vec<Body> to_sun(double unix_s) {
-  const auto sun = sun_position(utc_time(unix_s), kLatitudeDeg, kLongitudeDeg, 0);
-  return sun.ok() ? body_from_enu(sun->direction, 0) : Vec<Body>{0, 0, 1};
-}
+double sine_of_sun(double unix_s) { return sun_at(unix_s).z; }
+Vec<Body> to_sun(double unix_s) { return body_from_enu(sun_at(unix_s), 0); }
 
 // The weather of a scene between two records, by arithmetic of its own.
 class Sky {
@@ -131,7 +118,8 @@ class Sky {
   std::vector<double> direct_, diffuse_;  // [record]
 };
 
-// What a facet's temperature is at the times asked for.
+// What the front of a facet has for a temperature at the times asked for. A computed temperature
+// stands for both sides of a sheet, and its error covers either.
 std::vector<double> reference_k(const Scene& scene, const Sky& sky, std::size_t facet) {
   const Vec<Body> front = scene.normal[facet], back = -1.0 * front;
   const bool open = scene.wall.inner_side == InnerSide::kOpen;
@@ -169,7 +157,7 @@ std::vector<double> reference_k(const Scene& scene, const Sky& sky, std::size_t 
     std::size_t upper = 1, next = 0;
     const auto note = [&] {
       while (out != nullptr && next < scene.asked_s.size() && scene.asked_s[next] <= now + 1e-6) {
-        out->push_back(open ? 0.5 * (t[0] + t[1]) : t[0]);
+        out->push_back(t[0]);
         ++next;
       }
     };
@@ -446,7 +434,7 @@ void judge(const char* family, const std::function<Scene(std::uint64_t)>& scene_
       "K (95 %%)\n",
       family, count, rms, largest, beyond, stated[stated.size() / 2],
       stated[stated.size() * 95 / 100]);
-  EXPECT_GT(rms, 0.04) << family;
+  EXPECT_GT(rms, 0.2) << family;
   EXPECT_LT(rms, 1.3) << family;
   EXPECT_LT(stated[stated.size() * 95 / 100], most_stated_k) << family;
 }
