@@ -10,11 +10,10 @@
 namespace irsig {
 namespace {
 
-// Measured as tests/system/memory_test.py does: a worker with the quickstart, and what of
-// it is private; the mesh with its ray
+// Measured as tests/system/memory_test.py does: a worker with the quickstart; the mesh with its ray
 // tracer (5000 and 200 000 triangles); a weather's air and sky; what allocation and small tables
 // add to the large ones.
-constexpr double kProgramBytes = 163e6, kSharedBytes = 80e6;
+constexpr double kProgramBytes = 163e6;
 constexpr double kBytesPerFacet = 300, kBytesPerWeather = 30e6;
 constexpr double kAllocation = 1.2;
 // A field's file and its rows while they are read, in sizes of the file; numbers of weights that an
@@ -68,15 +67,16 @@ JobMemory job_memory(const schema::ResolvedSweep& sweep, const Simulator& simula
   const auto elements = static_cast<double>(emitters);
   memory.bytes_per_condition =
       kAllocation * of_condition + row + 2 * elements * static_cast<double>(sizeof(float));
-  memory.shared_bytes = kSharedBytes;
   memory.heat_bytes = heat_bytes(sweep, simulator.target().facet.size());
-  memory.fixed_bytes =
+  memory.shared_bytes =
       kProgramBytes + kBytesPerFacet * static_cast<double>(simulator.target().facet.size()) +
       (environment == nullptr
            ? 0
            : kBytesPerWeather * weathers_of(sweep).count * (1 + moved_environments(sweep))) +
-      row * (parts + directions) + kAllocation * static_cast<double>(plume_bytes) +
-      kFieldBytes * static_cast<double>(field_bytes) +
+      kAllocation * static_cast<double>(plume_bytes) +
+      kFieldBytes * static_cast<double>(field_bytes);
+  memory.fixed_bytes =
+      memory.shared_bytes + row * (parts + directions) +
       kWeightsPerEmitter * elements * carried * kNumber * sweep.sweep().accuracy().replicates();
   return memory;
 }

@@ -8,15 +8,16 @@
 
 namespace irsig {
 
-// What a worker holds while it computes a sweep, from counts alone. All conditions of a
-// view are in memory at once, and what the sun does to the sky of each is kept from view to view.
+// What the workers of one process hold while they compute a sweep, from counts alone. All conditions
+// of a view are in memory at once, and what the sun does to the sky of each is kept from view to
+// view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths
-  double shared_bytes = 0;         // of these: the program's pages, which all workers share
+  double shared_bytes = 0;         // of these: what all workers of a process share
   double bytes_per_condition = 0;  // season x time
   double heat_bytes = 0;           // of a job that computes temperatures: before there are views
 
-  // Resident in one worker, and in so many together.
+  // Resident with one worker, and with so many threads.
   [[nodiscard]] double bytes(std::uint64_t conditions) const {
     return fixed_bytes +
            std::max(heat_bytes, bytes_per_condition * static_cast<double>(conditions));

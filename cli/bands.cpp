@@ -144,7 +144,7 @@ struct BandsCommand {
     const std::size_t count = rows.size() + their_rows.size();
     const double bytes =
         static_cast<double>(count) * first->lambda_um_size() * kBytesOfRowAndWavelength;
-    const double usable = usable_memory_bytes(1);
+    const double usable = usable_memory_bytes();
     if (bytes <= usable) return absl::OkStatus();
     return absl::ResourceExhaustedError(
         fmt::format("{} rows of {} wavelengths take {} of memory, this machine has {}: choose "

@@ -257,7 +257,7 @@ absl::Status plan_sweep(const PlanAsked& asked) {
   print_note("irsig: {}\n", size_text(loaded->size));
   const std::uint32_t workers = asked.workers > 0 ? asked.workers : usable_cores();
   if (auto fits = check_memory(loaded->memory, loaded->size.conditions, workers,
-                               usable_memory_bytes(workers));
+                               usable_memory_bytes());
       !fits.ok())
     return fits;
   if (has_time_budget(loaded->resolved)) {

@@ -280,7 +280,7 @@ absl::Status run_sweep(RunAsked asked) {
   const std::uint64_t conditions = loaded->size.conditions;
   // Of a cluster's nodes Slurm knows the memory: --slurm-option --mem-per-cpu=... asks for it.
   if (auto fits = check_memory(loaded->memory, conditions, asked.on_cluster() ? 1 : asked.workers,
-                               usable_memory_bytes(asked.workers));
+                               usable_memory_bytes());
       !fits.ok() && !asked.on_cluster())
     return fits;
   if (loaded->memory.bytes(conditions, asked.workers) > kMuchMemory)

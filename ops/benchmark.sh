@@ -3,8 +3,13 @@
 #
 # usage: ops/benchmark.sh [core|store|farm|farm_scale|atmosphere|heat|gas|plume|ray_facet|watertight ...]      (default: all but
 #        watertight, which takes an hour)
+#        ops/benchmark.sh page     measures the examples and writes their table into docs/performance.md
 set -euo pipefail
 cd "$(dirname "$0")/.."
+if [[ "$*" == page ]]; then
+  ops/build.sh irsig irsig-coordinator irsig-worker >&2
+  exec ops/performance_page.py build/release/bin/irsig
+fi
 (($# > 0)) || set -- core store farm farm_scale atmosphere heat gas plume ray_facet
 for room in "$@"; do
   if [[ ! -f tests/benchmark/${room}_bench.cpp ]]; then

@@ -19,8 +19,12 @@ std::string memory_text(const JobMemory& memory, std::uint64_t conditions, std::
   const std::string heat = memory.heat_bytes > 0 ? fmt::format("; {} for temperatures, before",
                                                                bytes_text(memory.heat_bytes))
                                                  : std::string();
-  return fmt::format("about {} in each of {} worker{} ({} for each of {} condition{}{})",
-                     bytes_text(memory.bytes(conditions)), workers, workers == 1 ? "" : "s",
+  const std::string together =
+      workers > 1
+          ? fmt::format(", {} with {}", bytes_text(memory.bytes(conditions, workers)), workers)
+          : std::string();
+  return fmt::format("about {} with 1 worker{} ({} for each of {} condition{}{})",
+                     bytes_text(memory.bytes(conditions)), together,
                      bytes_text(memory.bytes_per_condition), conditions, conditions == 1 ? "" : "s",
                      heat);
 }

@@ -12,7 +12,7 @@ namespace irsig {
 // Cores that this process may use, which a container or a batch system may have restricted.
 [[nodiscard]] std::uint32_t usable_cores();
 
-// "about 1.35 GB in each of 2 workers (16.1 MB for each of 72 conditions)".
+// "about 1.35 GB with 1 worker, 2.5 GB with 2 (16.1 MB for each of 72 conditions)".
 [[nodiscard]] std::string memory_text(const JobMemory& memory, std::uint64_t conditions,
                                       std::uint32_t workers);
 

@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   }
   plan.determinism_class = irsig::determinism_class();
   plan.build_id = irsig::build_id();
-  plan.memory_bytes = static_cast<std::uint64_t>(irsig::usable_memory_bytes(1));
+  plan.memory_bytes = static_cast<std::uint64_t>(irsig::usable_memory_bytes());
   plan.physics_version = static_cast<std::uint32_t>(irsig::physics_version());
 
   if (auto begun = irsig::start_log("worker", log); !begun.ok()) return report(begun);

@@ -53,13 +53,13 @@ double left_by_groups_bytes() {
 
 }  // namespace
 
-double usable_memory_bytes(std::uint32_t processes) {
+double usable_memory_bytes() {
   const double available = 1024 * number_after("/proc/meminfo", "MemAvailable:");
   double bytes = std::min(available, left_by_groups_bytes());
   for (const auto which : {RLIMIT_AS, RLIMIT_DATA}) {
     rlimit limit{};
     if (getrlimit(which, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-      bytes = std::min(bytes, processes * static_cast<double>(limit.rlim_cur));
+      bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
   }
   return bytes;
 }

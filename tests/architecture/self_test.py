@@ -7,6 +7,7 @@ import unittest
 import check_layers
 import check_libm
 import check_loaded
+import check_performance_page
 import check_unity
 import check_words
 
@@ -164,6 +165,23 @@ class Libm(unittest.TestCase):
         self.assertEqual(check_libm.check(self.FINGERPRINT + [("a.cpp.o", "expf"), ("a.cpp.o", "exp"), ("b.cpp.o", "cosf")]),
                          ["a.cpp.o calls expf: add it to core/base/arithmetic_fingerprint.cpp",
                           "core/base/arithmetic_fingerprint.cpp covers sinf, which nothing calls: remove it"])
+
+
+class PerformancePage(unittest.TestCase):
+    HEADER = "inline constexpr int kPhysicsVersion = 17;"
+
+    def page(self, line):
+        return f"# Performance\n{check_performance_page.BEGIN}\n{line}\n| a |\n"
+
+    def test_of_now(self):
+        self.assertEqual(check_performance_page.complaint(self.page("Physics version 17, 2026-11-27, 2 x CPU"), self.HEADER), "")
+
+    def test_of_before(self):
+        self.assertIn("version 16", check_performance_page.complaint(self.page("Physics version 16, 2026-11-27, 2 x CPU"), self.HEADER))
+
+    def test_without(self):
+        self.assertIn("does not say", check_performance_page.complaint(self.page("One run each"), self.HEADER))
+        self.assertIn("one line", check_performance_page.complaint("# Performance\n", self.HEADER))
 
 
 class Unity(TreeTest):

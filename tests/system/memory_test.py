@@ -35,7 +35,7 @@ class Memory(unittest.TestCase):
         return subprocess.run([IRSIG, *arguments], cwd=self.path, capture_output=True, text=True, timeout=600, **more)
 
     def stated_mb(self, text):
-        said = re.search(r"about ([\d.]+) ([MG])B in each of", text)
+        said = re.search(r"about ([\d.]+) ([MG])B with 1 worker", text)
         self.assertTrue(said, text)
         return float(said[1]) * (1000 if said[2] == "G" else 1)
 
@@ -73,14 +73,16 @@ class Memory(unittest.TestCase):
             done = self.irsig(*command, "--workers", "2",
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
             self.assertEqual(done.returncode, 1, done.stderr)
-            fits = re.search(r"about ([\d.]+) GB in each of 2 workers \(([\d.]+) MB for each of 700 conditions\), and "
-                             r"3 GB of memory are free: (\d+) conditions would fit with 2 workers, (\d+) with "
+            fits = re.search(r"about ([\d.]+) GB with 1 worker, ([\d.]+) GB with 2 \(([\d.]+) MB for each of 700 conditions\), "
+                             r"and 1.5 GB of memory are free: (\d+) conditions would fit with 2 workers, (\d+) with "
                              r"--workers 1", done.stderr)
             self.assertTrue(fits, done.stderr)
-            each, of_condition, with_two, with_one = (float(fits[i]) for i in range(1, 5))
-            fixed = 1000 * each - 700 * of_condition
-            shared = 80
-            self.assertAlmostEqual(with_two, ((2 * limit / 1e6 - shared) / 2 - fixed + shared) / of_condition, delta=3)
+            one, two, of_condition, with_two, with_one = (float(fits[i]) for i in range(1, 6))
+            shared, room = 1000 * (2 * one - two), limit / 1e6
+            self.assertGreater(shared, 100)
+            rounded = 0.1 * 1000 / of_condition + 3  # GB to one digit
+            self.assertAlmostEqual(with_two, 700 - (1000 * two - room) / 2 / of_condition, delta=rounded)
+            self.assertAlmostEqual(with_one, 700 - (1000 * one - room) / of_condition, delta=rounded)
             self.assertGreater(with_one, with_two)
             self.assertFalse((self.path / "out.sigdb").exists())
 
