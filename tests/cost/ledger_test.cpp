@@ -1,9 +1,9 @@
 // Rationale: nobody notices when a view asks for twice the rays, or evaluates the air twice, while
 // all numbers stay right. Expected: for the first viewpoint of each example, at the accuracy that
-// it asks for, counts of rays, paths, samples and of what core/base/work_counts.h names stay within
-// 5 % of ledger.csv, in which they change with a reason in the same commit (IRSIG_LEDGER=FILE
-// writes the counts of this build). Source: the program itself; counts depend neither on the
-// machine's speed nor on its load.
+// it asks for, counts of rays, paths, samples, allocations and of what core/base/work_counts.h
+// names stay within 5 % of ledger.csv, in which they change with a reason in the same commit
+// (IRSIG_LEDGER=FILE writes the counts of this build). Source: the program itself; counts depend
+// neither on the machine's speed nor on its load.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,6 +17,7 @@
 #include "core/base/work_counts.h"
 #include "jobs/expand.h"
 #include "planning/load_sweep.h"
+#include "tests/cost/allocations.h"
 
 namespace irsig {
 namespace {
@@ -34,13 +35,17 @@ Counts counts_of(const std::string& example) {
   EXPECT_TRUE(runner.ok()) << runner.status();
   if (!runner.ok()) return {};
   work_counts().fill(0);
+  const Allocations before = allocations();
   const auto result = (*runner)->run(expand_jobs(sweep, 1).front());
   EXPECT_TRUE(result.ok()) << result.status();
   if (!result.ok()) return {};
+  const Allocations after = allocations();
   Counts out = {{"rays", result->rays()},
                 {"samples", result->samples()},
                 {"target_paths", result->target_paths()}};
   for (std::size_t i = 0; i < kWorkNames.size(); ++i) out[kWorkNames[i]] = work_counts()[i];
+  out["allocations"] = after.count - before.count;
+  out["allocated_kb"] = (after.bytes - before.bytes) / 1000;
   return out;
 }
 
@@ -74,6 +79,7 @@ TEST_P(Ledger, CountsStayWhatTheyAre) {
   Counts known = ledger()[GetParam()];
   EXPECT_EQ(known.size(), counts.size()) << "tests/cost/ledger.csv has other counts";
   for (const auto& [what, count] : counts) {
+    if (what.starts_with("alloc") && !counts_allocations()) continue;
     const auto stated = static_cast<double>(known[what]);
     EXPECT_NEAR(static_cast<double>(count), stated, kMost * stated)
         << what << " of " << GetParam()

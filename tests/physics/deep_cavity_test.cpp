@@ -100,7 +100,7 @@ std::string v1(double x) {
 }
 
 void expect_row(const Estimate& e, double expected, const std::string& what) {
-  EXPECT_LE(e.stderr_, long_form() ? 4e-5 : 1.8e-4) << what;
+  EXPECT_LE(e.stderr_, long_form() ? 4e-5 : 2.6e-4) << what;
   // After no reflection there is no scatter, only rounding.
   const double allowed =
       student_t_bound(31, kRows) * e.stderr_ + kFacets + (e.stderr_ < 1e-9 ? 1e-6 : 0);
@@ -149,8 +149,8 @@ void expect_sphere(double emissivity, double half_angle_deg, std::uint64_t sampl
                    std::to_string(reflections[k]));
 }
 
-TEST(DeepCavity, SphereOfEmissivity01) { expect_sphere(0.1, 60, 1u << 16); }
-TEST(DeepCavity, SphereOfEmissivity03) { expect_sphere(0.3, 60, 1u << 16); }
+TEST(DeepCavity, SphereOfEmissivity01) { expect_sphere(0.1, 60, 1u << 15); }
+TEST(DeepCavity, SphereOfEmissivity03) { expect_sphere(0.3, 60, 1u << 15); }
 TEST(DeepCavity, SphereOfEmissivity05) { expect_sphere(0.5, 30, 1u << 13); }
 TEST(DeepCavity, SphereOfEmissivity09) { expect_sphere(0.9, 30, 1u << 9); }
 
@@ -168,7 +168,7 @@ void expect_cylinder(double length, double emissivity, std::uint64_t samples) {
 }
 
 TEST(DeepCavity, CylinderOfLength1) { expect_cylinder(1, 0.5, 1u << 15); }
-TEST(DeepCavity, CylinderOfLength4) { expect_cylinder(4, 0.3, 1u << 15); }
+TEST(DeepCavity, CylinderOfLength4) { expect_cylinder(4, 0.3, 1u << 14); }
 TEST(DeepCavity, CylinderOfLength8) { expect_cylinder(8, 0.9, 1u << 10); }
 
 }  // namespace

@@ -56,7 +56,7 @@ struct Light {
 
   explicit Light(std::vector<ConditionEnvironment> conditions) {
     environment = *Environment::make({spec}, std::move(conditions), kHeightM, node_wavelengths());
-    light = std::make_unique<WeatherLight>(spec, air, kHeightM, environment->nodes(), choice);
+    light = std::make_unique<WeatherLight>(spec, air, kHeightM, environment->nodes(), choice, 1);
   }
 };
 

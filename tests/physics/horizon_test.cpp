@@ -227,7 +227,7 @@ TEST(Behind, SkyBelowTheHorizontalAsSummedOverEveryStep) {
   const Atmosphere atmosphere = *Atmosphere::make(spec.air);
   std::vector<unsigned char> wanted(kAirBandCount, 0);
   for (const double um : horizon_wavelengths()) wanted[*air_band(um)] = 1;
-  const WeatherLight of_weather(spec, atmosphere, kHorizonHeightM, e->nodes(), BandChoice(wanted));
+  const WeatherLight of_weather(spec, atmosphere, kHorizonHeightM, e->nodes(), BandChoice(wanted), 0);
   PathLight light;
   light.surroundings_w_m2_sr_um = of_weather.surroundings;
   const std::vector<double> um = horizon_wavelengths();

@@ -166,7 +166,7 @@ TEST(Machine, SaysHowManyConditionsFit) {
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(
       std::string(refused.message()),
-      HasSubstr("about 9.8 GB with 1 worker, 19 GB with 2 (16 MB for each of 600 conditions), and 3 "
+      HasSubstr("about 9.8 GB with 1 worker, 19.5 GB with 2 (16 MB for each of 600 conditions), and 3 "
                 "GB of memory are free: 83 conditions would fit with 2 workers, 175 with "
                 "--workers 1"));
   EXPECT_THAT(std::string(check_memory(memory, 1, 1, 1e8).message()),

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace irsig {
+
+// What operator new was asked for in this thread, since it began. Of a program with sanitizers,
+// which have an operator new of their own: none.
+struct Allocations {
+  std::uint64_t count = 0, bytes = 0;
+};
+[[nodiscard]] Allocations allocations();
+[[nodiscard]] bool counts_allocations();
+
+}  // namespace irsig
