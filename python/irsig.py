@@ -234,6 +234,11 @@ class Database:
                         "WHERE superseded = 0 ORDER BY season, time_utc, part_index")
 
 
+def _in_cube(name: str) -> str:
+    """A spectrum's name beside in-band values: as netCDF has it."""
+    return "spectral_" + name if name == "path_transmittance" or name.endswith("_w_sr_um") and "spectral" not in name else name
+
+
 def _utc(asked) -> str:
     """A time as the database writes it."""
     try:
@@ -433,6 +438,7 @@ class Rows:
             asked = {name: self.spectra(name) for name in spectra}
         bins = max((len(values) for of_row in asked.values() for _, values in of_row), default=0)
         for name, of_row in asked.items():
+            name = _in_cube(name)
             cube, grid = numpy.full((*shape, bins), numpy.nan), numpy.full((shape[2], bins), numpy.nan)
             for *place, (lambda_um, values) in zip(*at, of_row):
                 cube[tuple(place)][:len(values)] = values

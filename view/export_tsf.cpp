@@ -39,20 +39,19 @@ using TsfInstant = std::map<TsfDirection, TsfSpectrum>;
 // At a pole of rho all theta are one direction, and -180 and 180 are one theta: each is written as
 // often as the grid has places for it.
 void complete(TsfInstant& rows) {
+  std::vector<std::pair<TsfDirection, TsfSpectrum>> seam;
+  for (const auto& [at, spectrum] : rows)
+    if (at.theta_deg == 180) seam.emplace_back(TsfDirection{at.rho_deg, -180}, spectrum);
+  for (auto& [at, spectrum] : seam) rows.try_emplace(at, std::move(spectrum));
   std::set<double> rho, theta;
   for (const auto& [at, spectrum] : rows) {
     const bool pole = at.rho_deg < 1e-9 || at.rho_deg > 180 - 1e-9;
     (pole ? rho : theta).insert(pole ? at.rho_deg : at.theta_deg);
   }
-  if (theta.contains(180)) theta.insert(-180);
   for (const double pole : rho) {
     const TsfSpectrum of = rows.lower_bound({pole, -1000})->second;
     for (const double t : theta) rows.try_emplace({pole, t}, of);
   }
-  std::vector<std::pair<TsfDirection, TsfSpectrum>> seam;
-  for (const auto& [at, spectrum] : rows)
-    if (at.theta_deg == 180) seam.emplace_back(TsfDirection{at.rho_deg, -180}, spectrum);
-  for (auto& [at, spectrum] : seam) rows.try_emplace(at, std::move(spectrum));
 }
 
 bool is_grid(const TsfInstant& rows) {

@@ -173,7 +173,7 @@ class PageTest(PageCase):
             effects = page.run("[...document.querySelectorAll('#ledger table')].find(t => t.caption.textContent === 'Effects').tBodies[0].rows.length")
             absent = [e["effect"].replace("_", " ") for e in explained["effects"] if e["state"] == "absent"]
             self.assertEqual(effects + len(absent), len(explained["effects"]))
-            idle = [e for e in explained["effects"] if e["state"] == "on" and e["bound_w_sr"] > abs(row["intensity_w_sr"])]
+            idle = [e for e in explained["effects"] if e["state"] == "on" and (e["bound_w_sr"] or 0) > abs(row["intensity_w_sr"])]
             marked = page.run("[...document.querySelectorAll('#ledger .effects td small')].filter(s => s.textContent.includes('does not matter')).length")
             self.assertEqual(marked, len(idle))
             self.assertGreater(marked, 0)
@@ -204,6 +204,10 @@ class PageTest(PageCase):
             self.open(page, season="summer", band="lwir")
             self.assertTrue(page.run("document.getElementById('bands-form').hidden"))
             page.run("document.getElementById('bands-open').click()")
+            page.settle()
+            self.assertEqual(page.run("document.querySelector('[name=detector]').value"), "0")  # the one that was named
+            self.assertIn("outside the stored band", page.text("#bands > .words"))
+            page.choose("[name=detector]", "none")
             page.settle()
             self.assertEqual(self.state(page)["bands"], "1")
 
@@ -389,4 +393,4 @@ class PageTest(PageCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

@@ -192,7 +192,7 @@ class Python(unittest.TestCase):
                     (lambda: db.query(aspect=(0, 9), nearest=0), "nearest: 0, expected"),
                     (lambda: db.query(aspect=("north", 3)), "expected two numbers"),
                     (lambda: db.query(season="autumn"), 'there is no "autumn", expected spring'),
-                    (lambda: db.query(range_m=1), "nothing is stored for this"),
+                    (lambda: db.query(range_m=1), "range_m: there is no 1, expected 5000"),
                     (lambda: db.query()["intensity"], 'there is no quantity "intensity"'),
                     (lambda: db.query().spectra("intensity_w_sr"), "there is no spectrum")):
                 with self.assertRaisesRegex(irsig.Error, expected):
