@@ -24,7 +24,7 @@ struct TsfDirection {
   auto operator<=>(const TsfDirection&) const = default;
 };
 
-TsfDirection direction_of(const StoredSignature& s) {
+TsfDirection tsf_direction(const StoredSignature& s) {
   const double azimuth = std::fmod(s.aspect_azimuth_deg, 360.0);
   const double theta = azimuth > 180 ? azimuth - 360 : azimuth;
   return {90 + s.aspect_elevation_deg, theta};
@@ -57,9 +57,8 @@ void complete(TsfInstant& rows) {
 bool is_grid(const TsfInstant& rows) {
   std::map<double, std::set<double>> theta_of;
   for (const auto& [at, spectrum] : rows) theta_of[at.rho_deg].insert(at.theta_deg);
-  return std::ranges::all_of(theta_of, [&](const auto& entry) {
-    return entry.second == theta_of.begin()->second;
-  });
+  return std::ranges::all_of(
+      theta_of, [&](const auto& entry) { return entry.second == theta_of.begin()->second; });
 }
 
 }  // namespace
@@ -96,7 +95,7 @@ absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& 
       const schema::Spectrum& spectrum = got->spectrum;
       time_of.try_emplace(unix_seconds(*time), s.time_utc);
       if (!instants[unix_seconds(*time)]
-               .try_emplace(direction_of(s),
+               .try_emplace(tsf_direction(s),
                             TsfSpectrum{{spectrum.lambda_um().begin(), spectrum.lambda_um().end()},
                                         {spectrum.spectral_intensity_w_sr_um().begin(),
                                          spectrum.spectral_intensity_w_sr_um().end()}})
@@ -115,8 +114,8 @@ absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& 
     grid = grid && is_grid(instant);
   }
   const double epoch = instants.begin()->first;
-  const bool turns = std::ranges::any_of(
-      instants, [](const auto& instant) { return instant.second.size() > 1; });
+  const bool turns =
+      std::ranges::any_of(instants, [](const auto& instant) { return instant.second.size() > 1; });
   const absl::Status written = replace_file(path, [&](const std::string& beside) -> absl::Status {
     std::ofstream file(beside, std::ios::binary | std::ios::trunc);
     if (turns) file << "RhoAxis RhoFromZ\nThetaAxis ThetaFromX\n";

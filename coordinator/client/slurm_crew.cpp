@@ -148,7 +148,10 @@ absl::Status SlurmCrew::keep_alive(std::uint64_t jobs_settled) {
   if (deaths_.too_many(jobs_settled))
     return absl::AbortedError(
         absl::StrCat("Slurm's workers keep ending without a job done: ", words));
-  if (plan_.say) plan_.say(absl::StrCat("Slurm's job ", job_, " has left the queue with work still to do, it is handed in again: ", words));
+  if (plan_.say)
+    plan_.say(
+        absl::StrCat("Slurm's job ", job_,
+                     " has left the queue with work still to do, it is handed in again: ", words));
   return hand_in();
 }
 

@@ -27,7 +27,9 @@ std::optional<std::string> Float32Guard::problem() const {
       "float32 coordinates are up to {:.3g} apart here (in the file's unit), which leaves {} of "
       "the model's area unsure, more than 1 %: move the model to its origin in the program that "
       "wrote it, or export OBJ, ASCII PLY or ASCII STL",
-      coarsest_, area_ > 0 && unsure_area_ < area_ ? fmt::format("{:.3g} %", 100 * unsure_area_ / area_) : std::string("all"));
+      coarsest_,
+      area_ > 0 && unsure_area_ < area_ ? fmt::format("{:.3g} %", 100 * unsure_area_ / area_)
+                                        : std::string("all"));
 }
 
 }  // namespace irsig

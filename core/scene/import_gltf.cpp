@@ -19,15 +19,28 @@ constexpr std::uint64_t kMostGltfFacets = 100'000'000;
 
 // Extensions that a file may require: what they change is read here, or is no geometry.
 bool is_known_extension(std::string_view name) {
-  static constexpr std::string_view kKnown[] = {
-      "KHR_mesh_quantization",  "EXT_mesh_gpu_instancing", "KHR_node_visibility",
-      "KHR_lights_punctual",    "KHR_texture_transform",   "KHR_texture_basisu",
-      "KHR_texture_float32",    "KHR_xmp_json_ld",         "KHR_xmp",
-      "EXT_texture_webp",       "EXT_texture_avif",        "MSFT_texture_dds",
-      "EXT_lights_ies",         "EXT_lights_image_based",  "MSFT_packing_normalRoughnessMetallic",
-      "EXT_mesh_features",      "EXT_structural_metadata", "EXT_instance_features",
-      "CESIUM_primitive_outline", "FB_ngon_encoding",      "KHR_techniques_webgl",
-      "MSFT_packing_occlusionRoughnessMetallic"};
+  static constexpr std::string_view kKnown[] = {"KHR_mesh_quantization",
+                                                "EXT_mesh_gpu_instancing",
+                                                "KHR_node_visibility",
+                                                "KHR_lights_punctual",
+                                                "KHR_texture_transform",
+                                                "KHR_texture_basisu",
+                                                "KHR_texture_float32",
+                                                "KHR_xmp_json_ld",
+                                                "KHR_xmp",
+                                                "EXT_texture_webp",
+                                                "EXT_texture_avif",
+                                                "MSFT_texture_dds",
+                                                "EXT_lights_ies",
+                                                "EXT_lights_image_based",
+                                                "MSFT_packing_normalRoughnessMetallic",
+                                                "EXT_mesh_features",
+                                                "EXT_structural_metadata",
+                                                "EXT_instance_features",
+                                                "CESIUM_primitive_outline",
+                                                "FB_ngon_encoding",
+                                                "KHR_techniques_webgl",
+                                                "MSFT_packing_occlusionRoughnessMetallic"};
   return name.starts_with("KHR_materials_") || name.starts_with("EXT_materials_") ||
          std::ranges::find(kKnown, name) != std::end(kKnown);
 }
@@ -112,9 +125,9 @@ class GltfReader {
     if (required == nullptr) return;
     for (const JsonValue& name : required->item)
       if (!is_known_extension(name.text))
-        return file_.fail("extensionsRequired",
-                          fmt::format("the extension {} is not read: export the model without it",
-                                      name.text));
+        return file_.fail(
+            "extensionsRequired",
+            fmt::format("the extension {} is not read: export the model without it", name.text));
   }
 
   static std::string node_place(std::size_t node) { return fmt::format("nodes[{}]", node); }
@@ -149,8 +162,9 @@ class GltfReader {
     if (s.empty()) s = {1, 1, 1};
     if (!file_.ok()) return {};
     if (t.size() != 3 || q.size() != 4 || s.size() != 3 || (!matrix.empty() && matrix.size() != 16))
-      file_.fail(place, "expected a matrix of 16 numbers, or a translation of 3, a rotation of 4 "
-                        "and a scale of 3");
+      file_.fail(place,
+                 "expected a matrix of 16 numbers, or a translation of 3, a rotation of 4 "
+                 "and a scale of 3");
     else if (!matrix.empty())
       return of_columns(matrix.data());
     else if (q[0] == 0 && q[1] == 0 && q[2] == 0 && q[3] == 0)
@@ -223,8 +237,7 @@ class GltfReader {
 
   // A node that KHR_node_visibility hides, with all below it.
   bool hidden(std::size_t node) {
-    const JsonValue* visibility =
-        extension(*file_.element("nodes", node), "KHR_node_visibility");
+    const JsonValue* visibility = extension(*file_.element("nodes", node), "KHR_node_visibility");
     const JsonValue* visible = visibility == nullptr ? nullptr : visibility->find("visible");
     return visible != nullptr && visible->kind == JsonValue::Kind::kBool && !visible->boolean;
   }
@@ -336,8 +349,8 @@ class GltfReader {
       in.reserve(values.count);
       for (const double value : values.value) {
         if (!(value >= 0 && value < static_cast<double>(vertices) && value == std::floor(value))) {
-          file_.fail(where + ".indices", fmt::format("element {} names vertex {} of {}", in.size(),
-                                                     value, vertices));
+          file_.fail(where + ".indices",
+                     fmt::format("element {} names vertex {} of {}", in.size(), value, vertices));
           return {};
         }
         in.push_back(static_cast<std::uint32_t>(value));
@@ -388,7 +401,8 @@ class GltfReader {
       const std::string of_joints = fmt::format("JOINTS_{}", set),
                         of_weights = fmt::format("WEIGHTS_{}", set);
       if (attributes.find(of_joints) == nullptr || attributes.find(of_weights) == nullptr) {
-        if (set == 0) file_.fail(where, "its node has a skin, but it has no JOINTS_0 and WEIGHTS_0");
+        if (set == 0)
+          file_.fail(where, "its node has a skin, but it has no JOINTS_0 and WEIGHTS_0");
         break;
       }
       const GltfFile::Values joint = file_.values(file_.index(attributes, of_joints, where), "VEC4",
@@ -407,13 +421,11 @@ class GltfReader {
         }
         total[i / 4] += weight.value[i];
         for (std::size_t k = 0; k < 12; ++k)
-          out[i / 4].m[k] +=
-              weight.value[i] * bones[static_cast<std::size_t>(joint.value[i])].m[k];
+          out[i / 4].m[k] += weight.value[i] * bones[static_cast<std::size_t>(joint.value[i])].m[k];
       }
     }
     for (std::size_t i = 0; file_.ok() && i < vertices; ++i) {
-      if (!(total[i] > 0))
-        file_.fail(where, fmt::format("vertex {} has no weight in its skin", i));
+      if (!(total[i] > 0)) file_.fail(where, fmt::format("vertex {} has no weight in its skin", i));
       for (double& x : out[i].m) x /= total[i];
     }
     return out;
@@ -473,8 +485,7 @@ class GltfReader {
         mesh_.triangle_group.push_back(group_number);
         if (as_stored.is_float)
           guard_.add(vertex_of(as_stored, corner[i]), vertex_of(as_stored, corner[i + 1]),
-                     vertex_of(as_stored, corner[i + 2]),
-                     std::pow(std::abs(determinant), 2.0 / 3));
+                     vertex_of(as_stored, corner[i + 2]), std::pow(std::abs(determinant), 2.0 / 3));
       }
     }
   }

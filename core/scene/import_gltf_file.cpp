@@ -109,9 +109,9 @@ GltfFile::GltfFile(std::string_view bytes, const std::string& file_name) : file_
 
 void GltfFile::fail(std::string_view place, std::string_view what) {
   if (!ok()) return;
-  status_ = absl::InvalidArgumentError(
-      place.empty() ? fmt::format("{}: {}", file_name_, what)
-                    : fmt::format("{}: {}: {}", file_name_, place, what));
+  status_ = absl::InvalidArgumentError(place.empty()
+                                           ? fmt::format("{}: {}", file_name_, what)
+                                           : fmt::format("{}: {}: {}", file_name_, place, what));
 }
 
 void GltfFile::read_container(std::string_view bytes) {
@@ -124,8 +124,8 @@ void GltfFile::read_container(std::string_view bytes) {
                                   "glTF 2.0",
                                   version));
     if (length > bytes.size())
-      return fail("", fmt::format("the file is cut short: it has {} bytes of {}", bytes.size(),
-                                  length));
+      return fail(
+          "", fmt::format("the file is cut short: it has {} bytes of {}", bytes.size(), length));
     const std::uint64_t json_bytes = little_endian(bytes, 12, 4);
     if (little_endian(bytes, 16, 4) != 0x4e4f534a)
       return fail("", "the first chunk of this GLB is not its JSON");
@@ -175,8 +175,7 @@ std::size_t GltfFile::count(std::string_view name) const {
 const JsonValue* GltfFile::element(std::string_view name, std::size_t index) {
   const JsonValue* list = root_.find(name);
   const std::size_t size = list == nullptr ? 0 : list->item.size();
-  if (index < size && list->item[index].kind == JsonValue::Kind::kObject)
-    return &list->item[index];
+  if (index < size && list->item[index].kind == JsonValue::Kind::kObject) return &list->item[index];
   fail(fmt::format("{}[{}]", name, index),
        index < size ? std::string("this is no object")
                     : fmt::format("does not exist: the file has {} {}", size, name));
@@ -277,8 +276,8 @@ std::string_view GltfFile::view(std::size_t index, std::string_view from, std::u
   stride = whole(*view, "byteStride", place, 0);
   if (!ok()) return {};
   if (at > buffer.size() || bytes > buffer.size() - at) {
-    fail(place, fmt::format("bytes {} to {} of a buffer of {} bytes", at, at + bytes,
-                            buffer.size()));
+    fail(place,
+         fmt::format("bytes {} to {} of a buffer of {} bytes", at, at + bytes, buffer.size()));
     return {};
   }
   return buffer.substr(at, bytes);
@@ -290,8 +289,7 @@ void GltfFile::read_numbers(std::string_view bytes, std::uint64_t stride, std::u
   out.value.resize(out.count * out.width);
   for (std::size_t i = 0; i < out.count; ++i)
     for (std::size_t j = 0; j < out.width; ++j)
-      out.value[i * out.width + j] =
-          component(bytes, i * stride + j * size, type, normalized);
+      out.value[i * out.width + j] = component(bytes, i * stride + j * size, type, normalized);
 }
 
 void GltfFile::put_sparse(const JsonValue& sparse, std::string_view place, std::uint64_t type,
@@ -317,7 +315,8 @@ void GltfFile::put_sparse(const JsonValue& sparse, std::string_view place, std::
   put.width = out.width;
   if (which.count > out.count)
     return fail(place, fmt::format("has {} values for {} elements", which.count, out.count));
-  const std::uint64_t index_type = index(*indices, "componentType", fmt::format("{}.indices", place));
+  const std::uint64_t index_type =
+      index(*indices, "componentType", fmt::format("{}.indices", place));
   if (ok() && index_type != 5121 && index_type != 5123 && index_type != 5125)
     return fail(fmt::format("{}.indices.componentType", place), "expected 5121, 5123 or 5125");
   if (!ok()) return;
@@ -353,8 +352,8 @@ GltfFile::Values GltfFile::values(std::size_t accessor, std::string_view type,
   out.count = index(*of, "count", place);
   out.is_float = component == 5126;
   if (ok() && out.count * out.width > kMostNumbers)
-    fail(place + ".count", fmt::format("is {}, expected at most {} numbers", out.count,
-                                       kMostNumbers));
+    fail(place + ".count",
+         fmt::format("is {}, expected at most {} numbers", out.count, kMostNumbers));
   if (!ok()) return {};
   if (of->find("bufferView") == nullptr) {
     out.value.assign(out.count * out.width, 0);
@@ -367,8 +366,8 @@ GltfFile::Values GltfFile::values(std::size_t accessor, std::string_view type,
     if (stride < element) fail(place, "its bufferView's byteStride is less than an element");
     if (out.count > 0 && (at > view.size() || element > view.size() - at ||
                           (out.count - 1) > (view.size() - at - element) / stride))
-      fail(place, fmt::format("{} elements end behind a bufferView of {} bytes", out.count,
-                              view.size()));
+      fail(place,
+           fmt::format("{} elements end behind a bufferView of {} bytes", out.count, view.size()));
     if (!ok()) return {};
     if (out.count > 0) read_numbers(view.substr(at), stride, component, normalized, out);
   }

@@ -14,7 +14,8 @@ namespace irsig {
 
 // A glTF 2.0 file: its JSON, its buffers, and numbers out of its accessors. Every function reports
 // the first problem to status() and returns something empty from then on; a caller looks at ok()
-// where it would go on for long. Problems name their place as the file has it: "accessors[3].count".
+// where it would go on for long. Problems name their place as the file has it:
+// "accessors[3].count".
 class GltfFile {
  public:
   // bytes: GLB or JSON, told apart by the first bytes; they must outlive the file.
@@ -25,7 +26,8 @@ class GltfFile {
   void fail(std::string_view place, std::string_view what);
 
   [[nodiscard]] const JsonValue& root() const { return root_; }
-  // Returns the element `index` of the file's list `name`, as "nodes"; null where it does not exist.
+  // Returns the element `index` of the file's list `name`, as "nodes"; null where it does not
+  // exist.
   const JsonValue* element(std::string_view name, std::size_t index);
   [[nodiscard]] std::size_t count(std::string_view name) const;
   // Returns a whole number from 0 to 2^32 - 1; `otherwise` where there is none of that name.
@@ -38,8 +40,8 @@ class GltfFile {
 
   // What an accessor holds.
   struct Values {
-    std::size_t count = 0;     // of elements
-    std::size_t width = 0;     // numbers in an element
+    std::size_t count = 0;  // of elements
+    std::size_t width = 0;  // numbers in an element
     bool is_float = false;
     std::vector<double> value;  // normalised integers as fractions
   };

@@ -62,8 +62,8 @@ class JsonParser {
   }
 
   void skip_blanks() {
-    while (at_ < text_.size() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' ||
-                                  text_[at_] == '\r'))
+    while (at_ < text_.size() &&
+           (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
       ++at_;
   }
 
@@ -178,8 +178,7 @@ class JsonParser {
       }
       const char escape = at_ < text_.size() ? text_[at_++] : '\0';
       constexpr std::string_view kNames = "\"\\/bfnrt", kMeant = "\"\\/\b\f\n\r\t";
-      if (const std::size_t which = kNames.find(escape);
-          escape != '\0' && which != kNames.npos) {
+      if (const std::size_t which = kNames.find(escape); escape != '\0' && which != kNames.npos) {
         out += kMeant[which];
       } else if (escape == 'u') {
         std::uint32_t code = read_hex();

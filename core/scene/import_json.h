@@ -17,10 +17,10 @@ struct JsonValue {
   Kind kind = Kind::kNull;
   bool boolean = false;
   double number = 0;
-  std::string text;                                        // of a string, without its escapes
-  std::vector<JsonValue> item;                             // of an array
-  std::vector<std::pair<std::string, JsonValue>> member;   // of an object, in the file's order
-  std::size_t begin = 0, end = 0;                          // bytes of the text, quotes included
+  std::string text;                                       // of a string, without its escapes
+  std::vector<JsonValue> item;                            // of an array
+  std::vector<std::pair<std::string, JsonValue>> member;  // of an object, in the file's order
+  std::size_t begin = 0, end = 0;                         // bytes of the text, quotes included
 
   // Returns the member of an object; null where there is none, or the value is no object. A member
   // whose value is null counts as absent.

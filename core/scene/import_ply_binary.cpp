@@ -11,7 +11,16 @@
 namespace irsig {
 namespace {
 
-enum class PlyType : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
+enum class PlyType : std::uint8_t {
+  kInt8,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kFloat,
+  kDouble
+};
 
 PlyType ply_type(std::string_view name) {
   if (name == "char" || name == "int8") return PlyType::kInt8;
@@ -97,11 +106,13 @@ class BinaryPlyReader {
         const bool corners = property.name == "vertex_indices" || property.name == "vertex_index";
         read_list(value, ply_type(property.item_type), element, row, corners && is_face,
                   corners && is_strip);
-      } else if (is_vertex && (property.name == "x" || property.name == "y" || property.name == "z")) {
+      } else if (is_vertex &&
+                 (property.name == "x" || property.name == "y" || property.name == "z")) {
         (property.name == "x" ? at.x : property.name == "y" ? at.y : at.z) = value;
         is_float_ = is_float_ || type == PlyType::kFloat;
         if (!std::isfinite(value) && problem_.empty())
-          problem_ = fmt::format("{} of vertex {} (counted from 0) is not finite", property.name, row);
+          problem_ =
+              fmt::format("{} of vertex {} (counted from 0) is not finite", property.name, row);
       }
       if (!problem_.empty()) return;
     }
@@ -120,7 +131,8 @@ class BinaryPlyReader {
     const std::size_t size = item_bytes(type);
     if (length > static_cast<double>((bytes_.size() - at_) / size)) {
       (void)take(PlyType::kUint8, element, row);
-      return refuse(fmt::format("has {} items, which end behind the file: it is cut short", length));
+      return refuse(
+          fmt::format("has {} items, which end behind the file: it is cut short", length));
     }
     if (!is_face && !is_strip) {
       at_ += static_cast<std::size_t>(length) * size;

@@ -13,13 +13,30 @@ namespace {
 
 constexpr std::size_t kMostFront = 4000;  // bytes in which a comment may stand
 
-constexpr std::pair<std::string_view, double> kUnits[] = {
-    {"mm", 1e-3},        {"millimeter", 1e-3}, {"millimeters", 1e-3}, {"millimetre", 1e-3},
-    {"millimetres", 1e-3}, {"cm", 1e-2},       {"centimeter", 1e-2},  {"centimeters", 1e-2},
-    {"centimetre", 1e-2}, {"centimetres", 1e-2}, {"m", 1},            {"meter", 1},
-    {"meters", 1},       {"metre", 1},         {"metres", 1},         {"in", 0.0254},
-    {"inch", 0.0254},    {"inches", 0.0254},   {"ft", 0.3048},        {"foot", 0.3048},
-    {"feet", 0.3048},    {"km", 1e3},          {"kilometers", 1e3},   {"kilometres", 1e3}};
+constexpr std::pair<std::string_view, double> kUnits[] = {{"mm", 1e-3},
+                                                          {"millimeter", 1e-3},
+                                                          {"millimeters", 1e-3},
+                                                          {"millimetre", 1e-3},
+                                                          {"millimetres", 1e-3},
+                                                          {"cm", 1e-2},
+                                                          {"centimeter", 1e-2},
+                                                          {"centimeters", 1e-2},
+                                                          {"centimetre", 1e-2},
+                                                          {"centimetres", 1e-2},
+                                                          {"m", 1},
+                                                          {"meter", 1},
+                                                          {"meters", 1},
+                                                          {"metre", 1},
+                                                          {"metres", 1},
+                                                          {"in", 0.0254},
+                                                          {"inch", 0.0254},
+                                                          {"inches", 0.0254},
+                                                          {"ft", 0.3048},
+                                                          {"foot", 0.3048},
+                                                          {"feet", 0.3048},
+                                                          {"km", 1e3},
+                                                          {"kilometers", 1e3},
+                                                          {"kilometres", 1e3}};
 
 // The unit of a comment that speaks of units and names one, and no other; words apart from letters.
 std::optional<double> unit_in(std::string_view comment) {

@@ -53,10 +53,9 @@ absl::StatusOr<FileMesh> read_binary_stl(std::string_view bytes, const std::stri
             stl_word(bytes, kStlHead + kStlFacet * i + 12 + 12 * j + 4 * axis)));
       };
       corner[j] = {value(0), value(1), value(2)};
-      if (!std::isfinite(corner[j].x) || !std::isfinite(corner[j].y) ||
-          !std::isfinite(corner[j].z))
-        return refuse(fmt::format("corner {} of facet {} (counted from 1) is not finite", j + 1,
-                                  i + 1));
+      if (!std::isfinite(corner[j].x) || !std::isfinite(corner[j].y) || !std::isfinite(corner[j].z))
+        return refuse(
+            fmt::format("corner {} of facet {} (counted from 1) is not finite", j + 1, i + 1));
       number[j] = vertices.number(corner[j]);
     }
     guard.add(corner[0], corner[1], corner[2]);

@@ -90,9 +90,8 @@ absl::StatusOr<std::string> with_buffers(std::string text, const std::filesystem
     out += "\"data:application/octet-stream;base64," + as_base64(*bytes) + "\"";
     copied = uri->end;
     if (out.size() > most_bytes)
-      return absl::InvalidArgumentError(
-          fmt::format("has more than {} bytes with its buffers, expected at most so many",
-                      most_bytes));
+      return absl::InvalidArgumentError(fmt::format(
+          "has more than {} bytes with its buffers, expected at most so many", most_bytes));
   }
   if (copied == 0) return text;
   return out + text.substr(copied);
@@ -114,8 +113,8 @@ absl::StatusOr<std::string> read_model_beside(const std::string& naming_file,
   const std::filesystem::path folder = std::filesystem::path(naming_file).parent_path();
   auto bytes = read_model_file((folder / name).string(), most_bytes);
   if (bytes.ok() || folder.empty() || std::filesystem::path(name).is_absolute()) return bytes;
-  return absl::InvalidArgumentError(fmt::format(
-      "{} (looked for beside {})", std::string(bytes.status().message()), naming_file));
+  return absl::InvalidArgumentError(
+      fmt::format("{} (looked for beside {})", std::string(bytes.status().message()), naming_file));
 }
 
 }  // namespace irsig

@@ -1,5 +1,6 @@
 // Rationale: what a glTF file says of its geometry beyond plain meshes, each by the area or the
-// places that follow from its own numbers; and what is refused, by the name that a user can look up.
+// places that follow from its own numbers; and what is refused, by the name that a user can look
+// up.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ using ::testing::HasSubstr;
 
 // A glTF file of one box, 4 x 2 x 1 (28 m2): its pieces, for tests to change and to add to.
 struct BoxFile {
-  std::string extra;      // of the file: "extensionsRequired", "skins" ...
+  std::string extra;  // of the file: "extensionsRequired", "skins" ...
   std::string node = R"("mesh":0)";
   std::string nodes;      // more of them, with a comma in front
   std::string mesh;       // of the mesh: "weights"
@@ -35,8 +36,7 @@ struct BoxFile {
 
   BoxFile() {
     for (int i = 0; i < 8; ++i)
-      for (int axis = 0; axis < 3; ++axis)
-        append_bytes(corner(i, axis), buffer);  // bytes 0 to 96
+      for (int axis = 0; axis < 3; ++axis) append_bytes(corner(i, axis), buffer);  // bytes 0 to 96
     for (const int i : {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5})
       quad.push_back(static_cast<std::uint16_t>(i));
     for (std::size_t f = 0; f < 24; f += 4)
@@ -50,8 +50,8 @@ struct BoxFile {
   int add(const std::string& bytes, const std::string& accessor) {
     const int view = 2 + views_added++;
     buffer.resize((buffer.size() + 3) / 4 * 4);
-    views += R"(,{"buffer":0,"byteOffset":)" + std::to_string(buffer.size()) +
-             R"(,"byteLength":)" + std::to_string(bytes.size()) + "}";
+    views += R"(,{"buffer":0,"byteOffset":)" + std::to_string(buffer.size()) + R"(,"byteLength":)" +
+             std::to_string(bytes.size()) + "}";
     buffer += bytes;
     accessors += R"(,{"bufferView":)" + std::to_string(view) + "," + accessor + "}";
     return view;
@@ -62,8 +62,7 @@ struct BoxFile {
            R"("primitives":[{"attributes":{"POSITION":0)" + attributes + R"(},"indices":1)" +
            primitive + R"(}]}],"accessors":[{"bufferView":0,)" + position_type +
            R"(,"count":8,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":36,)" +
-           R"("type":"SCALAR"})" + accessors +
-           R"(],"bufferViews":[{"buffer":0,"byteLength":96},)" +
+           R"("type":"SCALAR"})" + accessors + R"(],"bufferViews":[{"buffer":0,"byteLength":96},)" +
            R"({"buffer":0,"byteOffset":96,"byteLength":72})" + views +
            R"(],"buffers":[{"byteLength":)" + std::to_string(buffer.size()) + uri + "}]}";
   }
@@ -118,8 +117,8 @@ TEST(Gltf, InstancesAreCopies) {
   file.extra = R"("extensionsRequired":["EXT_mesh_gpu_instancing"],)";
   const int at = file.add(floats({0, 0, 0, 10, 0, 0, 20, 0, 0}),
                           R"("componentType":5126,"count":3,"type":"VEC3")");
-  const int size =
-      file.add(floats({1, 1, 1, 2, 2, 2, 3, 3, 3}), R"("componentType":5126,"count":3,"type":"VEC3")");
+  const int size = file.add(floats({1, 1, 1, 2, 2, 2, 3, 3, 3}),
+                            R"("componentType":5126,"count":3,"type":"VEC3")");
   file.node = R"("mesh":0,"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":)" +
               std::to_string(at) + R"(,"SCALE":)" + std::to_string(size) + "}}}";
   EXPECT_DOUBLE_EQ(area_of(file), 28 * (1 + 4 + 9));
@@ -146,16 +145,16 @@ TEST(Gltf, DefaultMorphWeightsMoveVertices) {
 // The node of a skinned mesh does not move it: its joints do.
 TEST(Gltf, JointsCarryASkinnedMesh) {
   BoxFile file;
-  const int joint = file.add(std::string(32, '\0'), R"("componentType":5121,"count":8,"type":"VEC4")");
+  const int joint =
+      file.add(std::string(32, '\0'), R"("componentType":5121,"count":8,"type":"VEC4")");
   std::string weight;
   for (int i = 0; i < 8; ++i)
     for (const float w : {0.5F, 0.F, 0.F, 0.F}) append_bytes(w, weight);  // of a sum of 0.5
   const int weights = file.add(weight, R"("componentType":5126,"count":8,"type":"VEC4")");
-  const int bound = file.add(
-      floats({0.5F, 0, 0, 0, 0, 0.5F, 0, 0, 0, 0, 0.5F, 0, 0, 0, 0, 1}),
-      R"("componentType":5126,"count":1,"type":"MAT4")");
-  file.attributes = R"(,"JOINTS_0":)" + std::to_string(joint) + R"(,"WEIGHTS_0":)" +
-                    std::to_string(weights);
+  const int bound = file.add(floats({0.5F, 0, 0, 0, 0, 0.5F, 0, 0, 0, 0, 0.5F, 0, 0, 0, 0, 1}),
+                             R"("componentType":5126,"count":1,"type":"MAT4")");
+  file.attributes =
+      R"(,"JOINTS_0":)" + std::to_string(joint) + R"(,"WEIGHTS_0":)" + std::to_string(weights);
   file.node = R"("mesh":0,"skin":0,"scale":[7,7,7])";
   file.nodes = R"(,{"scale":[6,6,6],"name":"joint"})";
   file.scene = ",1";
@@ -173,7 +172,8 @@ TEST(Gltf, QuantisedPositionsAreNumbersOrFractions) {
     std::string bytes;
     for (int i = 0; i < 8; ++i)
       for (int axis = 0; axis < 4; ++axis)
-        append_bytes(static_cast<std::int16_t>(axis == 3 ? 0 : 2 * BoxFile::corner(i, axis)), bytes);
+        append_bytes(static_cast<std::int16_t>(axis == 3 ? 0 : 2 * BoxFile::corner(i, axis)),
+                     bytes);
     file.buffer.replace(0, 64, bytes);
     std::string json = file.json();
     json.replace(json.find(R"({"buffer":0,"byteLength":96})"), 28,
@@ -192,7 +192,8 @@ TEST(Gltf, QuantisedPositionsAreNumbersOrFractions) {
 
 TEST(Gltf, HiddenNodesAreNotThere) {
   BoxFile file;
-  file.nodes = R"(,{"mesh":0,"translation":[9,0,0],"extensions":{"KHR_node_visibility":{"visible":false}}})";
+  file.nodes =
+      R"(,{"mesh":0,"translation":[9,0,0],"extensions":{"KHR_node_visibility":{"visible":false}}})";
   file.scene = ",1";
   EXPECT_DOUBLE_EQ(area_of(file), 28);
   file.nodes.replace(file.nodes.find("false"), 5, "true");
@@ -216,8 +217,9 @@ TEST(Gltf, WhatIsNotReadIsRefusedByItsName) {
   json.replace(json.find(R"("bufferView":0,"componentType":5126)"), 15, "");
   const absl::Status status =
       import_mesh(glb_file(json, file.buffer), {"a.glb", 1, "+x", "+z", "origin"}).status();
-  EXPECT_THAT(std::string(status.message()),
-              HasSubstr("meshes[0].primitives[0]: the extension KHR_draco_mesh_compression is not"));
+  EXPECT_THAT(
+      std::string(status.message()),
+      HasSubstr("meshes[0].primitives[0]: the extension KHR_draco_mesh_compression is not"));
 }
 
 TEST(Gltf, ErrorsNameTheirPlace) {
@@ -248,14 +250,15 @@ TEST(Gltf, ErrorsNameTheirPlace) {
 }
 
 TEST(Json, TextsNumbersAndEscapes) {
-  const JsonValue value =
-      *parse_json(" {\"a\\n\\u00e9\\ud83d\\ude00\": [1e-400, -2.5E3, true, null], \"b\": {}}\n", "j");
+  const JsonValue value = *parse_json(
+      " {\"a\\n\\u00e9\\ud83d\\ude00\": [1e-400, -2.5E3, true, null], \"b\": {}}\n", "j");
   ASSERT_EQ(value.member.size(), 2U);
   EXPECT_EQ(value.member[0].first, "a\n\xc3\xa9\xf0\x9f\x98\x80");
   EXPECT_EQ(value.member[0].second.item[0].number, 0);
   EXPECT_EQ(value.member[0].second.item[1].number, -2500);
   EXPECT_TRUE(value.member[0].second.item[2].boolean);
-  for (const char* bad : {"", "{", "[1,]", "{\"a\" 1}", "\"a", "01", "1 2", "nul", "\"\\x\"", "[1e999]"})
+  for (const char* bad :
+       {"", "{", "[1,]", "{\"a\" 1}", "\"a", "01", "1 2", "nul", "\"\\x\"", "[1e999]"})
     EXPECT_FALSE(parse_json(bad, "j").ok()) << bad;
 }
 
@@ -279,7 +282,8 @@ TEST(ModelFile, BuffersBesideAreTakenIn) {
   EXPECT_DOUBLE_EQ(measure(*mesh).area_m2, 28);
   EXPECT_THAT(std::string(read("box%20buffer.bin").status().message()),
               HasSubstr("buffers[0].uri \"box%20buffer.bin\": No such file"));
-  for (const char* outside : {"/etc/passwd", "../b.bin", "%2e%2e/b.bin", "http://a/b.bin", "a\\\\b"})
+  for (const char* outside :
+       {"/etc/passwd", "../b.bin", "%2e%2e/b.bin", "http://a/b.bin", "a\\\\b"})
     EXPECT_THAT(std::string(read(outside).status().message()),
                 HasSubstr("expected a file in the folder of the model"))
         << outside;
@@ -294,8 +298,9 @@ TEST(StatedFrame, WhatFormatsAndCommentsState) {
     return stated_frame(text, name).unit_m.value_or(0);
   };
   EXPECT_EQ(unit("# Exported from a modeller\n# File units = inches\nv 0 0 0\n", "a.obj"), 0.0254);
-  EXPECT_EQ(unit("# This file uses centimeters as units for non-parametric coordinates.\n", "a.obj"),
-            0.01);
+  EXPECT_EQ(
+      unit("# This file uses centimeters as units for non-parametric coordinates.\n", "a.obj"),
+      0.01);
   EXPECT_EQ(unit("ply\nformat ascii 1.0\ncomment unit: mm\nend_header\n", "a.ply"), 0.001);
   EXPECT_EQ(unit("solid part UNITS=mm\n", "a.stl"), 0.001);
   EXPECT_EQ(unit("# units: feet or metres\n", "a.obj"), 0);

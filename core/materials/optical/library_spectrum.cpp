@@ -55,8 +55,7 @@ std::map<std::string, LibraryLine> header_of(const std::vector<std::string_view>
   for (first_row = 0; first_row < lines.size() && !is_numbers(lines[first_row]); ++first_row) {
     const std::size_t colon = lines[first_row].find(':');
     if (colon == std::string_view::npos) continue;
-    std::string key =
-        absl::AsciiStrToLower(stripped(lines[first_row].substr(0, colon)));
+    std::string key = absl::AsciiStrToLower(stripped(lines[first_row].substr(0, colon)));
     header.try_emplace(
         std::move(key),
         LibraryLine{absl::AsciiStrToLower(stripped(lines[first_row].substr(colon + 1))),
@@ -81,9 +80,10 @@ std::optional<LibraryForm> ecostress_form(const std::vector<std::string_view>& l
   } else if (has(x, "micro") || has(x, "(um)") || has(x, "\u00b5m")) {
     form.unit_um = 1;
   } else {
-    errors.add(x.line, 1, absl::StrCat("X Units: ", x.value,
-                                       ", expected wavelength (micrometers) or (nanometers), or "
-                                       "wave number (cm-1)"));
+    errors.add(x.line, 1,
+               absl::StrCat("X Units: ", x.value,
+                            ", expected wavelength (micrometers) or (nanometers), or "
+                            "wave number (cm-1)"));
   }
   form.quantity = has(y, "reflectance") ? "reflectance" : has(y, "emissivity") ? "emissivity" : "";
   if (form.quantity.empty())
@@ -95,15 +95,17 @@ std::optional<LibraryForm> ecostress_form(const std::vector<std::string_view>& l
 }
 
 std::optional<LibraryForm> usgs_form(const std::vector<std::string_view>& lines) {
-  if (lines.empty() || absl::AsciiStrToLower(std::string(lines[0])).find("usgs digital spectral library") == std::string::npos)
+  if (lines.empty() ||
+      absl::AsciiStrToLower(std::string(lines[0])).find("usgs digital spectral library") ==
+          std::string::npos)
     return std::nullopt;
   LibraryForm form;
   form.quantity = "reflectance";
   form.columns = 3;
-  // The title and the history of the sample may be numbers: rows begin behind the last line of text.
+  // The title and the history of the sample may be numbers: rows begin behind the last line of
+  // text.
   for (std::size_t i = 0; i < lines.size(); ++i)
-    if (!is_numbers(lines[i]) && !stripped(lines[i]).empty())
-      form.first_row = i + 1;
+    if (!is_numbers(lines[i]) && !stripped(lines[i]).empty()) form.first_row = i + 1;
   return form;
 }
 
@@ -119,9 +121,10 @@ std::optional<Spectrum> read_library_spectrum(std::string_view text, std::string
   if (!errors.empty()) return spectrum;
   const bool turned = quantity == "emissivity" && form->quantity == "reflectance";
   if (form->quantity != quantity && !(turned && form->hemispherical)) {
-    errors.add(1, 1, absl::StrCat("this file has the ", form->quantity, " of a sample",
-                                  turned ? ", and does not say that it is hemispherical" : "",
-                                  ", expected its ", std::string(quantity)));
+    errors.add(1, 1,
+               absl::StrCat("this file has the ", form->quantity, " of a sample",
+                            turned ? ", and does not say that it is hemispherical" : "",
+                            ", expected its ", std::string(quantity)));
     return spectrum;
   }
   struct Row {
@@ -132,8 +135,7 @@ std::optional<Spectrum> read_library_spectrum(std::string_view text, std::string
   for (std::size_t i = form->first_row; i < lines.size(); ++i) {
     const std::string line = absl::StrReplaceAll(std::string(lines[i]), {{",", " "}});
     if (stripped(line).empty()) continue;
-    const auto numbers =
-        number_row(line, static_cast<int>(i) + 1, ' ', form->columns, errors);
+    const auto numbers = number_row(line, static_cast<int>(i) + 1, ' ', form->columns, errors);
     if (numbers.empty()) continue;
     if (numbers[1].value < kDeleted || numbers[0].value < kDeleted) continue;
     if (!(numbers[0].value > 0)) {
@@ -142,8 +144,8 @@ std::optional<Spectrum> read_library_spectrum(std::string_view text, std::string
     }
     const double value = numbers[1].value * form->scale;
     if (!(value >= -kNoise && value <= 1 + kNoise)) {
-      errors.add(numbers[1], absl::StrCat(numbers[1].value, ", expected a number from 0 to ",
-                                          1 / form->scale));
+      errors.add(numbers[1],
+                 absl::StrCat(numbers[1].value, ", expected a number from 0 to ", 1 / form->scale));
       continue;
     }
     const double kept = std::clamp(value, 0.0, 1.0);
@@ -156,10 +158,11 @@ std::optional<Spectrum> read_library_spectrum(std::string_view text, std::string
   double count = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (i > 0 && rows[i].lambda_um < rows[i - 1].lambda_um) {
-      errors.add(rows[i].line, 1,
-                 absl::StrCat("wavelength ", rows[i].lambda_um, " um comes beside ",
-                              rows[i - 1].lambda_um, " um, expected wavelengths that rise or fall "
-                              "through the whole file"));
+      errors.add(
+          rows[i].line, 1,
+          absl::StrCat("wavelength ", rows[i].lambda_um, " um comes beside ", rows[i - 1].lambda_um,
+                       " um, expected wavelengths that rise or fall "
+                       "through the whole file"));
       continue;
     }
     count = i > 0 && rows[i].lambda_um == rows[i - 1].lambda_um ? count + 1 : 1;
