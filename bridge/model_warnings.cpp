@@ -198,6 +198,24 @@ std::string offset_text(const FarOffset& far) {
       far.offset_m, far.size_m);
 }
 
+// A sheet of metal of metres is most likely one of millimetres; so is another layer thicker than a
+// dam's parapet.
+void see_thick_layers(const schema::Sweep& sweep, std::vector<Problem>& out) {
+  constexpr double kMetal_w_m_k = 10, kMostMetal_m = 0.5, kMostOther_m = 5;
+  for (int i = 0; i < sweep.build_up_size(); ++i)
+    for (int j = 0; j < sweep.build_up(i).layer_size(); ++j) {
+      const schema::Layer& layer = sweep.build_up(i).layer(j);
+      const bool metal =
+          layer.conductivity_w_m_k() > kMetal_w_m_k && layer.density_kg_m3() > 1000;
+      if (layer.thickness_m() <= (metal ? kMostMetal_m : kMostOther_m)) continue;
+      out.push_back(noted(
+          absl::StrCat("build_up[", i, "].layer[", j, "].thickness_m"),
+          absl::StrFormat("a layer%s of %.6g m: is it in millimetres? %.6g mm are thickness_m = %.6g",
+                          metal ? " of metal" : "", layer.thickness_m(), layer.thickness_m(),
+                          layer.thickness_m() / 1000)));
+    }
+}
+
 double shortest_range_m(const schema::ResolvedSweep& sweep) {
   double out = INFINITY;
   for (const schema::Viewpoint& v : sweep.viewpoint()) out = std::min(out, v.range_m());
@@ -215,6 +233,7 @@ absl::Status check_offset(const schema::ResolvedSweep& sweep, const Mesh& mesh) 
 std::vector<Problem> model_warnings(const schema::ResolvedSweep& sweep, const SceneSpec& scene) {
   std::vector<Problem> out;
   see_near_sensors(sweep, scene.mesh, out);
+  see_thick_layers(sweep.sweep(), out);
   const schema::Model& model = sweep.sweep().model();
   if (const FarOffset far = far_offset(model, scene.mesh); far.offset_m > 0)
     out.push_back(

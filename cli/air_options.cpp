@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "bridge/environment/weather_from_message.h"
 #include "core/base/user_file.h"
+#include "core/scene/model_file.h"
 #include "jobs/number_bounds.h"
 #include "jobs/sweep_file.h"
 #include "planning/load_sweep.h"
@@ -158,7 +159,7 @@ absl::StatusOr<ChosenAir> AirOptions::of_sweep() const {
   if (file->sweep.model().has_file()) {
     const auto model =
         (std::filesystem::path(sweep_).parent_path() / file->sweep.model().file()).string();
-    auto bytes = read_user_file(model, kMostModelBytes);
+    auto bytes = read_model_file(model, kMostModelBytes);
     if (!bytes.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(model, ": ", bytes.status().message()));
     }

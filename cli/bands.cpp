@@ -419,7 +419,7 @@ void add_bands(CLI::App& app, int& exit_code) {
       ->take_all();
   command
       ->add_option("--filter", o->filter_file,
-                   "Compare these filters alone: CSV files wavelength_um,transmittance, before the "
+                   "Compare these filters alone: CSV files lambda_um,transmittance, before the "
                    "detector; may be repeated")
       ->type_name("FILE");
   command->add_option("--min-width-um", o->min_width_um, "No narrower windows")->type_name("W");

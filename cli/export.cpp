@@ -18,7 +18,7 @@ namespace {
 
 struct ExportCommand {
   explicit ExportCommand(CLI::App& command)
-      : filter(command), output(command, {"csv", "netcdf", "envi", "thumbnails", "temperatures"}) {
+      : filter(command), output(command, {"csv", "netcdf", "envi", "tsf", "thumbnails", "temperatures"}) {
     output.out_option()->required();
   }
   FilterOptions filter;
@@ -79,7 +79,8 @@ void add_export(CLI::App& app, int& exit_code) {
       "export",
       "Write signatures to a file: csv (one line each) or netcdf (netCDF-4 with CF "
       "attributes: scalars, causes, parts and spectra) or envi (spectral library of one --band, "
-      "with its .hdr) or thumbnails (a folder of pictures with their labels); or, as csv, the "
+      "with its .hdr) or tsf (STK's target signature file of one --season and --band) or "
+      "thumbnails (a folder of pictures with their labels); or, as csv, the "
       "temperatures of all facets");
   const auto options = std::make_shared<ExportCommand>(*command);
   options->filter.add_ranges(*command);

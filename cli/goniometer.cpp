@@ -21,6 +21,7 @@
 #include "bridge/spec_to_request.h"
 #include "cli/commands.h"
 #include "core/base/user_file.h"
+#include "core/scene/model_file.h"
 #include "core/goniometer/coverage_trend.h"
 #include "core/goniometer/goniometer_tables.h"
 #include "core/scene/generate_particles.h"
@@ -123,7 +124,7 @@ class GoniometerCommand {
       return status;
     std::string model_bytes;
     if (file->spec.model().has_file()) {
-      auto bytes = read_file_beside(spec_path, file->spec.model().file(), kMostModelBytes);
+      auto bytes = read_model_beside(spec_path, file->spec.model().file(), kMostModelBytes);
       if (!bytes.ok())
         return placed_problem(
             file->scene.location("model.file"),

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
+#include "core/scene/model_file.h"
 #include "fmt/format.h"
 #include "planning/load_sweep.h"
 #include "planning/sweep_template.h"
@@ -19,16 +20,18 @@ namespace {
 
 struct InitCommand {
   TemplateAsked asked;
+  AskedFrame frame;
   std::string model, place, out;
   bool force = false;
 
   [[nodiscard]] absl::Status run() {
     namespace fs = std::filesystem;
-    const auto bytes = read_user_file(model, kMostModelBytes);
+    const auto bytes = read_model_file(model, kMostModelBytes);
     if (!bytes.ok())
       return absl::InvalidArgumentError(
           fmt::format("--model {}: {}", model, std::string(bytes.status().message())));
     asked.how.file_name = model;
+    asked.from = choose_frame(*bytes, frame, asked.how);
     auto mesh = import_mesh(*bytes, asked.how);
     if (!mesh.ok() && asked.how.reference == "origin") {
       // Maps and digital twins stand far from their origin.
@@ -59,17 +62,23 @@ struct InitCommand {
     asked.model_file = error ? fs::absolute(model).string() : beside.generic_string();
     auto text = sweep_template(asked, *mesh);
     if (!text.ok()) return text.status();
+    if (!to_stdout && !force && fs::exists(file, error))
+      return absl::InvalidArgumentError(
+          fmt::format("--out {}: the file exists, expected a new one or --force", file.string()));
+    // A file that `irsig run` refuses is not written.
+    auto read = load_sweep_text(*text, file.string());
+    auto loaded = read.ok() ? try_sweep(*std::move(read), file.string(), {})
+                            : absl::StatusOr<LoadedSweep>(read.status());
+    if (!loaded.ok()) {
+      print_note("irsig: {} is not written, since `irsig run` would refuse it:\n", file.string());
+      return loaded.status();
+    }
     if (to_stdout) {
       print_plain(stdout, *text);
       return absl::OkStatus();
     }
-    if (!force && fs::exists(file, error))
-      return absl::InvalidArgumentError(
-          fmt::format("--out {}: the file exists, expected a new one or --force", file.string()));
     if (auto status = replace_file(file.string(), *text); !status.ok()) return status;
-    // What is odd about the model is said at once; a file that does not run would be a bug.
-    auto loaded = load_sweep(file.string(), {});
-    if (!loaded.ok()) return loaded.status();
+    // What is odd about the model is said at once.
     for (const std::string& line : loaded->warnings) print_note("{}\n", line);
     LintOptions sheets;
     sheets.open_surfaces = true;  // two sides are proposed for them
@@ -93,15 +102,17 @@ void add_init(CLI::App& app, int& exit_code) {
   command->add_option("--model", given->model, "OBJ, PLY, STL, glTF or GLB")
       ->required()
       ->type_name("FILE");
-  command->add_option("--unit-m", given->asked.how.unit_m, "Metres in the file's unit (1)")
+  command
+      ->add_option("--unit-m", given->frame.unit_m,
+                   "Metres in the file's unit (what the file states, or 1)")
       ->type_name("M");
   command
-      ->add_option("--forward-axis", given->asked.how.forward_axis,
-                   "The file's axis that points to the bow: +x (default), -x, ... -z")
+      ->add_option("--forward-axis", given->frame.forward_axis,
+                   "The file's axis that points to the bow: +x, -x, ... -z (glTF: +z, others: +x)")
       ->type_name("AXIS");
   command
-      ->add_option("--up-axis", given->asked.how.up_axis,
-                   "The file's axis that points up: +z (default), ...")
+      ->add_option("--up-axis", given->frame.up_axis,
+                   "The file's axis that points up (glTF: +y, others: +z)")
       ->type_name("AXIS");
   command->add_option("--place", given->place, "Latitude and longitude [deg], e.g. 54.3,10.1")
       ->type_name("LAT,LON");

@@ -11,8 +11,10 @@
 #include "core/base/printable.h"
 #include "core/base/user_file.h"
 #include "core/scene/mesh_lint.h"
+#include "core/scene/model_file.h"
 #include "core/scene/mesh_measure.h"
 #include "fmt/format.h"
+#include "planning/model_frame.h"
 #include "view/atomic_file.h"
 #include "view/print.h"
 #include "view/table.h"
@@ -82,7 +84,22 @@ std::string as_text(const ModelFacts& facts) {
   return out;
 }
 
-std::string as_json(const std::string& file, const LintReport& report, const ModelFacts& facts) {
+std::string frame_as_json(const MeshImport& how, const FrameSources& from) {
+  return fmt::format(
+      "\"frame\": {{\"unit_m\": {:.9g}, \"unit_from\": {}, \"forward_axis\": {}, "
+      "\"forward_from\": {}, \"up_axis\": {}, \"up_from\": {}}}",
+      how.unit_m, json_string(from.unit_m), json_string(how.forward_axis),
+      json_string(from.forward_axis), json_string(how.up_axis), json_string(from.up_axis));
+}
+
+std::string frame_as_text(const MeshImport& how, const FrameSources& from) {
+  return fmt::format(
+      "frame     unit_m = {} ({}), forward_axis = \"{}\" ({}), up_axis = \"{}\" ({})\n",
+      how.unit_m, from.unit_m, how.forward_axis, from.forward_axis, how.up_axis, from.up_axis);
+}
+
+std::string as_json(const std::string& file, const LintReport& report, const ModelFacts& facts,
+                    const std::string& frame) {
   std::string out = fmt::format(
       "{{\"file\": {}, \"facets\": {}, \"vertices\": {}, \"shells\": {}, \"closed_shells\": {}, "
       "\"size_m\": [{:.9g}, {:.9g}, {:.9g}], \"errors\": {}, \"findings\": [",
@@ -103,16 +120,16 @@ std::string as_json(const std::string& file, const LintReport& report, const Mod
     out +=
         fmt::format("{}{{\"group\": {}, \"facets\": {}}}",
                     &g == &report.open_group.front() ? "" : ", ", json_string(g.group), g.facets);
-  return out + "], " + as_json(facts) + "}\n";
+  return out + "], " + frame + ", " + as_json(facts) + "}\n";
 }
 
 std::string as_text(const std::string& file, const LintReport& report, const ModelFacts& facts,
-                    bool repairable) {
+                    bool repairable, const std::string& frame) {
   std::string out =
       fmt::format("{}: {} facets, {} vertices, {} shells ({} closed), {:.6g} x {:.6g} x {:.6g} m\n",
                   file, report.facets, report.vertices, report.shells, report.closed_shells,
                   report.size_m.x, report.size_m.y, report.size_m.z);
-  out += as_text(facts);
+  out += frame + as_text(facts);
   for (const LintFinding& f : report.finding) {
     out += fmt::format("{} {}: {}{}{}\n", f.is_error ? "error  " : "warning", fault_name(f.fault),
                        f.count, f.note.empty() ? "" : "  ", f.note);
@@ -159,15 +176,17 @@ struct CheckCommand {
   explicit CheckCommand(CLI::App& command) : output(command, {"text", "json"}) {}
   OutputOptions output;
   MeshImport how;
+  AskedFrame frame;
   LintOptions options;
   std::string repaired, surroundings = "sea";
 
   // The exit code, when nothing failed: 2 when the model has errors.
-  [[nodiscard]] absl::StatusOr<int> run() const {
-    const absl::StatusOr<std::string> bytes = read_user_file(how.file_name, kMostModelBytes);
+  [[nodiscard]] absl::StatusOr<int> run() {
+    const absl::StatusOr<std::string> bytes = read_model_file(how.file_name, kMostModelBytes);
     if (!bytes.ok())
       return absl::InvalidArgumentError(
           fmt::format("{}: {}", how.file_name, std::string(bytes.status().message())));
+    const FrameSources from = choose_frame(*bytes, frame, how);
     const absl::StatusOr<Mesh> mesh = import_mesh(*bytes, how);
     if (!mesh.ok()) return mesh.status();
     LintReport found = lint(*mesh, options);
@@ -194,7 +213,9 @@ struct CheckCommand {
     const bool repairable = repaired.empty() && result.log.did_something();
     const std::string& of = repaired.empty() ? how.file_name : repaired;
     const absl::Status written = output.write([&](std::string_view format, std::ostream& out) {
-      out << (format == "json" ? as_json(of, found, facts) : as_text(of, found, facts, repairable))
+      out << (format == "json"
+                  ? as_json(of, found, facts, frame_as_json(how, from))
+                  : as_text(of, found, facts, repairable, frame_as_text(how, from)))
           << std::flush;
       return absl::OkStatus();
     });
@@ -214,10 +235,16 @@ void add_model_check(CLI::App& model, int& exit_code) {
   command->add_option("MODEL", options->how.file_name, "OBJ, PLY, STL, glTF or GLB")
       ->required()
       ->type_name("FILE");
-  command->add_option("--unit-m", options->how.unit_m, "Metres in the file's unit")->type_name("M");
-  command->add_option("--forward-axis", options->how.forward_axis, "+x (default), -x, ... -z")
+  command
+      ->add_option("--unit-m", options->frame.unit_m,
+                   "Metres in the file's unit (what the file states, or 1)")
+      ->type_name("M");
+  command
+      ->add_option("--forward-axis", options->frame.forward_axis,
+                   "+x, -x, ... -z (glTF: +z, others: +x)")
       ->type_name("AXIS");
-  command->add_option("--up-axis", options->how.up_axis, "+z (default), ...")->type_name("AXIS");
+  command->add_option("--up-axis", options->frame.up_axis, "(glTF: +y, others: +z)")
+      ->type_name("AXIS");
   command
       ->add_option("--reference", options->how.reference,
                    "origin (default), bbox_center or bbox_bottom_center")

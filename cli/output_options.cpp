@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <sstream>
 
@@ -23,7 +24,7 @@ struct Ending {
 // What the end of a file's name promises; no format of irsig: a picture that it does not make.
 constexpr Ending kEndings[] = {
     {".txt", "text"}, {".csv", "csv"}, {".json", "json"}, {".svg", "svg"}, {".nc", "netcdf"},
-    {".sli", "envi"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},   {".pdf", ""},
+    {".sli", "envi"}, {".tsf", "tsf"}, {".png", ""},    {".jpg", ""},      {".jpeg", ""},   {".pdf", ""},
     {".gif", ""},     {".tif", ""},    {".tiff", ""},     {".eps", ""},    {".exr", ""},
     {".obj", "obj"},  {".vdb", "vdb"}, {".toml", ""},     {".sigdb", ""},  {".db", ""},
     {".sqlite", ""},  {".stl", ""},    {".ply", ""},      {".gltf", ""},   {".glb", ""},
@@ -34,6 +35,24 @@ const Ending* ending_of(const std::string& name) {
   for (const Ending& e : kEndings)
     if (lower.ends_with(e.ending)) return &e;
   return nullptr;
+}
+
+// Whether a name has an ending of letters: "a.h5" has, "a", ".hidden", "/dev/stdout" and "2.5" have
+// none.
+bool has_ending(const std::string& name) {
+  const std::string base = name.substr(name.find_last_of('/') + 1);
+  const std::size_t dot = base.find_last_of('.');
+  return dot != std::string::npos && dot > 0 &&
+         std::any_of(base.begin() + static_cast<std::ptrdiff_t>(dot), base.end(),
+                     [](unsigned char c) { return std::isalpha(c) != 0; });
+}
+
+std::vector<std::string_view> endings_of(const std::vector<std::string>& formats) {
+  std::vector<std::string_view> out;
+  for (const std::string& format : formats)
+    for (const Ending& e : kEndings)
+      if (e.format == format) out.push_back(e.ending);
+  return out;
 }
 
 absl::Status unwritten() {
@@ -74,6 +93,11 @@ OutputOptions::OutputOptions(CLI::App& command, std::vector<std::string> formats
 absl::StatusOr<std::string> OutputOptions::format() const {
   const std::string asked = asked_ == "table" ? "text" : asked_;
   const Ending* ending = ending_of(out_);
+  if (!ending && asked.empty() && formats_.size() > 1 && has_ending(out_))
+    return absl::InvalidArgumentError(
+        fmt::format("--out {}: no format is known by this ending, expected a name that ends in {}, "
+                    "or --format",
+                    out_, fmt::join(endings_of(formats_), ", ")));
   if (!ending) return asked.empty() ? formats_.front() : asked;
   const bool known = std::find(formats_.begin(), formats_.end(), ending->format) != formats_.end();
   if (!known)

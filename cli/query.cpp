@@ -132,7 +132,7 @@ void add_query(CLI::App& app, int& exit_code) {
           ->excludes("--causes");
   command
       ->add_option("--response", options->response,
-                   "  the same under a response: CSV with wavelength_um,response")
+                   "  the same under a response: CSV with lambda_um,response")
       ->type_name("FILE")
       ->excludes(window)
       ->excludes("--spectrum")

@@ -266,6 +266,20 @@ absl::Status check_launcher(const RunAsked& asked) {
   return absl::OkStatus();
 }
 
+// More workers than jobs would only wait in Slurm's queue, and end.
+void limit_slurm(const schema::ResolvedSweep& sweep, RunAsked& asked) {
+  if (!asked.on_cluster()) return;
+  asked.slurm.say = [](const std::string& what) { print_note("irsig: note: {}\n", what); };
+  const double jobs = job_count(sweep) + sweep.heat_size();
+  for (auto& [count, what] : {std::pair<std::uint32_t*, const char*>{&asked.workers, "workers"},
+                              {&asked.slurm.nodes, "nodes"}}) {
+    if (*count <= jobs) continue;
+    print_note("irsig: note: {} jobs: {} {} are asked for in place of {}\n", jobs, jobs, what,
+               *count);
+    *count = static_cast<std::uint32_t>(jobs);
+  }
+}
+
 absl::Status run_sweep(RunAsked asked) {
   const auto start = Steady::now();
   auto loaded = load_shown(asked.sweep_path, asked.accuracy);
@@ -275,6 +289,7 @@ absl::Status run_sweep(RunAsked asked) {
   if (!asked.isa.empty() && !asked.on_cluster()) {
     if (auto s = pin_isa(asked.isa); !s.ok()) return s;
   }
+  limit_slurm(loaded->resolved, asked);
   if (asked.workers == 0) asked.workers = asked.on_cluster() ? asked.slurm.nodes : usable_cores();
   print_note("irsig: {}\n", size_text(loaded->size));
   const std::uint64_t conditions = loaded->size.conditions;

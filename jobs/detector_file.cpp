@@ -86,7 +86,7 @@ absl::StatusOr<DetectorOfFile> read_detector(const std::string& path) {
   check.require(kind.keys, absl::StrCat("expected for noise of the kind ", spec.noise().kind()));
   if (kind.needs_file && !spec.has_response_file())
     findings.add("response_file",
-                 absl::StrCat("response_file is missing, expected a CSV file with wavelength_um,",
+                 absl::StrCat("response_file is missing, expected a CSV file with lambda_um,",
                               kind.column, " for noise of the kind ", spec.noise().kind()));
   if (!findings.empty()) return findings.status();
   DetectorOfFile out;

@@ -19,6 +19,20 @@ constexpr const char* kBackfaces = "accepted_backface_share";
 // The file name without its folders.
 std::string base_name(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
+bool is_gltf(const schema::Model& model) {
+  const std::string name = absl::AsciiStrToLower(model.file());
+  return absl::EndsWith(name, ".gltf") || absl::EndsWith(name, ".glb");
+}
+
+// The glTF 2.0 standard states the unit and the axes of its files; other formats state none, and a
+// sweep file does.
+void set_stated_frame(schema::Model& model) {
+  if (!is_gltf(model)) return;
+  if (!model.has_unit_m()) model.set_unit_m(1);
+  if (!model.has_forward_axis()) model.set_forward_axis("+z");
+  if (!model.has_up_axis()) model.set_up_axis("+y");
+}
+
 void check_model_file(const schema::Model& model, std::string_view model_bytes,
                       schema::ResolvedSweep& resolved, const SectionCheck& check) {
   check.only(
@@ -163,6 +177,7 @@ void check_parts(schema::Sweep& sweep, std::vector<std::string> materials, Findi
 
 void resolve_target(std::string_view model_bytes, schema::ResolvedSweep& resolved,
                     Findings& findings) {
+  if (resolved.sweep().has_model()) set_stated_frame(*resolved.mutable_sweep()->mutable_model());
   check_model(model_bytes, resolved, findings);
   schema::Sweep& sweep = *resolved.mutable_sweep();
   check_parts(sweep, resolve_materials(sweep, findings), findings);

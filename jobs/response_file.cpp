@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "core/base/problems.h"
 #include "core/base/user_file.h"
+#include "core/materials/optical/csv_columns.h"
 #include "core/materials/optical/text_table.h"
 
 namespace irsig {
@@ -18,10 +19,11 @@ absl::StatusOr<std::vector<SpectralPoint>> read_response(const std::string& path
   const NumberTable table = read_number_table(*text, errors);
   if (!errors.empty()) return errors.status();
   const auto& head = table.column;
-  if (head.size() != 2 || head[0].text != "wavelength_um" || head[1].text != value) {
-    errors.add(
-        head.front().line, head.front().column,
-        absl::StrCat("the columns are not those of a response, expected wavelength_um,", value));
+  const auto unit_um = micrometres_in(head[0].text);
+  if (head.size() != 2 || !unit_um || head[1].text != value) {
+    errors.add(head.front().line, head.front().column,
+               absl::StrCat("the columns are not those of a response, expected lambda_um,", value,
+                            " (or lambda_nm)"));
     return errors.status();
   }
   check_wavelengths(table.row, errors);
@@ -37,7 +39,7 @@ absl::StatusOr<std::vector<SpectralPoint>> read_response(const std::string& path
     errors.add(table.row.front().front(), absl::StrCat(value, " is 0 everywhere"));
   if (!errors.empty()) return errors.status();
   std::vector<SpectralPoint> out;
-  for (const auto& row : table.row) out.push_back({row[0].value, row[1].value});
+  for (const auto& row : table.row) out.push_back({row[0].value * *unit_um, row[1].value});
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "core/base/printable.h"
 #include "core/base/problems.h"
 #include "core/base/user_file.h"
+#include "core/scene/model_file.h"
 #include "jobs/expand.h"
 #include "jobs/material_files.h"
 #include "jobs/resolve_plume.h"
@@ -73,7 +74,11 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
   if (absl::StartsWith(*text, "SQLite format 3"))
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": this is a database, expected a sweep file"));
-  auto file = parse_sweep(*text, path);
+  return load_sweep_text(*text, path);
+}
+
+absl::StatusOr<SweepFile> load_sweep_text(const std::string& text, const std::string& path) {
+  auto file = parse_sweep(text, path);
   if (!file.ok()) return file.status();
   const auto reader = [&](std::uint64_t most_bytes) {
     return [&path, most_bytes](const std::string& name) {
@@ -94,8 +99,13 @@ absl::StatusOr<SweepFile> load_sweep_file(const std::string& path) {
 absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAsked& asked) {
   auto file = load_sweep_file(path);
   if (!file.ok()) return file.status();
+  return try_sweep(*std::move(file), path, asked);
+}
+
+absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
+                                      const AccuracyAsked& asked) {
   LoadedSweep loaded;
-  loaded.file = *std::move(file);
+  loaded.file = std::move(file);
   auto* accuracy = loaded.file.sweep.mutable_accuracy();
   if (asked.relative_error || asked.time_budget_s) {
     accuracy->clear_relative_error();
@@ -115,7 +125,7 @@ absl::StatusOr<LoadedSweep> load_sweep(const std::string& path, const AccuracyAs
   std::string model_bytes;
   if (loaded.file.sweep.model().has_file()) {
     const std::string& model = loaded.file.sweep.model().file();
-    auto bytes = read_file_beside(path, model, kMostModelBytes);
+    auto bytes = read_model_beside(path, model, kMostModelBytes);
     if (!bytes.ok()) {
       return placed_problem(
           loaded.file.location("model.file"),

@@ -35,11 +35,16 @@ struct LoadedSweep {
 
 // A sweep file with the content of the files that it names, not yet resolved.
 [[nodiscard]] absl::StatusOr<SweepFile> load_sweep_file(const std::string& path);
+// The same of a text that is not written yet: as if it stood in the file `path`.
+[[nodiscard]] absl::StatusOr<SweepFile> load_sweep_text(const std::string& text,
+                                                        const std::string& path);
 
 // Reads, resolves and tries a sweep. INVALID_ARGUMENT or NOT_FOUND with every error as
 // file:line:column: ..., those of the model and of the scene included.
 [[nodiscard]] absl::StatusOr<LoadedSweep> load_sweep(const std::string& path,
                                                      const AccuracyAsked& asked);
+[[nodiscard]] absl::StatusOr<LoadedSweep> try_sweep(SweepFile file, const std::string& path,
+                                                    const AccuracyAsked& asked);
 
 // Computes, in this process, the temperatures that jobs compute, unless they are known already.
 [[nodiscard]] absl::Status have_temperatures(LoadedSweep& loaded);

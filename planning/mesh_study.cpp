@@ -12,6 +12,7 @@
 #include "bridge/spec_to_request.h"
 #include "core/accuracy/cost_model.h"
 #include "core/base/user_file.h"
+#include "core/scene/model_file.h"
 #include "core/scene/mesh_measure.h"
 #include "core/scene/target.h"
 #include "jobs/expand.h"
@@ -50,7 +51,7 @@ absl::StatusOr<AskedMesh> from_file(const std::string& name, const schema::Model
     return wrong(name, absl::StrCat("the model of the sweep is a file (", model.file(),
                                     "), which has the facets that it has; expected mesh files of "
                                     "different densities, e.g. coarse.obj,fine.obj"));
-  auto bytes = read_user_file(name, kMostModelBytes);
+  auto bytes = read_model_file(name, kMostModelBytes);
   if (!bytes.ok()) return wrong(name, bytes.status().message());
   return AskedMesh{name, 0, *std::move(bytes)};
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <string_view>
 #include <vector>
 
@@ -72,6 +71,27 @@ std::string part(const std::string& name, const std::string& match, bool rest, b
   return out;
 }
 
+// A pattern that takes the group: its name, with "?" for what a sweep file cannot hold.
+std::string pattern_of(const std::string& name) {
+  std::string out = name;
+  if (!is_one_line(name))
+    for (char& c : out)
+      if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  return out;
+}
+
+// Groups whose pattern takes others as well: "Cabin" takes "Wheel/Cabin" too.
+std::vector<bool> takes_others(const std::vector<Group>& groups) {
+  std::vector<bool> out;
+  for (const Group& group : groups) {
+    const std::string pattern = pattern_of(group.name);
+    out.push_back(std::ranges::count_if(groups, [&](const Group& other) {
+                    return group_matches(other.name, pattern);
+                  }) > 1);
+  }
+  return out;
+}
+
 std::string parts(const std::vector<Group>& groups, double temperature_k) {
   std::string out;
   if (groups.size() > kMostParts) {
@@ -89,14 +109,31 @@ std::string parts(const std::vector<Group>& groups, double temperature_k) {
     return out + part("target", "", true, open, temperature_k);
   }
   out += "\n# One part for each group of the model; funnels and engines are hotter than this.\n";
-  std::set<std::string> taken;
+  const std::vector<bool> shared = takes_others(groups);
+  bool rest_open = false;
+  std::size_t first_rest = groups.size(), rests = 0;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (!shared[i]) continue;
+    rest_open = rest_open || groups[i].open;
+    first_rest = std::min(first_rest, i);
+    ++rests;
+  }
+  if (rests > 1) {
+    out += "# These have names that other groups have in theirs, and are one part:\n";
+    for (std::size_t i = 0; i < groups.size(); ++i)
+      if (shared[i]) absl::StrAppend(&out, "#   ", one_line(groups[i].name), "\n");
+  }
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const std::string& group = groups[i].name;
     const bool plain = !group.empty() && is_one_line(group) && !is_formula(group) &&
                        group.front() != ' ' && group.back() != ' ' &&
                        group.find_first_of("*?") == std::string::npos;
     const std::string name = plain ? group : absl::StrCat("part ", i + 1);
-    out += part(name, plain ? "" : group, false, groups[i].open, temperature_k);
+    if (!shared[i]) {
+      out += part(name, plain ? "" : pattern_of(group), false, groups[i].open, temperature_k);
+    } else if (i == first_rest) {
+      out += part(rests == 1 ? name : "others", "", true, rest_open, temperature_k);
+    }
   }
   return out;
 }
@@ -140,9 +177,11 @@ absl::StatusOr<std::string> sweep_template(const TemplateAsked& asked, const Mes
                       "waterline z = 0.\n",
                       size.x, size.y, size.z, -high.z + 0.0, -low.z + 0.0),
       "[model]\nfile = ", quoted(asked.model_file), "\nunit_m = ", asked.how.unit_m,
-      "                   # metres in one unit of the file\nforward_axis = ",
-      quoted(asked.how.forward_axis),
-      "          # the file's axis that points to the bow\nup_axis = ", quoted(asked.how.up_axis),
+      "                   # metres in one unit of the file: ", one_line(asked.from.unit_m),
+      "\nforward_axis = ", quoted(asked.how.forward_axis),
+      "          # the file's axis that points to the bow: ", one_line(asked.from.forward_axis),
+      "\nup_axis = ", quoted(asked.how.up_axis),
+      "               # the file's axis that points up: ", one_line(asked.from.up_axis),
       "\nreference = ", quoted(asked.how.reference), "\n");
   if (sea)
     out +=

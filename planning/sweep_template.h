@@ -4,6 +4,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/scene/mesh.h"
+#include "planning/model_frame.h"
 
 namespace irsig {
 
@@ -13,6 +14,7 @@ struct TemplateAsked {
   std::string name;        // of the sweep
   std::string model_file;  // as the sweep file names it
   MeshImport how;
+  FrameSources from;  // of its unit and axes
   double latitude_deg = 45, longitude_deg = -10;
   bool place_given = false;
   std::string season = "summer";     // winter | spring | summer | autumn

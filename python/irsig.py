@@ -12,6 +12,7 @@ but what a docstring says.
 
 from __future__ import annotations
 
+import datetime
 import json
 import os
 import pathlib
@@ -144,15 +145,31 @@ class Database:
     def bands(self) -> list[str]:
         return self._names("name", "band WHERE superseded = 0")
 
-    def query(self, *, sweep=None, season=None, time_utc=None, band=None, aspect=None, range_m=None) -> "Rows":
-        """Stored signatures. Names are exact; a list of them means any of these.
+    def query(self, *, sweep=None, season=None, time=None, time_utc=None, band=None, aspect=None, nearest=None, within=None,
+              at_range_m=None, range_m=None, row=None) -> "Rows":
+        """Stored signatures, chosen by the words of `irsig query`. Names are exact; a list of them means any of these.
 
-        aspect   (azimuth, elevation) [deg]: of the viewpoint nearest to it (great circle); its distance is Rows.distance_deg;
-                 azimuth -360 to 360, elevation -90 to 90
-        range_m  of the viewpoints at this range only
+        time        RFC 3339 with any offset ("2025-12-21T10:30:00+09:00"), a datetime or a numpy.datetime64 (both in UTC without an
+                    offset); time_utc: the same as the database writes it ("2025-12-21T01:30:00Z")
+        aspect      (azimuth, elevation) [deg], azimuth -360 to 360, elevation -90 to 90: of the viewpoint nearest to it (great circle);
+                    its distance is Rows.distance_deg. With nearest=N of the N nearest, with within=DEG of those within so many degrees
+        at_range_m  of the viewpoints at this stored range only; range_m is the same. (`irsig query --range-m` shows rows as seen from
+                    ranges that are not stored, which is not computed here: `irsig export --range-m` writes them.)
+        row         the signature of this row number
 
-        Error: a name that the database does not have; no such direction; nothing stored for it.
+        Error: a name that the database does not have; no such direction or range; nothing stored for it.
         """
+        if time is not None and time_utc is not None:
+            raise Error("time and time_utc: expected one of them")
+        if time is not None:
+            time_utc = [_utc(t) for t in ([time] if isinstance(time, (str, datetime.datetime, numpy.datetime64)) else time)]
+        if range_m is not None and at_range_m is not None:
+            raise Error("range_m and at_range_m: expected one of them, they are the same")
+        if aspect is None and (nearest is not None or within is not None):
+            raise Error("nearest and within: expected aspect=(azimuth, elevation) with them")
+        if nearest is not None and within is not None:
+            raise Error("nearest and within: expected one of them")
+        range_m = at_range_m if range_m is None else range_m
         if sweep is None and len(self.sweeps) > 1:
             raise Error(f"there are several sweeps, expected sweep= one of {', '.join(self.sweeps)}")
         where, values = ["superseded = 0"], []
@@ -166,33 +183,75 @@ class Database:
                     raise Error(f'{column}: there is no "{name}", expected {", ".join(known)}')
             where.append(f"{column} IN ({', '.join('?' * len(asked))})")
             values += asked
+        if row is not None:
+            where.append("row = ?")
+            values.append(int(row))
         if range_m is not None:
-            where.append("range_m = ?")
-            values.append(float(range_m))
+            known = [r["range_m"] for r in self.sql("SELECT DISTINCT range_m FROM signature_view WHERE superseded = 0 ORDER BY 1")]
+            try:
+                asked = [float(r) for r in numpy.atleast_1d(range_m)]
+            except (TypeError, ValueError):
+                raise Error(f"range_m: {range_m!r}, expected a number of metres") from None
+            for r in asked:
+                if r not in known:
+                    raise Error(f"range_m: there is no {r:g}, expected {', '.join(f'{k:g}' for k in known)}; `irsig export --range-m {r:g}` "
+                                "writes rows as seen from another range")
+            where.append(f"range_m IN ({', '.join('?' * len(asked))})")
+            values += asked
         distance = None
         if aspect is not None:
-            nearest, distance = self._nearest(*_aspect(aspect), where, values)
-            where.append("aspect_azimuth_deg = ? AND aspect_elevation_deg = ?")
-            values += nearest
+            views, distance = self._nearest(*_aspect(aspect), where, values, nearest, within)
+            where.append(f"(aspect_azimuth_deg, aspect_elevation_deg) IN (VALUES {', '.join(['(?, ?)'] * len(views))})")
+            values += [angle for view in views for angle in view]
         rows = self.sql(f"SELECT * FROM signature_view WHERE {' AND '.join(where)} ORDER BY sweep, row", *values)
         if not rows:
             raise Error("nothing is stored for this")
         return Rows(self, rows, distance)
 
-    def _nearest(self, azimuth_deg, elevation_deg, where, values):
+    def _nearest(self, azimuth_deg, elevation_deg, where, values, count, within_deg):
+        """The viewpoints that are asked for, and how far the farthest of them is."""
         views = self._sql.execute("SELECT DISTINCT aspect_azimuth_deg, aspect_elevation_deg FROM signature_view WHERE "
                                   + " AND ".join(where), values).fetchall()
         if not views:
             raise Error("nothing is stored for this")
         view = numpy.array([tuple(v) for v in views])
         chord = numpy.linalg.norm(_direction(view[:, 0], view[:, 1]) - _direction(azimuth_deg, elevation_deg), axis=-1)
-        at = int(numpy.argmin(chord))
-        return [float(x) for x in view[at]], float(numpy.degrees(2 * numpy.arcsin(min(1.0, chord[at] / 2))))
+        distance = numpy.degrees(2 * numpy.arcsin(numpy.minimum(1.0, chord / 2)))
+        order = numpy.argsort(chord, kind="stable")
+        if within_deg is not None:
+            order = order[distance[order] <= within_deg]
+        elif count is not None and not (isinstance(count, (int, numpy.integer)) and count > 0):
+            raise Error(f"nearest: {count!r}, expected a number of viewpoints, 1 or more")
+        else:
+            order = order[:1 if count is None else count]
+        if not len(order):
+            raise Error(f"no viewpoint lies within {within_deg:g} degrees of the aspect: the nearest is {distance.min():.4g} away")
+        return [[float(x) for x in view[at]] for at in order], float(distance[order[-1]])
 
     def temperatures(self) -> list[dict]:
         """Computed temperatures: of each part, season and time mean_k, coldest_k, hottest_k, error_k."""
         return self.sql("SELECT season, time_utc, part, mean_k, coldest_k, hottest_k, error_k FROM computed_temperature_view "
                         "WHERE superseded = 0 ORDER BY season, time_utc, part_index")
+
+
+def _in_cube(name: str) -> str:
+    """A spectrum's name beside in-band values: as netCDF has it."""
+    return "spectral_" + name if name == "path_transmittance" or name.endswith("_w_sr_um") and "spectral" not in name else name
+
+
+def _utc(asked) -> str:
+    """A time as the database writes it."""
+    try:
+        if isinstance(asked, numpy.datetime64):
+            asked = asked.astype("datetime64[us]").item()
+        elif not isinstance(asked, datetime.datetime):
+            asked = datetime.datetime.fromisoformat(asked[:-1] + "+00:00" if asked[-1:] in ("Z", "z") else asked)
+        if asked.tzinfo is not None:
+            asked = asked.astimezone(datetime.timezone.utc)
+    except (AttributeError, TypeError, ValueError):
+        raise Error(f"time: {asked!r}, expected RFC 3339: 2025-12-21T10:30:00+09:00") from None
+    fraction = f"{asked.microsecond:06d}".rstrip("0")
+    return asked.strftime("%Y-%m-%dT%H:%M:%S") + (f".{fraction}" if fraction else "") + "Z"
 
 
 def _aspect(asked) -> tuple[float, float]:
@@ -214,7 +273,7 @@ def _direction(azimuth_deg, elevation_deg):
 class Rows:
     """Signatures: rows[name] is an array of one quantity, in the order of the database.
 
-    distance_deg  with aspect=: how far the viewpoint is from what was asked
+    distance_deg  with aspect=: how far the viewpoint, or the farthest of them, is from what was asked
     """
 
     def __init__(self, database: Database, rows: list[dict], distance_deg=None):
@@ -311,12 +370,14 @@ class Rows:
         return [(self._database._sql.execute("SELECT png FROM thumbnail WHERE signature_id = ?", (row,)).fetchone() or [None])[0]
                 for row in self._ids()]
 
-    def to_xarray(self, spectra=("spectral_intensity_w_sr_um", "spectral_intensity_stderr_w_sr_um")):
-        """xarray.Dataset of season x time_of_day x band x viewpoint, NaN where nothing is stored.
+    def to_xarray(self, spectra=None):
+        """xarray.Dataset of season x time_of_day x band x viewpoint, NaN where nothing is stored: what `irsig export` writes as netCDF.
 
         .sel(season=..., band=...) works as it is. time_of_day is in UTC ("01:30:00Z"), the instants are the coordinate
         time_utc(season, time_of_day). Of one season alone, and where a season has several dates, the dimension is `time` instead, of
-        instants, and .sel(time="2025-06-21T01:30") works. aspect and range are coordinates of `viewpoint`. Spectra have the dimension bin, whose wavelengths are lambda_um(band, bin), as in exported netCDF; spectra=() leaves them out. With
+        instants, and .sel(time="2025-06-21T01:30") works. `viewpoint` counts from 0; aspect and range are coordinates of it.
+        part_intensity_w_sr has the dimension part. Spectra, all that the rows have (source, apparent, contrast, by cause), have the
+        dimension bin, whose wavelengths are lambda_um(band, bin); spectra=[names] takes these, spectra=() none. With
         spectra also `spectral_intensity_modes_w_sr_um` and those of the apparent and contrast spectrum, of rows that have them,
         over mode and bin: how errors go together (`Rows.modes`).
         """
@@ -339,7 +400,7 @@ class Rows:
         at = tuple(numpy.array([axis[row[i]] for row in keys]) for i, axis in enumerate(axes))
         dims = ("season", "time" if dated else "time_of_day", "band", "viewpoint")
         shape = tuple(len(axis) for axis in axes)
-        labels = [list(axis) for axis in axes[:3]]
+        labels = [list(axis) for axis in axes[:3]] + [numpy.arange(len(axes[3]))]
         if dated:
             labels[1] = [numpy.datetime64(time.rstrip("Z"), "ns") for time in axes[1]]
         out = xarray.Dataset(coords=dict(zip(dims, labels)))
@@ -360,17 +421,33 @@ class Rows:
             cube = numpy.full(shape, numpy.nan if column.dtype == float else "", dtype=column.dtype)
             cube[at] = column
             out[name] = (dims, cube, {"units": unit(name)} if column.dtype == float else {})
-        for name in spectra:
-            of_row = self.spectra(name)
-            bins = max(len(values) for _, values in of_row)
+        parts = self.parts()
+        names = places(name for row in parts for name in row)
+        for i, name in enumerate(("part_intensity_w_sr", "part_intensity_stderr_w_sr") if names else ()):
+            cube = numpy.full((*shape, len(names)), numpy.nan)
+            for *place, row in zip(*at, parts):
+                for part, values in row.items():
+                    cube[(*place, names[part])] = numpy.nan if values[i] is None else values[i]
+            out.coords["part"] = list(names)
+            out[name] = ((*dims, "part"), cube, {"units": "W sr-1"})
+        if spectra is None:
+            spectra = [r["name"] for r in self._database.sql("SELECT name FROM pragma_table_info('spectrum')")][1:]
+            asked = {name: self.spectra(name) for name in spectra}
+            asked = {name: of_row for name, of_row in asked.items() if any(len(values) for _, values in of_row)}
+        else:
+            asked = {name: self.spectra(name) for name in spectra}
+        bins = max((len(values) for of_row in asked.values() for _, values in of_row), default=0)
+        for name, of_row in asked.items():
+            name = _in_cube(name)
             cube, grid = numpy.full((*shape, bins), numpy.nan), numpy.full((shape[2], bins), numpy.nan)
             for *place, (lambda_um, values) in zip(*at, of_row):
                 cube[tuple(place)][:len(values)] = values
-                grid[place[2], :len(values)] = lambda_um
+                if len(values):
+                    grid[place[2], :len(values)] = lambda_um
             out.coords["lambda_um"] = (("band", "bin"), grid, {"units": "um"})
             out[name] = ((*dims, "bin"), cube, {"units": unit(name)})
         all_modes = {name: self.modes(name + "_w_sr_um") for name in
-                     ("spectral_intensity", "apparent_spectral_intensity", "contrast_spectral_intensity")} if spectra else {}
+                     ("spectral_intensity", "apparent_spectral_intensity", "contrast_spectral_intensity")} if bins else {}
         most = max((len(modes) for of_row in all_modes.values() for modes in of_row), default=0)
         for name, of_row in all_modes.items() if most else ():
             cube = numpy.full((*shape, most, bins), numpy.nan)

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "serve/answer_parts.h"
@@ -128,8 +129,32 @@ absl::StatusOr<PageReply> answer_compare(const PageSources& sources, const Quest
   return json_reply(out.finish());
 }
 
+namespace {
+
+absl::StatusOr<schema::Band> band_of(StoreReader& reader, const Selection& selection) {
+  const auto sweep = reader.sweep(selection.sweep, SweepFiles::kNone);
+  if (!sweep.ok()) return sweep.status();
+  for (const schema::Band& band : sweep->resolved.sweep().band())
+    if (band.name() == selection.band) return band;
+  return absl::NotFoundError(
+      fmt::format("sweep {} has no band {}", selection.sweep, selection.band));
+}
+
+// The limits and the response; the step of the stored spectrum changes no value of the band.
+bool is_same_band(const schema::Band& a, const schema::Band& b) {
+  return a.lambda_min_um() == b.lambda_min_um() && a.lambda_max_um() == b.lambda_max_um() &&
+         std::equal(a.response().begin(), a.response().end(), b.response().begin(),
+                    b.response().end(),
+                    [](const schema::SpectralPoint& p, const schema::SpectralPoint& q) {
+                      return p.lambda_um() == q.lambda_um() && p.value() == q.value();
+                    });
+}
+
+}  // namespace
+
 absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const Question& q) {
   std::vector<StoredValue> values[2];
+  schema::Band band[2];
   const Selection* selection[2] = {&q.a, &*q.b};
   for (int i = 0; i < 2; ++i) {
     const auto reader = open_database(sources, selection[i]->database);
@@ -137,7 +162,16 @@ absl::StatusOr<Comparison> compare_selections(const PageSources& sources, const 
     auto found = values_of_selection(**reader, *selection[i], q.quantity);
     if (!found.ok()) return found.status();
     values[i] = *std::move(found);
+    auto of = band_of(**reader, *selection[i]);
+    if (!of.ok()) return of.status();
+    band[i] = *std::move(of);
   }
+  if (!is_same_band(band[0], band[1]))
+    return absl::FailedPreconditionError(fmt::format(
+        "{} ({:g} to {:g} um) and {} ({:g} to {:g} um) are bands of different limits or responses, "
+        "whose values are no difference of one quantity: choose the same band for both",
+        band[0].name(), band[0].lambda_min_um(), band[0].lambda_max_um(), band[1].name(),
+        band[1].lambda_min_um(), band[1].lambda_max_um()));
   Comparison out = compare(values[0], values[1]);
   if (out.value.empty()) return absl::NotFoundError("the two have no aspect in common");
   return out;

@@ -65,9 +65,18 @@ absl::Status export_file(StoreReader& reader, const ExportAsked& asked, std::str
     if (!rows.ok()) return rows.status();
     return write_envi(reader, **rows, asked.query.quantity, path);
   }
+  if (format == "tsf") {
+    if (asked.query.quantity != SignatureQuantity::kIntensity)
+      return absl::InvalidArgumentError(
+          "--quantity: a target signature file has the intensity at the target: STK puts its own "
+          "air and background to it");
+    const auto rows = QueryRows::open(reader, asked.query, asked.extent_of);
+    if (!rows.ok()) return rows.status();
+    return write_tsf(reader, **rows, path);
+  }
   if (format != "csv")
     return absl::InvalidArgumentError(
-        fmt::format("unknown format \"{}\": expected csv, netcdf or envi", format));
+        fmt::format("unknown format \"{}\": expected csv, netcdf, envi or tsf", format));
   return replace_file(path, [&](const std::string& beside) -> absl::Status {
     std::ofstream file(beside, std::ios::trunc);
     return export_csv(reader, asked, file);

@@ -35,6 +35,8 @@ struct ExportAsked {
 //            What is not there (yet) is NaN.
 //   envi     spectral library of the query's quantity, float32, and beside it its header (.hdr):
 //            one band's wavelengths, a spectrum and its name for each signature
+//   tsf      STK's target signature file: the source spectra of one sweep, season, band and range,
+//            by time and direction
 // NOT_FOUND: nothing matches.
 [[nodiscard]] absl::Status export_file(StoreReader& reader, const ExportAsked& asked,
                                        std::string_view format, const std::string& path);
@@ -50,6 +52,9 @@ struct ExportAsked {
 // The same for an ENVI spectral library. INVALID_ARGUMENT: rows of different wavelengths.
 [[nodiscard]] absl::Status write_envi(StoreReader& reader, QueryRows& rows,
                                       SignatureQuantity quantity, const std::string& path);
+// The same for a target signature file. INVALID_ARGUMENT: rows of more than one sweep, season, band
+// or range, or two of one time and direction.
+[[nodiscard]] absl::Status write_tsf(StoreReader& reader, QueryRows& rows, const std::string& path);
 // Of "ship.sli": "ship.hdr".
 [[nodiscard]] std::string envi_header_of(const std::string& path);
 

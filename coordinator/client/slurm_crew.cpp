@@ -139,17 +139,24 @@ absl::Status SlurmCrew::keep_alive(std::uint64_t jobs_settled) {
   if (!queue.ok()) return absl::OkStatus();  // a controller that is away comes back
   for (const absl::string_view array : absl::StrSplit(*queue, '\n'))
     if (absl::StripAsciiWhitespace(array) == job_) return absl::OkStatus();
-  if (deaths_.too_many(jobs_settled)) {
-    std::ifstream log(folder_ + "/worker-1.log");
-    std::stringstream words;
-    words << log.rdbuf();
-    const std::string text = words.str();
-    return absl::AbortedError(absl::StrCat(
-        "Slurm's workers keep ending without a job done: ",
-        text.empty() ? absl::StrCat("they wrote nothing; do the nodes see ", folder_, "?")
-                     : text.substr(text.size() > 2000 ? text.size() - 2000 : 0)));
-  }
+  std::string words = last_words();
+  if (words.empty()) words = absl::StrCat("they wrote nothing; do the nodes see ", folder_, "?");
+  if (deaths_.too_many(jobs_settled))
+    return absl::AbortedError(
+        absl::StrCat("Slurm's workers keep ending without a job done: ", words));
+  if (plan_.say)
+    plan_.say(
+        absl::StrCat("Slurm's job ", job_,
+                     " has left the queue with work still to do, it is handed in again: ", words));
   return hand_in();
+}
+
+std::string SlurmCrew::last_words() const {
+  std::ifstream log(folder_ + "/worker-1.log");
+  std::stringstream words;
+  words << log.rdbuf();
+  const std::string text = words.str();
+  return text.substr(text.size() > 2000 ? text.size() - 2000 : 0);
 }
 
 void SlurmCrew::stop() {

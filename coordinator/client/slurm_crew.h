@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct SlurmPlan {
   std::string partition, time_limit;  // as sbatch has them; empty: Slurm's own
   std::vector<std::string> options;   // of sbatch, besides
   std::string host;                   // under which nodes reach this machine; empty: its name
+  // Told when workers have vanished from Slurm's queue, and what they wrote last; may be empty.
+  std::function<void(const std::string&)> say{};
 };
 
 // Workers as a job array: Slurm places them, and starts anew those whose node it loses or takes
@@ -36,6 +39,8 @@ class SlurmCrew : public WorkerCrew {
   SlurmCrew() = default;
   [[nodiscard]] absl::Status write_script() const;
   absl::Status hand_in();
+  // The end of what the first worker wrote; empty: nothing.
+  [[nodiscard]] std::string last_words() const;
   // What a program of Slurm's prints; UNAVAILABLE: it failed, with its last words.
   absl::StatusOr<std::string> run(const std::vector<std::string>& arguments, const char* name);
 

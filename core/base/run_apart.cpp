@@ -145,7 +145,7 @@ absl::Status why_it_ended(int status, const ApartLimits& limits) {
     case SIGSYS:
     case SIGTRAP:
       return absl::InvalidArgumentError(
-          absl::StrCat("the import library crashed on it (signal ", signal, "): ", damaged));
+          absl::StrCat("the program that reads it crashed on it (signal ", signal, "): ", damaged));
     default:  // from outside
       return absl::InternalError(absl::StrCat("the importer was killed by signal ", signal));
   }

@@ -145,11 +145,7 @@ class PlyNumbers {
  public:
   PlyNumbers(TextCursor& cursor, std::string_view bytes, const PlyHeader& header)
       : cursor_(cursor), form_(header.form) {
-    if (form_ == PlyHeader::Form::kAscii) return;
-    // What follows the line end_header.
-    const std::size_t at = bytes.find("end_header");
-    const std::size_t end = bytes.find('\n', at);
-    bytes_ = bytes.substr(std::min(bytes.size(), end == std::string_view::npos ? end : end + 1));
+    if (form_ != PlyHeader::Form::kAscii) bytes_ = bytes.substr(header.data_begin);
   }
 
   [[nodiscard]] std::optional<double> next(std::string_view type) {
@@ -194,7 +190,7 @@ absl::StatusOr<FieldRows> read_field_csv(std::string_view text, const std::strin
 absl::StatusOr<FieldRows> read_field_ply(std::string_view bytes, const std::string& file_name) {
   TextCursor cursor(bytes);
   FileErrors errors(file_name);
-  const PlyHeader header = read_ply_header(cursor, errors);
+  const PlyHeader header = read_ply_header(bytes, cursor, errors);
   if (errors.any()) return errors.status();
   const auto wrong = [&](std::string_view what) {
     return absl::InvalidArgumentError(fmt::format("{}: {}", file_name, what));
@@ -224,7 +220,10 @@ absl::StatusOr<FieldRows> read_field_ply(std::string_view bytes, const std::stri
               fmt::format("{} {} of {} has no {}: the file is cut short, or holds no number",
                           element.name, i, element.count, p.name));
         };
-        if (!value || !std::isfinite(*value)) return cut();
+        // Colours and normals that are not finite are of no use here.
+        const bool used = p.is_list || p.name == "x" || p.name == "y" || p.name == "z" ||
+                          p.name == "temperature" || p.name == "error";
+        if (!value || (used && !std::isfinite(*value))) return cut();
         if (p.is_list) {
           corner.clear();
           for (double k = 0; k < *value; ++k) {

@@ -12,12 +12,11 @@ namespace irsig {
 // The program that imports, beside this executable.
 [[nodiscard]] std::string importer_program();
 
-// Runs `program` (irsig-import) on a file of the form "ply", "stl", "gltf" or "glb" and returns the
-// mesh that it found, or INVALID_ARGUMENT with what is wrong with the file: that the program
+// Runs `program` (irsig-import) on a glTF or GLB file and returns the mesh that it found, or INVALID_ARGUMENT with what is wrong with the file: that the program
 // crashed on it or met a limit included. INTERNAL: the program could not be run, or somebody else
 // killed it. May be called from several threads at once.
 [[nodiscard]] absl::StatusOr<FileMesh> import_apart(const std::string& program,
                                                     std::string_view bytes,
-                                                    const std::string& form);
+                                                    const std::string& file_name);
 
 }  // namespace irsig

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -31,10 +32,14 @@ struct FileMesh {
                                                 const std::string& file_name);
 [[nodiscard]] absl::StatusOr<FileMesh> read_ascii_stl(std::string_view text,
                                                       const std::string& file_name);
-// form: "ply", "stl", "gltf" or "glb". Refuses a file whose float32 spacing is too coarse (mesh.h).
-[[nodiscard]] absl::StatusOr<FileMesh> read_float32(std::string_view bytes,
-                                                    const std::string& file_name,
-                                                    const std::string& form);
+[[nodiscard]] absl::StatusOr<FileMesh> read_binary_stl(std::string_view bytes,
+                                                       const std::string& file_name);
+// glTF and GLB, in this process.
+[[nodiscard]] absl::StatusOr<FileMesh> read_gltf(std::string_view bytes,
+                                                 const std::string& file_name);
+// The same in a process of its own, with limits of memory and time (docs/decisions/0021).
+[[nodiscard]] absl::StatusOr<FileMesh> read_gltf_apart(std::string_view bytes,
+                                                       const std::string& file_name);
 
 // Reads three coordinates from the current line or lines; reports what is wrong with them.
 [[nodiscard]] bool coordinate_of(const Token& word, FileErrors& errors, double& out);
@@ -50,6 +55,21 @@ class GroupTable {
  private:
   FileMesh& mesh_;
   std::unordered_map<std::string, std::uint32_t> number_;
+};
+
+// Judges coordinates that a file holds in float32 by the area that their rounding leaves unsure: of
+// a facet, half the spacing of float32 at its farthest coordinate times its longest edge. A sliver
+// in a large model is no loss; a model in Earth-centred metres is.
+class Float32Guard {
+ public:
+  // The corners as the file has them; area_scale: by how much the model enlarges areas.
+  void add(const Vec<FileFrame>& a, const Vec<FileFrame>& b, const Vec<FileFrame>& c,
+           double area_scale = 1);
+  // Returns what is wrong where more than 1 % of the area is unsure, and what to do.
+  [[nodiscard]] std::optional<std::string> problem() const;
+
+ private:
+  double area_ = 0, unsure_area_ = 0, coarsest_ = 0;
 };
 
 // One vertex for each different position; 0 and -0 are the same.

@@ -29,26 +29,32 @@ std::optional<Vec<FileFrame>> axis_of(std::string_view name) {
 
 bool is_ascii_stl(std::string_view bytes) {
   if (!equals_ignoring_case(TextCursor(bytes).word().text, "solid")) return false;
-  if (bytes.size() < 84) return true;
-  // Some programs begin their binary files with "solid" too; their length gives them away.
+  // Some programs begin their binary files with "solid" too. Text has no byte 0, and four letters
+  // as a number of facets are more than 150 million.
   std::uint64_t facets = 0;
-  for (std::size_t i = 4; i-- > 0;)
+  for (std::size_t i = 4; i-- > 0 && bytes.size() >= 84;)
     facets = facets << 8 | static_cast<unsigned char>(bytes[80 + i]);
-  return bytes.size() != 84 + 50 * facets;
+  const bool fits = bytes.size() >= 84 && facets > 0 && bytes.size() >= 84 + 50 * facets;
+  return !fits && bytes.substr(0, 84).find('\0') == bytes.npos;
 }
 
 // The ending says the format, the first bytes whether it is text.
 absl::StatusOr<FileMesh> read_file(std::string_view bytes, const std::string& file_name) {
   if (bytes.empty())
     return absl::InvalidArgumentError(fmt::format("{}: the file is empty", file_name));
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))
+    return absl::InvalidArgumentError(
+        fmt::format("{}: this is text in UTF-16, expected UTF-8: save it as UTF-8", file_name));
+  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
   const std::string_view ending =
       std::string_view(file_name).substr(std::min(file_name.rfind('.'), file_name.size()));
   const auto is = [&](std::string_view form) { return equals_ignoring_case(ending, form); };
   if (is(".obj")) return read_obj(bytes, file_name);
-  if (is(".stl") && is_ascii_stl(bytes)) return read_ascii_stl(bytes, file_name);
+  if (is(".stl"))
+    return is_ascii_stl(bytes) ? read_ascii_stl(bytes, file_name)
+                               : read_binary_stl(bytes, file_name);
   if (is(".ply")) return read_ply(bytes, file_name);
-  for (const char* form : {"stl", "gltf", "glb"})
-    if (is(std::string(".") + form)) return read_float32(bytes, file_name, form);
+  if (is(".gltf") || is(".glb")) return read_gltf_apart(bytes, file_name);
   return absl::InvalidArgumentError(
       fmt::format("{}: what it is cannot be told from its name, expected .obj, .ply, .stl, .gltf "
                   "or .glb",

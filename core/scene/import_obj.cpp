@@ -64,8 +64,8 @@ class ObjReader {
     int count = 0;
     for (Token word = cursor_.word_on_line(); word && word.text[0] != '#';
          word = cursor_.word_on_line()) {
-      double ignored = 0;  // a weight or a colour
-      if (!coordinate_of(word, errors_, count < 3 ? value[count] : ignored)) return;
+      // A weight or a colour behind them may be anything, "nan" and "1.#QNAN" too.
+      if (count < 3 && !coordinate_of(word, errors_, value[count])) return;
       ++count;
     }
     if (count != 3 && count != 4 && count != 6 && count != 7) {
@@ -76,7 +76,7 @@ class ObjReader {
     mesh_.vertex.push_back({value[0], value[1], value[2]});
   }
 
-  // One corner: v, v/vt, v//vn or v/vt/vn.
+  // One corner: v, v/vt, v//vn or v/vt/vn; what follows v may be left empty.
   void read_corner(const Token& word) {
     std::string_view text = word.text;
     std::optional<std::int64_t> index;
@@ -86,7 +86,7 @@ class ObjReader {
       const std::string_view number = text.substr(0, slash);
       const std::optional<std::int64_t> value = integer_of(number);
       if (part == 0) index = value;
-      well_formed = part < 3 && (value || (part == 1 && number.empty() && slash != text.npos));
+      well_formed = part < 3 && (value || (part > 0 && number.empty()));
       if (slash == text.npos) break;
       text.remove_prefix(slash + 1);
     }

@@ -1,6 +1,6 @@
 // PLY: elements and properties in any order; "vertex" needs x, y, z, "face" a list named
-// vertex_indices or vertex_index; or "tristrips" such a list of strips, each ended by -1 (in text
-// alone). Everything else is read over. Text is read here, in double.
+// vertex_indices or vertex_index; or "tristrips" such a list of strips, each ended by -1. Everything
+// else is read over. Text is read here, in double.
 #include <algorithm>
 
 #include "core/scene/import_formats.h"
@@ -139,22 +139,10 @@ class PlyReader {
 absl::StatusOr<FileMesh> read_ply(std::string_view bytes, const std::string& file_name) {
   TextCursor cursor(bytes);
   FileErrors errors(file_name);
-  const PlyHeader header = read_ply_header(cursor, errors);
+  const PlyHeader header = read_ply_header(bytes, cursor, errors);
   if (errors.any()) return errors.status();
-  if (!header.is_binary()) return PlyReader(cursor, file_name).read(header);
-  for (const PlyElement& element : header.element)
-    if (element.name == "tristrips" && element.count > 0)
-      return absl::InvalidArgumentError(fmt::format(
-          "{}: tristrips in a binary PLY file are not read, expected faces, or format ascii",
-          file_name));
-  // What follows is Assimp's to read, which believes any count.
-  double bytes_needed = 0;
-  for (const PlyElement& element : header.element)
-    for (const PlyProperty& property : element.property)
-      bytes_needed += static_cast<double>(element.count) * property.bytes;
-  if (bytes_needed > static_cast<double>(bytes.size()))
-    return absl::InvalidArgumentError(fmt::format("{}: the file is cut short", file_name));
-  return read_float32(bytes, file_name, "ply");
+  if (header.is_binary()) return read_binary_ply(bytes, header, file_name);
+  return PlyReader(cursor, file_name).read(header);
 }
 
 }  // namespace irsig

@@ -1,5 +1,6 @@
 #include "core/scene/import_ply_header.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "fmt/format.h"
@@ -20,7 +21,8 @@ int bytes_of(std::string_view type) {
 
 class HeaderReader {
  public:
-  HeaderReader(TextCursor& cursor, FileErrors& errors) : cursor_(cursor), errors_(errors) {}
+  HeaderReader(std::string_view bytes, TextCursor& cursor, FileErrors& errors)
+      : bytes_(bytes), cursor_(cursor), errors_(errors) {}
 
   PlyHeader read() {
     const Token magic = cursor_.word_on_line();
@@ -29,6 +31,7 @@ class HeaderReader {
       const Token word = cursor_.word_on_line();
       if (word.text == "end_header") {
         check(word);
+        header_.data_begin = behind(word.text);
         return std::move(header_);
       }
       if (word.text == "format") {
@@ -49,6 +52,18 @@ class HeaderReader {
   }
 
  private:
+  // Behind the line's end as the header's first line has it: data may begin with any byte, that of
+  // a line's end too.
+  std::size_t behind(std::string_view end_header) const {
+    std::size_t at = static_cast<std::size_t>(end_header.data() - bytes_.data()) + end_header.size();
+    const std::size_t first = std::min(bytes_.find_first_of("\r\n"), bytes_.size());
+    const std::string_view line_end =
+        bytes_.substr(first, 2) == "\r\n" ? bytes_.substr(first, 2) : bytes_.substr(first, 1);
+    while (at < bytes_.size() && (bytes_[at] == ' ' || bytes_[at] == '\t')) ++at;
+    if (bytes_.substr(at, line_end.size()) == line_end) return at + line_end.size();
+    return std::min(at + 1, bytes_.size());
+  }
+
   void read_format() {
     const Token form = cursor_.word_on_line();
     has_format_ = true;
@@ -116,6 +131,7 @@ class HeaderReader {
     }
   }
 
+  std::string_view bytes_;
   TextCursor& cursor_;
   FileErrors& errors_;
   PlyHeader header_;
@@ -124,8 +140,8 @@ class HeaderReader {
 
 }  // namespace
 
-PlyHeader read_ply_header(TextCursor& cursor, FileErrors& errors) {
-  return HeaderReader(cursor, errors).read();
+PlyHeader read_ply_header(std::string_view bytes, TextCursor& cursor, FileErrors& errors) {
+  return HeaderReader(bytes, cursor, errors).read();
 }
 
 }  // namespace irsig

@@ -12,7 +12,7 @@ namespace irsig {
 // they lie in memory: both ends are of one build and on one machine.
 [[nodiscard]] std::string encode_reply(const absl::StatusOr<FileMesh>& result);
 
-// Trusts nothing: the import library may have damaged the process that wrote this. DATA_LOSS where
+// Trusts nothing that another process writes. DATA_LOSS where
 // it is no complete reply; else the mesh, with finite vertices and indices in range, or
 // INVALID_ARGUMENT with what the other process found wrong with the file.
 [[nodiscard]] absl::StatusOr<FileMesh> decode_reply(std::string_view reply);

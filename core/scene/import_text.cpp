@@ -22,14 +22,14 @@ std::optional<Number> whole(std::string_view word) {
 
 void TextCursor::skip_blanks() {
   while (at_ < text_.size()) {
-    if (is_blank(text_[at_])) {
+    if (is_blank(text_[at_]) && !at_line_end()) {
       ++at_;
       continue;
     }
     if (text_[at_] != '\\') return;
     std::size_t after = at_ + 1;
-    if (after < text_.size() && text_[after] == '\r') ++after;
-    if (after >= text_.size() || text_[after] != '\n') return;
+    if (after + 1 < text_.size() && text_[after] == '\r' && text_[after + 1] == '\n') ++after;
+    if (after >= text_.size() || (text_[after] != '\n' && text_[after] != '\r')) return;
     at_ = after;
     next_line();
   }

@@ -34,7 +34,11 @@ class TextCursor {
 
  private:
   void skip_blanks();
-  bool at_line_end() const { return at_ >= text_.size() || text_[at_] == '\n'; }
+  // A line ends with LF, CR LF or CR alone.
+  bool at_line_end() const {
+    return at_ >= text_.size() || text_[at_] == '\n' ||
+           (text_[at_] == '\r' && (at_ + 1 >= text_.size() || text_[at_ + 1] != '\n'));
+  }
 
   std::string_view text_;
   std::size_t at_ = 0, line_start_ = 0, line_ = 1;

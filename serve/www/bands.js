@@ -8,10 +8,13 @@ export const BAND_FIELDS = ["bands", "detector", "nei_w_m2", "merit", "percentil
 const MERITS = [["mean", "mean SNR"], ["percentile", "SNR that all but a few % exceed"], ["worst", "worst SNR"], ["above", "share above a threshold"]];
 const SIZE = 420, LEFT = 52, TOP = 10, SIDE = 340;
 
+// The detector that was named on the command line is the one that is asked for; "none": constant noise.
+const detectorOf = (state, detectors) => (state.detector !== "" ? state.detector : detectors.length > 0 ? "0" : "none");
+
 // What of the state the server is asked with.
-export function bandParameters(state) {
-  const merit = state.merit || "mean";
-  return { range_m: state.range_m, detector: state.detector, nei_w_m2: state.detector === "" ? state.nei_w_m2 : "", merit, over: state.over,
+export function bandParameters(state, detectors) {
+  const merit = state.merit || "mean", detector = detectorOf(state, detectors);
+  return { range_m: state.range_m, detector: detector === "none" ? "" : detector, nei_w_m2: detector === "none" ? state.nei_w_m2 : "", merit, over: state.over,
     percentile: merit === "percentile" ? state.percentile : "", threshold: merit === "above" ? state.threshold : "" };
 }
 
@@ -28,10 +31,11 @@ export function fillBandForm(form, state, detectors, change) {
     return html("label", {}, label, input);
   };
   const merit = state.merit || "mean";
-  const known = [["", "constant noise"], ...detectors.map((name, k) => [String(k), name])];
+  const detector = detectorOf(state, detectors);
+  const known = [...detectors.map((name, k) => [String(k), name]), ["none", "constant noise"]];
   form.replaceChildren(...[
-    select("Detector", "detector", known, state.detector),
-    state.detector === "" ? number("NEI [W/m²]", "nei_w_m2", "1e-9") : null,
+    select("Detector", "detector", known, detector),
+    detector === "none" ? number("NEI [W/m²]", "nei_w_m2", "1e-9") : null,
     select("Best is", "merit", MERITS, merit),
     merit === "percentile" ? number("all but [%]", "percentile", "10") : null,
     merit === "above" ? number("SNR above", "threshold", "5") : null,

@@ -69,6 +69,12 @@ const REASONS = {
   above_share: "it matters", other_row: "another row of the view needs it", no_goal: "a number of samples was asked for",
   unbounded: "no bound is known", forced: "asked for", not_worth: "leaving it out saves nothing", not_asked: "the sweep asks to leave it out" };
 
+// A bound of what is simulated is in no error, however large it is.
+function bound(effect, value) {
+  const idle = effect.state === "on" && effect.bound_w_sr > Math.abs(value);
+  return html("span", {}, brief(effect.bound_w_sr, 3), idle ? html("small", {}, "a rough bound above the value itself, which does not matter: the effect is simulated") : null);
+}
+
 export function ledger(row) {
   const { effects, energy, parts, temperatures } = row.explained;
   const signature = row.explained.signature[0];
@@ -84,8 +90,9 @@ export function ledger(row) {
     const words = (e) => e.effect.replaceAll("_", " ");
     const absent = effects.filter((e) => e.state === "absent");
     out.push(html("div", { class: "effects" },
-      table("Effects", ["Effect", "State", "Bound in W/sr", "Share in W/sr", "Why"], effects.filter((e) => e.state !== "absent").map((e) => [
-        words(e), html("span", { class: `state ${e.state}` }, e.state), brief(e.bound_w_sr, 3), brief(e.share_w_sr, 4), REASONS[e.reason] ?? e.reason])),
+      table("Effects", ["Effect", "State", "If left out, at most W/sr", "Share in W/sr", "Why"], effects.filter((e) => e.state !== "absent").map((e) => [
+        words(e), html("span", { class: `state ${e.state}` }, e.state), bound(e, signature.intensity_w_sr), brief(e.share_w_sr, 4), REASONS[e.reason] ?? e.reason])),
+      html("p", { class: "hint" }, "What an effect could change at most, had it been left out: what is simulated (on) has no part of this in its error."),
       absent.length > 0 ? html("p", { class: "hint absent" }, `Nothing here causes: ${absent.map(words).join(", ")}.`) : null));
   } else out.push(html("p", { class: "note" }, "No ledger of effects: an older irsig stored this row."));
   if (energy.length > 0)

@@ -9,7 +9,7 @@ import { budget, ledger, progress, values } from "./details.js";
 import { html, offer, Panel, svg } from "./draw.js";
 import { Hemisphere } from "./hemisphere.js";
 import { askMap } from "./map.js";
-import { aspectText, brief, degrees, displayUnit, tickLabels, ticks } from "./numbers.js";
+import { aspectText, brief, degrees, displayUnit, rangeText, tickLabels, ticks } from "./numbers.js";
 import { CAUSES, causesOf, drawSpectrum, legend } from "./spectrum.js";
 import { completeSelection, proposeOther, readAddress, SELECTION, selectionParameters, sweepOf, writeAddress } from "./state.js";
 
@@ -131,7 +131,9 @@ async function refresh() {
 function showMap() {
   const scale = scaleOf(shown.value, { around0: shown.around0, upto: shown.upto });
   panel.map.show();
-  if (shown.reason) panel.map.say(shown.reason);
+  const stored = state.range_m === "" || Number(state.range_m) === Number(state.at_range_m) ? "" :
+    `This map is of the stored range, ${rangeText(state.at_range_m)}: “Seen from” moves the values and the spectrum of the chosen viewpoint.`;
+  if (shown.reason || stored) panel.map.say([shown.reason, stored].filter(Boolean).join(" "));
   panel.map.title(shown.shown_title);
   dome.setData(shown.azimuth, shown.elevation, shown.value, scale);
   dome.choose(chosen);
@@ -249,6 +251,7 @@ function showCut(mine) {
     elevation.value = a.elevation_deg;
     elevation.nextElementSibling.textContent = degrees(a.elevation_deg);
     readouts.cut.textContent = a.interpolated ? `Interpolated between viewpoints, band ±2σ; marks: viewpoints within ${a.near_deg}°.` : "Marks: viewpoints, bars ±2σ.";
+    if (state.range_m !== "") readouts.cut.textContent += ` Of the stored range, ${rangeText(state.at_range_m)}.`;
     panel.cut.show(drawCut(b ? [a, b] : [a], shown.azimuth[chosen], readouts.cut), legend(b ? [["a", "A"], ["b", "B"]] : [["a", a.title]]));
     panel.cut.offer(b ? `${a.command}\n${b.command}` : a.command,
       [["CSV", addressOf("file/cut.csv", { ...asked, elevation_deg: a.elevation_deg })], ["SVG", addressOf("file/cut.svg", { ...asked, elevation_deg: a.elevation_deg })]]);
@@ -262,7 +265,7 @@ function showBands(mine) {
   if (state.bands !== "1") return undefined;
   fillBandForm($("bands-form"), state, contents.detector, change);
   return fill("bands", mine, async () => {
-    const asked = { ...selectionParameters(state), ...bandParameters(state) };
+    const asked = { ...selectionParameters(state), ...bandParameters(state, contents.detector) };
     const answer = await ask("api/bands", asked);
     if (mine !== run) return;
     panel.bands.show(drawBands(answer, panel.bands.readout), html("div", {}, ...bestWindows(answer)));

@@ -361,6 +361,76 @@ class Export(unittest.TestCase):
         for f in (file, dated):
             self.assertIn("no signature matches", irsig("export", self.db, "--out", f, "--max-relative-error", "1e-12", expect=2).stderr)
 
+    def read_tsf(self, path):
+        """STK's target signature file, by its public description: keywords and numbers with blanks or tabs between them, of any case;
+        TIME, RHO and THETA hold for what follows. {(time, rho, theta): {wavelength: W/(sr um)}} and the axes."""
+        axes, now, out = {"RHOAXIS": "RHOFROMX", "THETAAXIS": "THETAFROMZ"}, {"TIME": 0.0, "RHO": None, "THETA": None}, {}
+        for line in path.read_text().splitlines():
+            word, *rest = line.split()
+            if word.upper() in axes:
+                axes[word.upper()] = rest[0].upper()
+            elif word.upper() == "INTENSITY":
+                lambda_um, value = map(float, rest)
+                spectrum = out.setdefault((now["TIME"], now["RHO"], now["THETA"]), {})
+                self.assertNotIn(lambda_um, spectrum)
+                self.assertTrue(not spectrum or lambda_um > max(spectrum))
+                spectrum[lambda_um] = value
+            else:
+                now[word.upper()] = float(rest[0])
+                self.assertTrue(-180 <= (now["THETA"] or 0) <= 180 and 0 <= (now["RHO"] or 0) <= 180)
+        return out, axes
+
+    def test_a_target_signature_file(self):
+        import math
+        sweep = self.path / "ring.toml"
+        text = (ROOT / "jobs/examples/quickstart.toml").read_text().replace('name = "quickstart"', 'name = "ring"')
+        text = re.sub(r"(?ms)^\[viewpoints\].*?(?=^\[)", '[viewpoints]\nkind = "ring"\ncount = 4\nelevation_deg = [5, 90]\nrange_m = 5000\n', text)
+        text = re.sub(r"(?m)^time = .*", 'time = ["10:30+09:00", "10:35+09:00"]', text)
+        sweep.write_text(text)
+        irsig("run", sweep, "--db", self.path / "ring.sigdb", "--relative-error", "0.1")
+        choice = ("--season", "summer", "--band", "lwir")
+        file = self.path / "ring.tsf"
+        said = irsig("export", self.path / "ring.sigdb", *choice, "--out", file).stderr
+        self.assertIn("TIME 0 is 2025-06-21T01:30:00Z", said)
+        self.assertNotIn("no grid", said)
+        found, axes = self.read_tsf(file)
+        self.assertEqual(axes, {"RHOAXIS": "RHOFROMZ", "THETAAXIS": "THETAFROMX"})
+        self.assertEqual({key[0] for key in found}, {0, 300})
+        self.assertEqual({key[1:] for key in found}, {(rho, theta) for rho in (95, 180) for theta in (-180, -90, 0, 90, 180)})
+        rows = table(irsig("query", self.path / "ring.sigdb", *choice, "--spectrum", "--csv").stdout)
+        self.assertEqual(len(rows), 2 * 8 * 81)
+        for row in rows:
+            # The direction as a vector of the body's axes (forward, starboard, down), once from each pair of angles.
+            azimuth, elevation = (math.radians(float(row[f"aspect_{n}_deg"])) for n in ("azimuth", "elevation"))
+            towards = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), -math.sin(elevation))
+            time = 300 if "01:35" in row["time_utc"] else 0
+            theta = (float(row["aspect_azimuth_deg"]) + 180) % 360 - 180  # at the pole each has a row of its own
+            of_row = [key for key in found if key[0] == time and abs((key[2] - theta + 180) % 360 - 180) < 1e-6 and all(abs(a - b) < 1e-6 for a, b in zip(towards, (
+                math.sin(math.radians(key[1])) * math.cos(math.radians(key[2])),
+                math.sin(math.radians(key[1])) * math.sin(math.radians(key[2])), math.cos(math.radians(key[1])))))]
+            self.assertTrue(of_row, row)
+            for key in of_row:
+                value = found[key][float(row["lambda_um"])]
+                self.assertAlmostEqual(value, float(row["spectral_intensity_w_sr_um"]), delta=2e-6 * value)
+        # One direction and time: the file says nothing of either.
+        irsig("export", self.path / "ring.sigdb", "--row", "1", "--out", file)
+        self.assertEqual(set(self.read_tsf(file)[0]), {(0, None, None)})
+        said = irsig("export", self.db, "--sweep", "other", *choice, "--out", file).stderr
+        self.assertIn("no grid of rho and theta", said)
+        for options, text in ((("--season", "summer"), 'one band, but there are "mwir" and "lwir": choose one with --band'),
+                              (("--band", "lwir"), "choose one with --season"),
+                              ((*choice, "--quantity", "contrast_intensity"), "STK puts its own air")):
+            self.assertIn(text, irsig("export", self.path / "ring.sigdb", *options, "--out", self.path / "n.tsf", expect=2).stderr)
+        self.assertFalse((self.path / "n.tsf").exists())
+
+    def test_an_unknown_ending_is_an_error(self):
+        for ending in (".h5", ".xyz", ".TSV", ".dat"):
+            said = irsig("export", self.db, "--out", self.path / f"x{ending}", expect=2).stderr
+            self.assertIn("no format is known by this ending, expected a name that ends in .csv, .nc, .sli, .tsf, or --format", said)
+            self.assertFalse((self.path / f"x{ending}").exists())
+        irsig("export", self.db, "--out", self.path / "x.dat", "--format", "csv")
+        self.assertIn("intensity_w_sr", (self.path / "x.dat").read_text())
+
     def test_bad_input(self):
         before = sorted(os.listdir(self.path))
         for options, text in ((("--thumbnail-scale", "3"), "expected common, own, or BLACK,WHITE"),
@@ -376,4 +446,4 @@ class Export(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:], verbosity=2)

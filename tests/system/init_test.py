@@ -2,7 +2,7 @@
 
 usage: init_test.py <irsig>
 """
-import pathlib, sqlite3, subprocess, sys, tempfile, unittest
+import json, math, pathlib, re, sqlite3, struct, subprocess, sys, tempfile, unittest
 
 IRSIG = pathlib.Path(sys.argv[1]).resolve()
 LENGTH, BEAM, DEPTH = 150, 18, 12
@@ -93,13 +93,67 @@ class Init(unittest.TestCase):
         (self.path / "rest.toml").write_text(rest)
         self.irsig("plan", "rest.toml")
 
+    def glb(self, name, text):
+        """A box 4.8 m along x, 2.6 m along y and 2.8 m along z, on y = 0, in the glTF container."""
+        corners = [(x, y, z) for x in (-2.4, 2.4) for y in (0, 2.6) for z in (-1.4, 1.4)]
+        quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        buffer = b"".join(struct.pack("<3f", *c) for c in corners)
+        buffer += b"".join(struct.pack("<6H", a, b, c, a, c, d) for a, b, c, d in quads)
+        text = text.encode().replace(b" ", b"")
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I", len(text)) + b"JSON" + text + struct.pack("<I", len(buffer)) + b"BIN\0" + buffer
+        (self.path / name).write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks)
+
+    def test_what_a_format_states_is_the_default(self):
+        self.glb("van.glb", """{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0, "name": "van"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+            "buffers": [{"byteLength": 168}],
+            "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}]}""")
+        self.irsig("init", "--model", "van.glb", "--surroundings", "ground")
+        text = (self.path / "van.toml").read_text()
+        self.assertIn('forward_axis = "+z"          # the file\'s axis that points to the bow: from the glTF 2.0', text)
+        self.assertIn('up_axis = "+y"', text)
+        # A sweep file may leave to the format what the format states.
+        for key in ("unit_m", "forward_axis", "up_axis"):
+            text = re.sub(rf"(?m)^{key} = .*\n", "", text, count=1)
+        checked = json.loads(self.irsig("model", "check", "van.glb", "--json"))
+        self.assertEqual((checked["frame"]["unit_m"], checked["frame"]["forward_axis"], checked["frame"]["up_axis"]), (1, "+z", "+y"))
+        self.assertEqual(checked["frame"]["up_from"], "from the glTF 2.0 standard")
+        # Seen from the bow at 5 degrees: its side of 4.8 x 2.6 m and its roof.
+        rise = math.radians(5)
+        area = 4.8 * 2.6 * math.cos(rise) + 4.8 * 2.8 * math.sin(rise)
+        text = text.replace("elevation_deg = [5, 30]", "elevation_deg = [5]").replace("count = 12", "count = 2")
+        (self.path / "bow.toml").write_text(text)
+        self.irsig("run", "bow.toml", "--db", "bow.sigdb")
+        db = sqlite3.connect(self.path / "bow.sigdb")
+        rows = db.execute("SELECT projected_area_m2, intensity_w_sr FROM signature_view WHERE band = 'lwir' "
+                          "AND aspect_azimuth_deg = 0").fetchall()
+        db.close()
+        self.assertAlmostEqual(rows[0][0] / area, 1, delta=0.002)  # from 1 km its near faces are larger
+
+    def test_a_file_that_run_refuses_is_not_written(self):
+        box = hull(1).replace("o starboard", "o Cabin").replace("o port", "g Wheel\nusemtl Cabin")
+        (self.path / "named.obj").write_text(box)
+        self.irsig("init", "--model", "named.obj")  # "Cabin" names all three groups
+        text = (self.path / "named.toml").read_text()
+        self.assertEqual((text.count("[[part]]"), text.count("rest = true")), (3, 1))
+        (self.path / "odd.obj").write_bytes(hull(1).encode().replace(b"o port", b"o a*b\tc\xff").replace(b"o starboard", b"o =1+1"))
+        self.irsig("init", "--model", "odd.obj")
+        # A place that no sweep file may have.
+        said = self.irsig("init", "--model", "odd.obj", "--place", "95,10", "--out", "pole.toml", exit_code=2)
+        self.assertIn("pole.toml is not written, since `irsig run` would refuse it", said)
+        self.assertFalse((self.path / "pole.toml").exists())
+
     def test_what_is_odd_about_a_model_is_said(self):
         text = self.irsig("init", "--model", "ship.obj", "--out", "-")
         for change, said in (
                 (("unit_m = 1 ", "unit_m = 1000 "), "is unit_m = 1000 right?"),
                 (("unit_m = 1 ", "unit_m = 0.0001 "), "is unit_m = 0.0001 right?"),
                 (('forward_axis = "+x"', 'forward_axis = "+y"'), "is it turned? forward_axis"),
-                (('forward_axis = "+x"          # the file\'s axis that points to the bow\nup_axis = "+z"',
+                (('forward_axis = "+x"          # the file\'s axis that points to the bow: assumed\nup_axis = "+z"',
                   'forward_axis = "+z"\nup_axis = "+x"'), "does it stand on end? up_axis"),
                 (("# draft_m = 5 ", "draft_m = 11.5 "), "% of the model's area lie below the waterline"),
                 (("# draft_m = 5 ", "# "), "stands on the sea"),
@@ -146,4 +200,4 @@ class Init(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])

@@ -44,7 +44,7 @@ class PageChoices(PageCase):
     def test_plots_are_read_out_by_keyboard_and_by_touch(self):
         """Of spectrum, cut and windows: each arrow says the next value, each tap the value below it."""
         for name, page in self.each():
-            self.open(page, season="summer", band="lwir", bands=1)
+            self.open(page, season="summer", band="lwir", bands=1, detector="none")
             row = self.row_of(page)
             spectrum = rows(self.db, "--row", row["row"], "--spectrum")
             for plot in ("spectrum", "cut", "bands"):
@@ -142,6 +142,11 @@ class PageChoices(PageCase):
             page.screenshot(SHOTS / f"comparison-{name}.png")
             page.choose("[name=show]", "b")
             self.assertEqual(page.text("#map-title"), "In-band intensity of B")
+            page.choose("[name=b_band]", "mwir")
+            self.assertIn("lwir (8 to 12 um) and mwir (3 to 5 um) are bands of different limits", page.text("#map > .words"))
+            self.assertEqual([e for e in page.errors if "409" not in e], [])
+            page.errors.clear()
+            page.choose("[name=b_band]", "lwir")
             self.assertEqual(page.errors, [])
 
     def test_a_database_without_a_sweep(self):
@@ -235,4 +240,4 @@ class PageChoices(PageCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

@@ -94,7 +94,10 @@ class PageTest(PageCase):
             self.assertNotEqual(state["time"], before)
             self.assertEqual(page.run("document.querySelector('[name=time]').value"), state["time"])
             self.check_values(page, self.row_of(page))
+            self.assertFalse(page.run("document.querySelector('#map > .words').innerText.includes('stored range')"))
             page.choose("[name=range_m]", "12000")
+            self.assertIn("This map is of the stored range", page.text("#map > .words"))
+            self.assertIn("Of the stored range", page.text("#cut > .readout"))
             page.settle()
             row = self.row_of(page, "--range-m", 12000)
             self.assertEqual(row["range_m"], 12000)
@@ -170,6 +173,14 @@ class PageTest(PageCase):
             effects = page.run("[...document.querySelectorAll('#ledger table')].find(t => t.caption.textContent === 'Effects').tBodies[0].rows.length")
             absent = [e["effect"].replace("_", " ") for e in explained["effects"] if e["state"] == "absent"]
             self.assertEqual(effects + len(absent), len(explained["effects"]))
+            idle = [e for e in explained["effects"] if e["state"] == "on" and (e["bound_w_sr"] or 0) > abs(row["intensity_w_sr"])]
+            marked = page.run("[...document.querySelectorAll('#ledger .effects td small')].filter(s => s.textContent.includes('does not matter')).length")
+            self.assertEqual(marked, len(idle))
+            self.assertGreater(marked, 0)
+            # At 390 px no effect is cut off: every cell lies within the table's box.
+            self.assertTrue(page.run("(() => { const box = document.querySelector('#ledger .effects .scroll').getBoundingClientRect();"
+                                     "return [...document.querySelectorAll('#ledger .effects td, #ledger .effects tbody th')].every(c => {"
+                                     "const r = c.getBoundingClientRect(); return r.left >= box.left - 1 && r.right <= box.right + 1; }); })()"))
             self.assertEqual(page.text("#ledger .absent"), f"Nothing here causes: {', '.join(absent)}.")
             self.open(page, quantity="background_radiance")
             self.assertIn("no bounds are stored", page.text("#budget .words"))
@@ -193,6 +204,10 @@ class PageTest(PageCase):
             self.open(page, season="summer", band="lwir")
             self.assertTrue(page.run("document.getElementById('bands-form').hidden"))
             page.run("document.getElementById('bands-open').click()")
+            page.settle()
+            self.assertEqual(page.run("document.querySelector('[name=detector]').value"), "0")  # the one that was named
+            self.assertIn("outside the stored band", page.text("#bands > .words"))
+            page.choose("[name=detector]", "none")
             page.settle()
             self.assertEqual(self.state(page)["bands"], "1")
 
@@ -378,4 +393,4 @@ class PageTest(PageCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

@@ -72,6 +72,43 @@ class Python(unittest.TestCase):
                 self.assertEqual(list(spectrum.lambda_um.values), list(spectra[i][0]))
                 self.assertEqual(list(spectrum.values), list(spectra[i][1]))
 
+    def test_a_cube_has_what_netcdf_has(self):
+        exported = self.path / "whole.nc"
+        run("export", self.file, "--out", exported)
+        import numpy
+        import xarray
+        with irsig.open(self.file) as db, xarray.open_dataset(exported) as theirs:
+            cube = db.query().to_xarray()
+            self.assertEqual(list(cube.viewpoint.values), list(range(24)))
+            self.assertEqual(set(cube.part.values), set(theirs.part.values))
+            order = [int(numpy.flatnonzero(numpy.isclose(theirs.aspect_azimuth_deg.values, azimuth))[0])
+                     for azimuth in cube.aspect_azimuth_deg.values]
+            same = theirs.isel(viewpoint=order)
+            names = [name for name in theirs.data_vars if "bin" in theirs[name].dims and "viewpoint" in theirs[name].dims]
+            self.assertIn("apparent_spectral_intensity_w_sr_um", names)
+            for name in [*names, "part_intensity_w_sr", "part_intensity_stderr_w_sr"]:
+                axes = [d for d in ("season", "time_of_day", "band", "viewpoint", "part", "mode", "bin") if d in cube[name].dims]
+                ours, other = cube[name].transpose(*axes), same[name].transpose(*axes)
+                other = other.sel(season=ours.season.values, band=ours.band.values)
+                if "part" in axes:
+                    other = other.sel(part=ours.part.values)
+                numpy.testing.assert_allclose(ours.values, other.values, rtol=1e-6, atol=1e-12, err_msg=name)
+
+    def test_the_words_of_the_command_line_choose_rows(self):
+        import datetime
+        import numpy
+        with irsig.open(self.file) as db:
+            for time in ("2025-06-21T10:30:00+09:00", "2025-06-21T01:30:00Z", numpy.datetime64("2025-06-21T01:30"),
+                         datetime.datetime(2025, 6, 21, 1, 30), [datetime.datetime(2025, 6, 21, 1, 30, tzinfo=datetime.timezone.utc)]):
+                self.assertEqual(set(db.query(time=time)["season"]), {"summer"})
+            for options, words in (({"nearest": 3}, ("--nearest", "3")), ({"within": 40}, ("--within", "40"))):
+                ours = db.query(aspect=(90, 10), band="mwir", **options)
+                theirs = self.table("--aspect", "90,10", "--band", "mwir", *words)
+                self.assertEqual(sorted(ours["row"]), sorted(float(row["row"]) for row in theirs))
+            self.assertEqual(list(db.query(row=7)["row"]), [7])
+            stored = float(db.query()["range_m"][0])
+            self.assertEqual(len(db.query(at_range_m=stored)), len(db.query(range_m=[stored])))
+
     def test_a_cube_of_one_season_is_chosen_by_date(self):
         exported = self.path / "summer.nc"
         run("export", self.file, "--season", "summer", "--out", exported)
@@ -147,9 +184,15 @@ class Python(unittest.TestCase):
                     (lambda: db.query(aspect=(90, float("inf"))), "aspect: .90, inf."),
                     (lambda: db.query(aspect=(400, 0)), "aspect: .400, 0."),
                     (lambda: db.query(aspect=90), "aspect: 90, expected two numbers"),
+                    (lambda: db.query(time="noon"), "time: 'noon', expected RFC 3339"),
+                    (lambda: db.query(time="2025-06-22T01:30Z"), 'time_utc: there is no "2025-06-22T01:30:00Z", expected 20'),
+                    (lambda: db.query(range_m=7), "range_m: there is no 7, expected .*; `irsig export --range-m 7`"),
+                    (lambda: db.query(within=7), "expected aspect="),
+                    (lambda: db.query(aspect=(0, -89), within=0.01), "no viewpoint lies within 0.01 degrees"),
+                    (lambda: db.query(aspect=(0, 9), nearest=0), "nearest: 0, expected"),
                     (lambda: db.query(aspect=("north", 3)), "expected two numbers"),
                     (lambda: db.query(season="autumn"), 'there is no "autumn", expected spring'),
-                    (lambda: db.query(range_m=1), "nothing is stored for this"),
+                    (lambda: db.query(range_m=1), "range_m: there is no 1, expected 5000"),
                     (lambda: db.query()["intensity"], 'there is no quantity "intensity"'),
                     (lambda: db.query().spectra("intensity_w_sr"), "there is no spectrum")):
                 with self.assertRaisesRegex(irsig.Error, expected):

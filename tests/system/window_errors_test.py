@@ -280,7 +280,7 @@ class WindowErrors(unittest.TestCase):
                 (("--window", "9"), "", "--window"),
                 (("--window", "9,10", "--spectrum"), "", "excludes"),
                 (("--window", "9,10", "--band", "lwir", "--aspect", "45,10", "--interpolate"), "", "interpolated row"),
-                (("--response", bad), "wavelength_um,response\n9,1\n8,1\n", "bad.csv:3:1: wavelength 8 is not above"),
+                (("--response", bad), "lambda_um,response\n9,1\n8,1\n", "bad.csv:3:1: wavelength 8 is not above"),
                 (("--response", bad), "wavelength_um,response\n9,-1\n10,1\n", "bad.csv:2:3: response = -1, expected 0 or more"),
                 (("--response", bad), "wavelength_um,qe\n9,1\n10,1\n", "bad.csv:1:1: the columns are not those of a response"),
                 (("--response", bad), "wavelength_um,response\n9,0\n10,0\n", "bad.csv:2:1: response is 0 everywhere"),

@@ -496,6 +496,26 @@ TEST(JobRunner, ProposesTwoSidesForSheets) {
   EXPECT_EQ(warnings(kPlates).size(), 0U) << "whoever states a share knows";
 }
 
+// 8 mm of steel, with the number of millimetres where metres are asked for.
+TEST(JobRunner, WarnsOfLayersOfMetresOfMetal) {
+  schema::ResolvedSweep sweep = plates();
+  sweep.mutable_sweep()->mutable_model()->set_accepted_backface_share(0.2);
+  schema::Layer& layer = *sweep.mutable_sweep()->add_build_up()->add_layer();
+  const auto warnings = [&](double thickness_m, double conductivity_w_m_k, double density_kg_m3) {
+    layer.set_thickness_m(thickness_m);
+    layer.set_conductivity_w_m_k(conductivity_w_m_k);
+    layer.set_density_kg_m3(density_kg_m3);
+    return JobRunner::create(sweep, model_alone(sweep, kPlates), {}).value()->warnings();
+  };
+  const std::vector<Problem> steel = warnings(8, 50, 7800);
+  ASSERT_EQ(steel.size(), 1U);
+  EXPECT_EQ(steel[0].key, "build_up[0].layer[0].thickness_m");
+  EXPECT_THAT(steel[0].text, HasSubstr("a layer of metal of 8 m: is it in millimetres? 8 mm are"));
+  EXPECT_EQ(warnings(0.3, 50, 7800).size(), 0U);
+  EXPECT_EQ(warnings(2, 1.6, 2300).size(), 0U);   // concrete
+  EXPECT_EQ(warnings(50, 1.6, 2300).size(), 1U);
+}
+
 // An error above the relative one and not above the floor is a reason of its own to stop.
 TEST(JobRunner, SaysThatTheFloorWasReached) {
   schema::ResolvedSweep sweep = soot(1e-6);

@@ -113,21 +113,22 @@ TEST(MeshOffset, OthersMoveByTheRoundingOfTheOffset) {
             4e-9);
 }
 
-// Forms stored in float are refused where their spacing exceeds a hundredth of the shortest edge.
-TEST(MeshOffset, FloatFormsAreRefusedWhenTheyCannotResolveTheSmallestFacet) {
+// Forms stored in float are refused where their rounding leaves more than 1 % of the area unsure: for
+// two facets of edges a and b and a spacing d, d (1.41 a + 1.41 b) / (a^2 + b^2).
+TEST(MeshOffset, FloatFormsAreRefusedWhereTheirAreaIsUnsure) {
   const auto facets = [](float offset, float edge) {
-    return std::vector<Corners>{{{{offset, 0, 0}, {offset + 100, 0, 0}, {offset, 100, 0}}},
+    return std::vector<Corners>{{{{offset, 0, 0}, {offset + 1, 0, 0}, {offset, 1, 0}}},
                                 {{{offset, 0, 1}, {offset + edge, 0, 1}, {offset, edge, 1}}}};
   };
-  // Spacing at 1e5 is 2^-7 m: edges of 0.79 m pass, of 0.75 m do not.
+  // The spacing at 5e4 is 2^-8 m: edges of 0.25 m leave 0.65 %, at 1e5 1.3 %.
   for (const auto& write : {+[](const std::vector<Corners>& c) { return binary_stl(c); },
                             +[](const std::vector<Corners>& c) { return binary_ply(c); }}) {
     const bool stl = write({}).substr(0, 3) != "ply";
     MeshImport how;
     how.file_name = stl ? "a.stl" : "a.ply";
     how.reference = "bbox_center";
-    EXPECT_TRUE(import_mesh(write(facets(1e5f, 0.8125f)), how).ok());
-    const absl::Status refused = import_mesh(write(facets(1e5f, 0.75f)), how).status();
+    EXPECT_TRUE(import_mesh(write(facets(5e4f, 0.25f)), how).ok());
+    const absl::Status refused = import_mesh(write(facets(1e5f, 0.25f)), how).status();
     EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(refused.message()), HasSubstr("float32 coordinates"));
     EXPECT_TRUE(import_mesh(write(facets(0, 0.001f)), how).ok());

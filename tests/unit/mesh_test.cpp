@@ -64,6 +64,19 @@ TEST(ObjImport, AnEarlierFaceMayNameALaterVertex) {
 }
 
 // Single precision has no areas for the one and no digits between the corners of the other.
+// As other programs write them.
+TEST(ObjImport, EmptyPartsOfCornersColoursAndLineEnds) {
+  const auto area = [](const std::string& text) { return measure(read("a.obj", text)).area_m2; };
+  const std::string v = "v 0 0 0\nv 2 0 0\nv 0 2 0\n";
+  EXPECT_DOUBLE_EQ(area(v + "f 1// 2// 3//\n"), 2);
+  EXPECT_DOUBLE_EQ(area(v + "f 1/1/ 2/2/ 3/\n"), 2);
+  EXPECT_DOUBLE_EQ(area("v 0 0 0 nan nan nan\nv 2 0 0 1 -nan(ind) 0\nv 0 2 0 1.#QNAN 0 0\nf 1 2 3\n"),
+                   2);
+  EXPECT_DOUBLE_EQ(area("\xef\xbb\xbf# made elsewhere\rv 0 0 0\rv 2 0 0\rv 0 2 0\rf 1 2 3\r"), 2);
+  EXPECT_DOUBLE_EQ(area("v 0 0 0\r\nv 2 0 0\r\nv 0 2 0\r\nf 1 2 \\\r\n 3\r\n"), 2);
+  EXPECT_THAT(refusal("a.obj", std::string("\xff\xfev\0", 4)), HasSubstr("UTF-16"));
+}
+
 TEST(ObjImport, SizesThatNoModelHasAreRefused) {
   const auto triangle = [](const char* size) {
     return std::string("v 0 0 0\nv ") + size + " 0 0\nv 0 " + size + " 0\nf 1 2 3\n";
@@ -93,7 +106,7 @@ TEST(ObjImport, ErrorsSayWhere) {
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 0\n"), HasSubstr("a.obj:2:7: vertex 0 does not"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 5\n"), HasSubstr("a.obj:2:7: vertex 5 does not"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 1/2/3/4\n"), HasSubstr("a.obj:2:7: \"1/2/3/4\""));
-  EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 1/\n"), HasSubstr("a.obj:2:7: \"1/\""));
+  EXPECT_THAT(refusal("a.obj", "v 0 0 0\nf 1 1 1/x\n"), HasSubstr("a.obj:2:7: \"1/x\""));
   EXPECT_THAT(refusal("a.obj", "surf 0 1\n"), HasSubstr("a.obj:1:1: \"surf\" is not understood"));
   EXPECT_THAT(refusal("a.obj", "v 0 0 0\n"), HasSubstr("a.obj: the mesh is empty"));
   EXPECT_THAT(refusal("a.obj", ""), HasSubstr("a.obj: the file is empty"));
@@ -200,8 +213,76 @@ TEST(PlyImport, StripsOfTriangles) {
               HasSubstr("a.ply:19:7: expected the number"));
   std::string binary = text;
   binary.replace(binary.find("ascii"), 5, "binary_little_endian");
-  EXPECT_THAT(refusal("a.ply", binary + std::string(200, '\0')),
-              HasSubstr("tristrips in a binary PLY file are not read"));
+  binary.resize(binary.find("end_header") + 11);
+  for (const float x : {0.F, 1.F, 2.F})
+    for (const float y : {0.F, 1.F})
+      for (const float value : {x, y, 0.F}) append_bytes(value, binary);
+  binary.replace(binary.find("vertex 9"), 8, "vertex 6");
+  for (const std::int32_t index : {7, 1, 0, 3, 2, -1, 2, 3}) append_bytes(index, binary);
+  EXPECT_EQ(measure(read("a.ply", binary)).area_m2, 1);
+}
+
+// Text and both byte orders give one mesh, seams and all: temperatures go by a vertex's number. The
+// data begin with any byte, and the header's lines end as its first one does.
+TEST(PlyImport, NumberingDoesNotDependOnTheEncoding) {
+  const std::vector<double> xyz = {1.5, 0, 0, 0, 2, 0, 0, 0, 1, 1.5, 0, 0, 0, 2, 0, 3, 3, 3};
+  const auto header = [](const char* format, const std::string& end) {
+    std::string out;
+    for (const char* line :
+         {"ply", "", "comment end_header", "element vertex 6", "property double x",
+          "property double y", "property double z", "property float temperature", "element face 2",
+          "property list uchar uint vertex_index", "end_header"})
+      out += (line[0] == '\0' ? std::string("format ") + format + " 1.0" : line) + end;
+    return out;
+  };
+  std::string text = header("ascii", "\n");
+  for (std::size_t i = 0; i < 6; ++i)
+    text += std::to_string(xyz[3 * i]) + " " + std::to_string(xyz[3 * i + 1]) + " " +
+            std::to_string(xyz[3 * i + 2]) + " nan\n";
+  const Mesh expected = read("a.ply", text + "3 0 1 2\n3 3 4 5\n");
+  ASSERT_EQ(expected.vertex.size(), 6U);
+  for (const bool big : {false, true})
+    for (const char* end : {"\n", "\r\n", "\r"}) {
+      std::string bytes = header(big ? "binary_big_endian" : "binary_little_endian", end);
+      const auto put = [&](auto value) {
+        std::string one;
+        append_bytes(value, one);
+        if (big) std::reverse(one.begin(), one.end());
+        bytes += one;
+      };
+      for (std::size_t i = 0; i < 6; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) put(xyz[3 * i + j]);
+        put(std::nanf(""));
+      }
+      for (const std::uint32_t first : {0U, 3U}) {
+        bytes += '\3';
+        for (std::uint32_t j = 0; j < 3; ++j) put(first + j);
+      }
+      const Mesh mesh = read("a.ply", bytes);
+      EXPECT_EQ(mesh.vertex, expected.vertex) << big << end;
+      EXPECT_EQ(mesh.triangle, expected.triangle);
+      EXPECT_THAT(refusal("a.ply", bytes.substr(0, bytes.size() - 1)),
+                  HasSubstr("a.ply: face 1 (counted from 0) has 3 items, which end behind"));
+      bytes[bytes.size() - (big ? 1 : 4)] = 9;
+      EXPECT_THAT(refusal("a.ply", bytes), HasSubstr("a.ply: face 1 uses vertex 9, and the file has 6"));
+    }
+}
+
+TEST(PlyImport, DataMayBeginWithALineEnd) {
+  const std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar r\nproperty float x\n"
+      "property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "end_header\n";
+  for (const char first : {'\n', '\r', ' ', 'A'}) {
+    std::string bytes = text;
+    for (const Corners::value_type& corner : Corners{{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}}) {
+      bytes += first;
+      for (const float value : corner) append_bytes(value, bytes);
+    }
+    bytes += '\3';
+    for (const std::int32_t i : {0, 1, 2}) append_bytes(i, bytes);
+    EXPECT_DOUBLE_EQ(measure(read("a.ply", bytes)).area_m2, 2) << static_cast<int>(first);
+  }
 }
 
 TEST(PlyImport, ErrorsSayWhere) {
@@ -355,16 +436,40 @@ TEST(Float32Import, BinaryFormsGiveTheSameClosedMesh) {
                                           {"a.ply", binary_ply(kTetrahedron)},
                                           {"a.glb", glb(kTetrahedron)}}) {
     const Mesh mesh = read(name, bytes);
-    EXPECT_EQ(mesh.vertex.size(), 4u) << name;
-    EXPECT_EQ(measure(mesh).open_edges, 0u) << name;
+    EXPECT_EQ(mesh.vertex.size(), name == "a.ply" ? 12u : 4u) << name;  // PLY keeps its numbers
+    EXPECT_EQ(measure(mesh).open_edges, name == "a.ply" ? 12u : 0u) << name;
     EXPECT_DOUBLE_EQ(measure(mesh).volume_m3, 4) << name;
   }
   EXPECT_THAT(read("a.stl", binary_stl(kTetrahedron)).group, ElementsAre("default"));
   EXPECT_THAT(read("a.glb", glb(kTetrahedron)).group, ElementsAre("ship/steel"));
 }
 
+// Bytes behind the last facet are not read, unless they are facets that the count leaves out.
+TEST(Float32Import, BinaryStlWithBytesBehind) {
+  const std::string stl = binary_stl(kTetrahedron, "solid but binary");
+  for (const std::string& behind : {std::string("\n"), std::string("made by hand, with a long note"),
+                                    std::string(50, '\0'), std::string(120, 'x')})
+    EXPECT_EQ(read("a.stl", stl + behind).triangle.size(), 4u) << behind.size();
+  EXPECT_THAT(refusal("a.stl", stl + stl.substr(84, 50)),
+              HasSubstr("the header counts 4 facets, and 5 are there"));
+}
+
+// A sliver in a large model costs no area: 0.2 mm where float32 is 8 um apart.
+TEST(Float32Import, JudgesByTheAreaAtStake) {
+  std::vector<Corners> facets;
+  for (const Corners& facet : kTetrahedron) {
+    Corners large = facet;
+    for (auto& corner : large)
+      for (float& value : corner) value *= 30;
+    facets.push_back(large);
+  }
+  facets.push_back({{{60, 0, 0}, {60.0002F, 0, 0}, {60, 50, 0}}});
+  EXPECT_EQ(read("a.stl", binary_stl(facets)).triangle.size(), 5u);
+  EXPECT_THAT(refusal("a.stl", binary_stl({facets.back()})), HasSubstr("of the model's area unsure"));
+}
+
 TEST(Float32Import, RefusesWhatFloatCannotResolve) {
-  // Shortest edge 2 m: spacing may be 0.02 m, which float32 has up to 2^17 m = 131 km.
+  // Facets of a few m2: at 100 km float32 is 8 mm apart, 6400 km away half a metre.
   EXPECT_EQ(read("a.stl", binary_stl(moved(kTetrahedron, 1e5f)), {"", 1, "+x", "+z", "bbox_center"})
                 .triangle.size(),
             4u);
@@ -379,9 +484,9 @@ TEST(Float32Import, RefusesWhatFloatCannotResolve) {
 
 TEST(Float32Import, RefusesWhatIsBroken) {
   const std::string stl = binary_stl(kTetrahedron);
-  EXPECT_THAT(refusal("a.stl", stl.substr(0, stl.size() - 1)), HasSubstr("no complete stl"));
-  EXPECT_THAT(refusal("a.glb", "solid\n"), HasSubstr("no complete glb"));
-  EXPECT_THAT(refusal("a.gltf", "[]"), HasSubstr("no complete gltf"));
+  EXPECT_THAT(refusal("a.stl", stl.substr(0, stl.size() - 1)), HasSubstr("no complete binary STL"));
+  EXPECT_THAT(refusal("a.glb", "solid\n"), HasSubstr("this is no glTF"));
+  EXPECT_THAT(refusal("a.gltf", "[]"), HasSubstr("this is no glTF"));
   EXPECT_THAT(refusal("a.fbx", stl), HasSubstr("expected .obj, .ply"));
   EXPECT_THAT(refusal("frigate", stl), HasSubstr("expected .obj, .ply"));
   std::vector<Corners> nan = kTetrahedron;

@@ -183,6 +183,62 @@ TEST(SpectrumFile, ReadsWhatItsHeaderSays) {
   ASSERT_TRUE(micro.ok()) << micro.status();
 }
 
+// As the ECOSTRESS library writes its files: falling wavelengths, per cent, noise beyond the scale.
+const std::string kEcostress =
+    "Name: Aluminum Metal\r\nType: manmade\r\nSample No.: 0598UUUALM\r\n"
+    "Measurement: Directional (10 Degree) Hemispherical Reflectance\r\n"
+    "First Column: X\r\nSecond Column: Y\r\nX Units: Wavelength (micrometers)\r\n"
+    "Y Units: Reflectance (percent)\r\nNumber of X Values: 4\r\n"
+    "Additional Information: none\r\n\r\n"
+    "12.000\t100.4\r\n10.000\t90.0\r\n10.000\t92.0\r\n8.000\t60.0\r\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(SpectrumFile, ReadsLibrariesByTheirHeaders) {
+  const auto same = [](const absl::StatusOr<Spectrum>& read,
+                       const std::vector<std::pair<double, double>>& expected) {
+    ASSERT_TRUE(read.ok()) << read.status();
+    ASSERT_EQ(read->size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_NEAR((*read)[i].lambda_um, expected[i].first, 1e-12);
+      EXPECT_NEAR((*read)[i].value, expected[i].second, 1e-12);
+    }
+  };
+  same(read_spectrum(kEcostress, "a.txt", "reflectance"), {{8, 0.6}, {10, 0.91}, {12, 1}});
+  same(read_spectrum(kEcostress, "a.txt", "emissivity"), {{8, 0.4}, {10, 0.09}, {12, 0}});
+  const std::string wave_number = replaced(
+      replaced(kEcostress, "Wavelength (micrometers)", "Wave number (cm-1)"), "12.000", "500.0");
+  same(read_spectrum(wave_number, "a.txt", "reflectance"), {{20, 1}, {1000, 0.91}, {1250, 0.6}});
+  const std::string usgs =
+      "USGS Digital Spectral Library splib06a\nline 17 to end:  3-columns of data:\n"
+      "------------------------------------\nPaint_Grey   W1R1Ba AREF\ncopy of splib05a r 1\n"
+      "       0.205   0.034   0.000\n       0.250  -1.23e34   0.000\n       0.300   0.044   0.001\n";
+  same(read_spectrum(usgs, "u.asc", "reflectance"), {{0.205, 0.034}, {0.3, 0.044}});
+  EXPECT_THAT(error_of(read_spectrum(usgs, "u.asc", "emissivity")),
+              HasSubstr("u.asc:1:1: this file has the reflectance of a sample, and does not say"));
+  EXPECT_THAT(error_of(read_spectrum(replaced(kEcostress, "Hemispherical", "Specular"), "a.txt",
+                                     "emissivity")),
+              HasSubstr("expected its emissivity"));
+  EXPECT_THAT(error_of(read_spectrum(replaced(kEcostress, "60.0", "160.0"), "a.txt", "reflectance")),
+              HasSubstr("a.txt:15:7: 160, expected a number from 0 to 100"));
+  EXPECT_THAT(error_of(read_spectrum(replaced(kEcostress, "10.000", "13.000"), "a.txt", "reflectance")),
+              HasSubstr("expected wavelengths that rise or fall"));
+  EXPECT_THAT(error_of(read_spectrum(replaced(kEcostress, "micrometers", "furlongs"), "a.txt",
+                                     "reflectance")),
+              HasSubstr("a.txt:7:1: X Units: wavelength (furlongs), expected"));
+}
+
+TEST(SpectrumFile, SaysWhichColumnsAreWanted) {
+  for (const char* text : {"8.0 0.9\n9.0 0.9\n", "lambda_um;emissivity\n8,0;0,9\n",
+                           " splib07a Record=13303: Aluminum brush ASDFRa AREF\n 0.83\n 0.84\n"})
+    EXPECT_THAT(error_of(read_spectrum(text, "a.txt", "emissivity")),
+                HasSubstr("a.txt:1:1: the first line names no columns, expected \"lambda_um,emissivity"))
+        << text;
+}
+
 TEST(SpectrumFile, GuessesNoUnitAndNoQuantity) {
   EXPECT_EQ(error_of(read_spectrum("wavelength,reflectance\n3,0.5\n", "a.csv", "reflectance")),
             "a.csv:1:1: column \"wavelength\", expected \"lambda_um\" or \"lambda_nm\"");

@@ -1,6 +1,8 @@
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "core/materials/optical/csv_columns.h"
+#include "core/materials/optical/library_spectrum.h"
 #include "core/materials/optical/optical_files.h"
 
 namespace irsig {
@@ -20,10 +22,40 @@ std::optional<double> wavelength_unit(const NumberTable::Name& column, TableErro
   return unit;
 }
 
+namespace {
+
+// Of a file whose first line is neither names of columns nor a header that is known: what is wanted.
+std::string not_two_columns(std::string_view text, const std::string& quantity) {
+  for (const std::string_view line : lines_of(text)) {
+    std::string words(line);
+    absl::StripAsciiWhitespace(&words);
+    if (words.empty() || words.front() == '#') continue;
+    if (words.find(',') != std::string::npos) return {};
+    return absl::StrCat(
+        "the first line names no columns, expected \"lambda_um,", quantity, "\" or \"lambda_nm,",
+        quantity, "_percent\" and rows of two numbers with a comma between them, or a spectrum of "
+        "the ECOSTRESS or the USGS library (to splib06) with its header",
+        absl::StrContains(words, "splib07")
+            ? "; splib07 has the wavelengths in a file of their own: put both beside each other"
+            : "");
+  }
+  return {};
+}
+
+}  // namespace
+
 absl::StatusOr<Spectrum> read_spectrum(std::string_view text, std::string_view file_name,
                                        std::string_view quantity_asked) {
   const std::string quantity(quantity_asked);
   TableErrors errors(file_name);
+  if (const auto library = read_library_spectrum(text, quantity, errors); library) {
+    if (!errors.empty()) return errors.status();
+    return *library;
+  }
+  if (const std::string wanted = not_two_columns(text, quantity); !wanted.empty()) {
+    errors.add(1, 1, wanted);
+    return errors.status();
+  }
   const NumberTable table = read_number_table(text, errors);
   if (!errors.empty()) return errors.status();
   if (table.column.size() != 2) {

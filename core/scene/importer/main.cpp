@@ -1,17 +1,17 @@
-// irsig-import: reads one mesh file with Assimp, for a process that must not crash with it.
+// irsig-import: reads one glTF file, for a process that must not run out of memory with it.
 //
-// usage: irsig-import FORM BYTES < file > reply     (core/scene/import_apart.h starts it)
+// usage: irsig-import NAME BYTES < file > reply     (core/scene/import_apart.h starts it)
 #include <charconv>
 #include <cstdio>
 #include <string>
 #include <system_error>
 
 #include "core/base/answer_apart.h"
+#include "core/scene/import_formats.h"
 #include "core/scene/import_reply.h"
-#include "core/scene/importer/import_float32.h"
 
 #if defined(__SANITIZE_ADDRESS__)
-// In its place. What Assimp leaks at its errors is the kernel's to take back.
+// In its place.
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() {
   return "detect_leaks=0:max_allocation_size_mb=1024:hard_rss_limit_mb=4096";
@@ -20,7 +20,7 @@ extern "C" const char* __asan_default_options() {
 
 int main(int argc, char** argv) {
   std::uint64_t bytes = 0;
-  const std::string form = argc == 3 ? argv[1] : "", count = argc == 3 ? argv[2] : "";
+  const std::string name = argc == 3 ? argv[1] : "", count = argc == 3 ? argv[2] : "";
   if (std::from_chars(count.data(), count.data() + count.size(), bytes).ec != std::errc()) {
     std::fputs("irsig-import: started by irsig and irsig-worker, not by hand\n", stderr);
     return 2;
@@ -28,7 +28,7 @@ int main(int argc, char** argv) {
   irsig::answer_apart(
       bytes,
       [&](const std::string& file) {
-        return irsig::encode_reply(irsig::import_float32(file, form));
+        return irsig::encode_reply(irsig::read_gltf(file, name));
       },
       [](const absl::Status& why) { return irsig::encode_reply(why); });
 }

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/scene/mesh.h"
+
+namespace irsig {
+
+// The unit and axes of a model file as a command was given them; what is empty is taken from the
+// file, or assumed.
+struct AskedFrame {
+  std::optional<double> unit_m;
+  std::optional<std::string> forward_axis, up_axis;
+};
+
+// Where each came from: "given", "from the glTF 2.0 standard", "assumed".
+struct FrameSources {
+  std::string unit_m, forward_axis, up_axis;
+};
+
+// Fills unit_m, forward_axis and up_axis of `how`, whose file_name is set. Without a statement they
+// are 1, +x and +z.
+[[nodiscard]] FrameSources choose_frame(std::string_view bytes, const AskedFrame& asked,
+                                        MeshImport& how);
+
+}  // namespace irsig
