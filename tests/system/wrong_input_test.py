@@ -114,7 +114,7 @@ COMMANDS = [
     (["plot", "DB", "--kind", "temperatures", "--row", "1", "--band", "lwir", "--out", "a.svg"], r"and no other filter"),
     (["plot", "DB", "--kind", "temperatures", "--row", "1", "--pixels", "9999", "--out", "a.svg"], r"--pixels"),
     (["plot", "DB", "--kind", "pie", "--out", "a.svg"], r"pie not in \{polar,"),
-    (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf, envi, thumbnails, temperatures"),
+    (["export", "DB", "--out", "a.xlsx"], r"does not write .xlsx files, expected csv, netcdf, envi, tsf, thumbnails, temperatures"),
     (["export", "DB", "--netcdf", "--out", "-"], r"netcdf needs a file"),
     (["model", "tank", "--triangles", "100", "--out", "x.obj"], r'model "tank", expected one of disk, sphere'),
     (["model", "box", "--triangles", "12", "--out", "x.stl"], r"does not write .stl files, expected obj"),
