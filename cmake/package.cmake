@@ -14,7 +14,7 @@ endforeach()
 # Examples name their models beside them.
 install(DIRECTORY jobs/examples jobs/models DESTINATION ${IRSIG_SHARE}/jobs FILES_MATCHING PATTERN "*.toml" PATTERN "*.obj" PATTERN "*.csv" PATTERN "*.epw" PATTERN "*.md"
         PATTERN "LICENCE*")
-install(DIRECTORY docs/ DESTINATION share/doc/irsig FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
+install(DIRECTORY docs DESTINATION share/doc/irsig FILES_MATCHING PATTERN "*.md" PATTERN "*.svg" PATTERN "*.png")
 install(FILES README.md NOTICE DESTINATION share/doc/irsig)
 install(FILES LICENSE DESTINATION share/doc/irsig RENAME copyright)
 install(FILES python/irsig.py DESTINATION lib/python3/dist-packages)
