@@ -251,6 +251,8 @@ absl::StatusOr<std::unique_ptr<JobRunner>> JobRunner::create(
                        " m: double precision no longer tells its sides apart"));
   }
   auto environment = environment_from_sweep(sweep, (*simulator)->band_grids());
+  if (absl::IsOutOfRange(environment.status()))
+    return problem_status(problems_of(environment.status()));
   if (!environment.ok()) return environment.status();
   if (const absl::Status status = check_in_sight(sweep, target, environment->get()); !status.ok())
     return status;

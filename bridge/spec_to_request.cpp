@@ -136,9 +136,10 @@ absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
   auto environment = environment_of(sweep, node_um);
   // Stored spectra are means over step_um: the outermost reach beyond their band.
   if (absl::IsOutOfRange(environment.status()))
-    return keyed_problem("band", absl::StrCat(environment.status().message(),
-                                              ", to which the outermost means of a band's spectrum "
-                                              "reach: expected a smaller step_um"));
+    return at_key("band", absl::OutOfRangeError(absl::StrCat(
+                              environment.status().message(),
+                              ", to which the outermost means of a band's spectrum reach: expected "
+                              "a smaller step_um")));
   if (!environment.ok()) return at_key("air.model", environment.status());
   return std::shared_ptr<const Environment>(*std::move(environment));
 }

@@ -32,7 +32,7 @@ struct SweepScene : SceneSpec {
                                         const std::vector<Material>& materials);
 
 // The air of a sweep with the embedded atmosphere, for all its jobs, at the wavelengths that the
-// scene is computed at; null for other sweeps.
+// scene is computed at; null for other sweeps. OUT_OF_RANGE: the air's table does not cover them.
 [[nodiscard]] absl::StatusOr<std::shared_ptr<const Environment>> environment_from_sweep(
     const schema::ResolvedSweep& sweep, const std::vector<BandGrid>& grids);
 

@@ -96,7 +96,7 @@ class DatabaseFile : public testing::Test {
     get("/api/compare", with(selection, {{"b_sweep", "frigate"},
                                          {"b_season", season_},
                                          {"b_time", time_},
-                                         {"b_band", "mwir"},
+                                         {"b_band", "lwir"},
                                          {"b_at_range_m", "5000"}}));
     for (const char* file : {"rows.csv", "map.svg", "cut.svg", "bands.svg"})
       get(absl::StrCat("/file/", file).c_str(), selection);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bridge/heat_outputs.h"
+#include "bridge/spec_to_request.h"
 #include "bridge/sweep_temperatures.h"
 #include "core/geo/sun.h"
 #include "core/scene/tracer.h"
@@ -224,6 +225,10 @@ TEST(JobRunner, AWavelengthWithoutAirIsTheSweepsMistake) {
   const auto runner = JobRunner::create(*sweep, {}, {});
   EXPECT_EQ(runner.status().code(), absl::StatusCode::kInvalidArgument) << runner.status();
   EXPECT_THAT(std::string(runner.status().message()), HasSubstr("expected a smaller step_um"));
+  // A study of steps leaves those out that reach too far, and so needs to know them.
+  std::vector<BandGrid> grids(1);
+  grids.front().node_um = {2.5};
+  EXPECT_EQ(environment_from_sweep(*sweep, grids).status().code(), absl::StatusCode::kOutOfRange);
 }
 
 // In the plane x = 0, seen from x > 0: 4 m2 from the front, 1 m2 from behind.
