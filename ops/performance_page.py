@@ -43,16 +43,19 @@ def measure(irsig, name, changes, workers):
             sys.exit(f"{name}.toml has no `{old}` any more: change JOBS")
         text = text.replace(old, new)
     with tempfile.TemporaryDirectory() as folder:
-        job, database = pathlib.Path(folder, f"{name}.toml"), pathlib.Path(folder, "x.sigdb")
-        # What the job names lies beside the examples.
+        # What the job names lies beside the examples, or in the folder beside theirs.
+        examples = pathlib.Path(folder, "examples")
+        examples.mkdir()
+        pathlib.Path(folder, "models").symlink_to(ROOT / "jobs/models")
+        job, database = examples / f"{name}.toml", pathlib.Path(folder, "x.sigdb")
         for other in (ROOT / "jobs/examples").iterdir():
             if other.name != job.name:
-                pathlib.Path(folder, other.name).symlink_to(other)
+                (examples / other.name).symlink_to(other)
         job.write_text(text)
         begun = time.monotonic()
         child = subprocess.Popen([irsig, "run", job, "--db", database, "--workers", str(workers)], cwd=folder, stdout=subprocess.PIPE,
-                                 stderr=subprocess.DEVNULL, text=True)
-        said = child.stdout.read().strip().splitlines()[-1]
+                                 text=True)
+        said = (child.stdout.read().strip().splitlines() or [""])[-1]
         _, status, used = os.wait4(child.pid, 0)  # with what its own children used
         if status != 0:
             sys.exit(f"{name}: irsig run ended with status {status}")
@@ -67,7 +70,7 @@ def measure(irsig, name, changes, workers):
 
 
 def main():
-    irsig, only = sys.argv[1], sys.argv[3:] if "--only" in sys.argv else [job[0] for job in JOBS]
+    irsig, only = pathlib.Path(sys.argv[1]).resolve(), sys.argv[3:] if "--only" in sys.argv else [job[0] for job in JOBS]
     lines, version = [], 0
     for name, changes, numbers in JOBS:
         for workers in numbers if name in only else ():
