@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// What the workers of one process hold while they compute a sweep, from counts alone. All conditions
-// of a view are in memory at once, and what the sun does to the sky of each is kept from view to
+// The memory that the workers of one process hold while they compute a sweep, from counts alone. All
+// conditions of a view are in memory at once, and what the sun does to the sky of each is kept from view to
 // view.
 struct JobMemory {
   double fixed_bytes = 0;          // program, scene, weights of paths

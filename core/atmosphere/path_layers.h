@@ -156,7 +156,7 @@ class PathLayers {
     PackedAmounts amounts;  // from the observer
     std::vector<double> transmittance;  // [band that is wanted]
   };
-  // What a layer scatters and, seen without near air, emits.
+  // A layer scatters this, and emits this if no near air is in front of it.
   struct Layer {
     StepScattering scattering;
     Emission emission;

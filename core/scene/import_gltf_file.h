@@ -38,7 +38,7 @@ class GltfFile {
   // Returns the numbers of a list; an empty list where it is absent.
   std::vector<double> numbers(const JsonValue& of, std::string_view name, std::string_view place);
 
-  // What an accessor holds.
+  // An accessor holds numbers of one type and one shape.
   struct Values {
     std::size_t count = 0;  // of elements
     std::size_t width = 0;  // numbers in an element

@@ -8,8 +8,8 @@
 
 namespace irsig {
 
-// Where the vertices of each part of a target lie, in trees of boxes: whether some lie above a
-// plane is answered without a look at all of them. A slab along the surface cuts each box, so that
+// The places of each part's vertices, in trees of boxes: it finds whether some lie above a plane
+// without a look at all of them. A slab along the surface cuts each box, so that
 // neither the plane of a flat side nor one that touches a curved side finds all boxes sticking out.
 // Immutable; made once a target, in n log n.
 class PartPlaces {
